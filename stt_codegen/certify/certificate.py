@@ -1,0 +1,83 @@
+"""What a certificate says: the properties P1 to P7, each with its margin and the place where the margin is least."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.task import decimal
+
+TITLES = {
+    "P1": "width",
+    "P2": "start",
+    "P3": "stay",
+    "P4": "avoid",
+    "P5": "reach",
+    "P6": "smooth",
+    "P7": "arithmetic",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One property: `margin` is a proved lower bound on the slack beyond what is required (task's units; negative when
+    the property fails), attained in the time interval `time` (seconds), `dimension` (from 1) and at `obstacle`."""
+
+    code: str
+    statement: str
+    margin: Fraction
+    required: Fraction
+    time: tuple[Fraction, Fraction] | None = None
+    dimension: int | None = None
+    obstacle: str | None = None
+    advice: str = ""
+
+    @property
+    def title(self) -> str:
+        return TITLES[self.code]
+
+    @property
+    def holds(self) -> bool:
+        return self.margin >= self.required
+
+    def place(self) -> str:
+        parts = []
+        if self.time is not None:
+            a, b = self.time
+            parts.append(f"t = {decimal(a)} s" if a == b else f"t in [{decimal(a)}, {decimal(b)}] s")
+        if self.dimension is not None:
+            parts.append(f"dimension {self.dimension}")
+        if self.obstacle is not None:
+            parts.append(f"unsafe set {self.obstacle}")
+        return ", ".join(parts)
+
+    def refusal(self) -> str:
+        """The finding as one line that says what fails, where, by how much, and what to change."""
+        where = self.place()
+        lack = decimal(self.required - self.margin)
+        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {lack}; {self.advice}"
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """The findings for one tube, and the numbers that go with them.
+
+    edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension.
+    speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound).
+    start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set less rounding room.
+    """
+
+    findings: tuple[Finding, ...]
+    edge_error: tuple[Fraction, ...]
+    speed: tuple[Fraction, ...]
+    least_width: Fraction
+    start: tuple[tuple[Fraction, Fraction], ...]
+    whole_start: bool
+
+    @property
+    def holds(self) -> bool:
+        return all(f.holds for f in self.findings)
+
+    @property
+    def failures(self) -> tuple[Finding, ...]:
+        return tuple(f for f in self.findings if not f.holds)

@@ -1,0 +1,150 @@
+"""The frame around (13) for one component of the state: clamp, error transform, law; and the public `transform`.
+
+Clamping e to [-e_max, e_max] is the same as keeping both distances a = x - gamma_L and b = gamma_U - x within
+[c, 1 - c] times the width, c = (1 - e_max) / 2. In that form nothing overflows and no division is by zero, whatever x is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.errors import BadInput
+from stt_codegen.paper import control_law
+from stt_codegen.program.lower import lower
+from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.program import NAN, Block, Function, IsFinite, Kernel, Load, Operand, Param, Var, real
+from stt_codegen.task import Task
+
+LEAST_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide, so that xi stays finite
+
+
+@dataclass(frozen=True)
+class Law:
+    """The kernels of section IV and the constants of the control law for one task."""
+
+    normalized_error: Kernel
+    transformed_error: Kernel
+    law: Kernel
+    gain: Fraction
+    e_max: Fraction
+    u_max: tuple[Fraction, ...] | None
+
+    @property
+    def kernels(self) -> tuple[Kernel, ...]:
+        return (self.normalized_error, self.transformed_error, self.law)
+
+
+def control_law_of(task: Task) -> Law:
+    """The law with the task's constants. Raises `BadInput` when u or a constant would leave the scalar's range."""
+    e_max, gain, scalar = task.control.e_max, task.control.gain, task.emit.scalar
+    near = (1 - e_max) / 2
+    largest = FORMATS[scalar].largest
+    steepest = abs(gain) * 2 / (near * LEAST_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
+    if steepest > largest / 4:
+        raise BadInput(
+            f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
+            "lower control.gain or control.e_max"
+        )
+    if not 0 < round_to(e_max, scalar) < 1:
+        raise BadInput(f'control.e_max: {float(e_max):.12g} rounds to 1 in a {scalar}; lower it or use emit.scalar = "double"')
+    return Law(
+        normalized_error=lower(
+            control_law.normalized_error(),
+            ("Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x.",),
+        ),
+        transformed_error=lower(
+            control_law.transformed_error(),
+            ("Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b.",),
+        ),
+        law=lower(control_law.law(), ("Control law (13): u = -k xi epsilon.",)),
+        gain=gain,
+        e_max=e_max,
+        u_max=task.control.u_max,
+    )
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Clamped distances of x to both edges; the room between the edges and the width used for it (never below
+    LEAST_WIDTH); whether the tube is empty in this component."""
+
+    a: Var
+    b: Var
+    room: Var
+    width: Var
+    empty: Var
+
+
+def clamped_distances(block: Block, law: Law, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Distances:
+    """Statements for a and b, each within [c, 1 - c] times the width."""
+    near_share = (1 - law.e_max) / 2
+    room = block.op("room", "sub", upper_edge, lower_edge)
+    filled = block.op("filled", "lt", real(0), room)
+    empty = block.op("empty", "not", filled)
+    wide = block.op("wide", "lt", room, real(LEAST_WIDTH))
+    width = block.select("width", wide, real(LEAST_WIDTH), room)
+    least = block.op("least", "mul", width, real(near_share))
+    most = block.op("most", "mul", width, real(1 - near_share))
+    a = _clamp(block, "a", block.op("to_lower", "sub", x, lower_edge), least, most)
+    b = _clamp(block, "b", block.op("to_upper", "sub", upper_edge, x), least, most)
+    return Distances(a, b, room, width, empty)
+
+
+def strictly_inside(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:
+    """Statements for lower < x < upper, false in an empty tube."""
+    above = block.op("above", "lt", lower_edge, x)
+    below = block.op("below", "lt", x, upper_edge)
+    return block.op("within", "and", above, below)
+
+
+def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
+    under = block.op(f"{name}_under", "lt", value, low)
+    raised = block.select(f"{name}_raised", under, low, value)
+    over = block.op(f"{name}_over", "lt", high, raised)
+    return block.select(name, over, high, raised)
+
+
+def control_component(block: Block, law: Law, distances: Distances, u_max: Operand | None) -> Var:
+    """Statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated if asked."""
+    epsilon, xi = block.call(law.transformed_error, distances.a, distances.b)
+    (push,) = block.call(law.law, real(law.gain), xi, epsilon, names=("push",))
+    u = block.select("u_law", distances.empty, real(0), push)
+    if u_max is None:
+        return u
+    minus = block.op("u_min", "neg", u_max)
+    return _clamp(block, "u_held", u, minus, u_max)
+
+
+def transform_function(law: Law, n: int) -> Function:
+    """The public `transform`: e, epsilon and xi for given edges and state, clamped like `control`."""
+    block = Block({"lower", "upper", "x", "e", "epsilon", "xi"})
+    with block.loop("i", n) as loop:
+        i = loop.index
+        lower_edge = block.let("lower_edge", Load("lower", i))
+        upper_edge = block.let("upper_edge", Load("upper", i))
+        x = block.let("x_i", Load("x", i))
+        d = clamped_distances(block, law, lower_edge, upper_edge, x)
+        (raw,) = block.call(law.normalized_error, d.a, d.b, d.width, names=("e_raw",))
+        e = _clamp(block, "e_held", raw, real(-law.e_max), real(law.e_max))
+        epsilon, xi = block.call(law.transformed_error, d.a, d.b, names=("epsilon_i", "xi_i"))
+        finite_x = block.let("finite_x", IsFinite(x))
+        finite_room = block.let("finite_room", IsFinite(d.room))
+        finite = block.op("finite", "and", finite_x, finite_room)
+        for name, value in (("e", e), ("epsilon", epsilon), ("xi", xi)):
+            settled = block.select(f"{name}_settled", d.empty, real(0), value)
+            block.store(name, i, block.select(f"{name}_out", finite, settled, NAN))
+    block.leave()
+    return Function(
+        name="transform",
+        params=tuple(Param(p, n) for p in ("lower", "upper", "x")) + tuple(Param(p, n, True) for p in ("e", "epsilon", "xi")),
+        body=tuple(block.statements),
+        returns_status=False,
+        doc=(
+            "Error transform of section IV for the state x in the box (lower, upper), by component:",
+            "  e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]",
+            "  epsilon = ln((1 + e) / (1 - e))",
+            "  xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx",
+            "0 in a component with upper <= lower, NaN where an edge or x is not finite.",
+        ),
+    )

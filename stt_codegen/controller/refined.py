@@ -1,0 +1,238 @@
+"""The frame of a refined controller: finite test, spline time and segment, loop over dimensions, status."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.controller.component import Law, clamped_distances, control_component, control_law_of, strictly_inside, transform_function
+from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.paper import refined_tube
+from stt_codegen.program.lower import lower
+from stt_codegen.program.program import (
+    NAN,
+    REAL,
+    STATUS,
+    TRUE,
+    Block,
+    Const,
+    Function,
+    IsFinite,
+    Kernel,
+    Load,
+    Operand,
+    Param,
+    Program,
+    Select,
+    Status,
+    Table,
+    Trunc,
+    Var,
+    integer,
+    real,
+)
+from stt_codegen.task import Task, decimal
+
+OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, Status.BAD_INPUT))
+
+
+@dataclass(frozen=True)
+class SplineKernels:
+    """The kernels of the refined tube."""
+
+    segment: Kernel
+    basis: Kernel
+    basis_rate: Kernel
+    blend: Kernel
+
+
+def refined_program(task: Task, design: RefinedDesign) -> Program:
+    """Everything that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar."""
+    n = design.dimension
+    spline = SplineKernels(
+        segment=_segment(design),
+        basis=lower(
+            refined_tube.basis(),
+            ("6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6.",),
+        ),
+        basis_rate=lower(refined_tube.basis_rate(), ("Derivative of the weights with respect to s.",)),
+        blend=lower(refined_tube.blend(), ("An edge of the tube (or its slope in spline time): sum of w_j q_j.",)),
+    )
+    law = control_law_of(task)
+    tables = [_coefficients(design)]
+    if law.u_max is not None:
+        tables.append(Table("u_max", law.u_max, n, ("Saturation of u, by component.",)))
+    functions = (
+        _tube(spline, n),
+        _tube_rate(spline, design, n),
+        _control(task, spline, law, n),
+        transform_function(law, n),
+    )
+    return Program(
+        prefix=task.name,
+        dimension=n,
+        scalar=task.emit.scalar,
+        tables=tuple(tables),
+        kernels=(spline.segment, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
+        functions=functions,
+    )
+
+
+def _coefficients(design: RefinedDesign) -> Table:
+    values = tuple(v * design.unit for row in design.table for pair in row for v in pair)
+    names = ", ".join(f"lower[{i}], upper[{i}]" for i in range(design.dimension))
+    return Table(
+        "coefficients",
+        values,
+        2 * design.dimension,
+        (
+            f"B-spline control points divided by 6, one row for each of {design.segments} + 3 points:",
+            names if len(names) < 90 else "lower[0], upper[0], lower[1], upper[1], ...",
+            f"Multiples of 2^{-design.bits}: exact in float and double.",
+        ),
+    )
+
+
+def _segment(design: RefinedDesign) -> Kernel:
+    """t -> index of the segment's first table entry, and the place s in the segment, for t held within [0, t_c]."""
+    k = design.segments
+    t = Var("t", REAL)
+    block = Block({"t", "row", "s"})
+    positive = block.op("positive", "lt", real(0), t)
+    running = block.op("running", "lt", t, real(design.prescribed_time))
+    started = block.select("started", positive, t, real(0))
+    held = block.select("held", running, started, real(0))
+    scaled = block.op("scaled", "mul", held, real(Fraction(k) / design.prescribed_time))
+    early = block.op("early", "lt", scaled, real(k))
+    use = block.op("use", "and", running, early)
+    u = block.select("u", use, scaled, real(k))
+    whole = block.let("whole", Trunc(u))
+    before_last = block.op("before_last", "ilt", whole, integer(k - 1))
+    index = block.select("segment", before_last, whole, integer(k - 1))
+    base = block.op("base", "real", index)
+    s = block.op("place", "sub", u, base)
+    row = block.op("first", "imul", index, integer(2 * design.dimension))
+    return Kernel(
+        name="segment",
+        inputs=(t,),
+        body=tuple(block.statements),  # type: ignore[arg-type]
+        outputs=(row, s),
+        output_names=("row", "s"),
+        doc=(
+            f"Spline time u = {k} t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).",
+            f"At and after t_c: the last segment and s = 1, exactly (t_c = {decimal(design.prescribed_time)} s).",
+        ),
+    )
+
+
+def _edge(block: Block, spline: SplineKernels, n: int, at: Operand, weights: tuple[Var, ...], side: int, name: str) -> Var:
+    """Statements for one edge: four table entries, a row apart from table index `at` on, blended by the weights."""
+    label = name.split("_", maxsplit=1)[0]
+    entries = []
+    for j in range(4):
+        offset = 2 * n * j + side
+        index = block.op(f"{label}_{j}", "iadd", at, integer(offset)) if offset else at
+        entries.append(block.let(f"{label}_q{j}", Load("coefficients", index)))
+    (edge,) = block.call(spline.blend, *weights, *entries, names=(name,))
+    return edge
+
+
+def _entry(block: Block, row: Operand, i: Operand) -> Var:
+    """Table index of the first entry of dimension i."""
+    return block.op("at", "iadd", row, block.op("pair", "imul", i, integer(2)))
+
+
+def _start(names: set[str], spline: SplineKernels, fill: tuple[str, ...], n: int) -> tuple[Block, Var, Var]:
+    """Finite test of t (outputs NaN where it fails), then the segment."""
+    block = Block(names)
+    finite = block.let("finite", IsFinite(Var("t", REAL)))
+    bad = block.op("bad", "not", finite)
+    with block.leave_when(bad), block.loop("j", n) as loop:
+        for name in fill:
+            block.store(name, loop.index, NAN)
+    row, s = block.call(spline.segment, Var("t", REAL))
+    return block, row, s
+
+
+def _tube(spline: SplineKernels, n: int) -> Function:
+    block, row, s = _start({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
+    weights = block.call(spline.basis, s)
+    with block.loop("i", n) as loop:
+        at = _entry(block, row, loop.index)
+        for name, side in (("lower", LOWER), ("upper", UPPER)):
+            block.store(name, loop.index, _edge(block, spline, n, at, weights, side, f"{name}_edge"))
+    block.leave()
+    return Function(
+        "tube",
+        (Param("t", None), Param("lower", n, True), Param("upper", n, True)),
+        tuple(block.statements),
+        False,
+        (
+            "Edges of the tube gamma at time t (seconds), in the task's units.",
+            "t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.",
+        ),
+    )
+
+
+def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function:
+    block, row, s = _start({"t", "lower_rate", "upper_rate"}, spline, ("lower_rate", "upper_rate"), n)
+    weights = block.call(spline.basis_rate, s)
+    over = block.op("moving", "lt", Var("t", REAL), real(design.prescribed_time))
+    per_second = block.select("per_second", over, real(Fraction(design.segments) / design.prescribed_time), real(0))
+    with block.loop("i", n) as loop:
+        at = _entry(block, row, loop.index)
+        for name, side in (("lower", LOWER), ("upper", UPPER)):
+            slope = _edge(block, spline, n, at, weights, side, f"{name}_slope")
+            block.store(f"{name}_rate", loop.index, block.op(f"{name}_speed", "mul", slope, per_second))
+    block.leave()
+    return Function(
+        "tube_rate",
+        (Param("t", None), Param("lower_rate", n, True), Param("upper_rate", n, True)),
+        tuple(block.statements),
+        False,
+        (
+            "Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.",
+            "The rate at 0 before that and zero from t_c on; NaN when t is not finite.",
+        ),
+    )
+
+
+def _control(task: Task, spline: SplineKernels, law: Law, n: int) -> Function:
+    t = Var("t", REAL)
+    block = Block({"t", "x", "u"})
+    finite_t = block.let("finite_t", IsFinite(t))
+    with block.loop("j", n) as loop:
+        finite = loop.carry("finite", finite_t)
+        here = block.let("finite_x", IsFinite(block.let("x_j", Load("x", loop.index))))
+        loop.update(finite, block.op("both", "and", finite, here))
+    bad = block.op("bad", "not", finite)
+    with block.leave_when(bad, BAD), block.loop("j", n) as loop:
+        block.store("u", loop.index, real(0))
+    row, s = block.call(spline.segment, t)
+    weights = block.call(spline.basis, s)
+    with block.loop("i", n) as loop:
+        i = loop.index
+        inside = loop.carry("inside", TRUE)
+        at = _entry(block, row, i)
+        lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
+        upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
+        x = block.let("x_i", Load("x", i))
+        distances = clamped_distances(block, law, lower_edge, upper_edge, x)
+        u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
+        block.store("u", i, control_component(block, law, distances, u_max))
+        loop.update(inside, block.op("inside_all", "and", inside, strictly_inside(block, lower_edge, upper_edge, x)))
+    block.leave(Select(inside, OK, OUTSIDE))
+    gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
+    return Function(
+        "control",
+        (Param("t", None), Param("x", n), Param("u", n, True)),
+        tuple(block.statements),
+        True,
+        (
+            f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
+            + (", u saturated." if law.u_max is not None else "."),
+            "t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.",
+            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0",
+            "(0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.",
+        ),
+    )

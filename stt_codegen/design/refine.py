@@ -1,0 +1,354 @@
+"""The refined design: a route, its sides, the least times, then a spline tube by linear programming.
+
+    arena -> route -> sides -> stretch times (one small linear program)
+          -> least peak speed, then greatest width at SPEED_ROOM times that speed, then each dimension as slow as its
+             width allows (small linear programs, one for each dimension)
+          -> sides chosen anew where the tube has more room on another side, repeated while it helps
+          -> coefficients rounded to a dyadic grid that a float holds exactly
+
+Nothing here is trusted: the exact certificate is computed from the rounded coefficients alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stt_codegen.design.arena import Arena, Array, arena_of, magnitude, starting_box
+from stt_codegen.design.route import Route, find_route, shortest_route
+from stt_codegen.design.sides import ABOVE, BELOW, Stay, bounds_by_stretch, choose_sides
+from stt_codegen.design.solver import LinearProgram
+from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.errors import NotCertified
+from stt_codegen.task import Task
+
+SEGMENTS = (32, 48, 64, 96, 128)  # tried in this order when the task names no number
+SPEED_ROOM = 1.25  # speed given up for width, times the least peak speed
+WIDE_ROUTES = (1.0, 0.5)  # widths to find a route for before the least width, relative to start and target
+DETOUR = 1.1  # how much longer than the shortest such a route may be
+ROUNDS = 4  # of choosing sides anew
+GAIN = 1.01  # a round must improve by this factor to be followed by another
+ROOM_FOR_SHAPE = 0.01  # weight of the mean width beside the least width or the speed
+KEEP = 1 - 1e-6  # share of the greatest width kept in the last program, so that it stays feasible
+
+Sides = tuple[tuple[Stay, ...], ...]
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The polyline tube of least time: route parameters of its vertices and the share of time of each stretch.
+
+    length: sum of the stretches' lengths (largest movement of any edge), a distance; length / t_c bounds the peak
+    speed of any tube with these sides from below.
+    """
+
+    vertices: tuple[float, ...]
+    shares: tuple[float, ...]
+    length: float
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Control points of shape (2, n, K + 3) [edge, dimension, point], their peak speed, relative width by dimension."""
+
+    points: Array
+    speed: float
+    widths: Array
+
+    @property
+    def width(self) -> float:
+        return float(self.widths.min())
+
+
+def refine(task: Task) -> RefinedDesign:
+    """Design a refined tube. Raises `NotCertified` with the reason when none is found."""
+    arena = arena_of(task)
+    start = starting_box(arena)
+    ladder = (task.tube.segments,) if task.tube.segments else SEGMENTS
+    *wide, shortest = candidate_routes(arena, start)
+    for route, tries in [*((r, ladder[:1]) for r in wide), (shortest, ladder)]:
+        shape = _follow(arena, start, route, tries)
+        if shape is not None:
+            return round_design(task, shape)
+    raise NotCertified(
+        "P4 avoid: no spline tube keeps the clearance with "
+        + (f"{task.tube.segments} segments" if task.tube.segments else f"up to {SEGMENTS[-1]} segments")
+        + " along the shortest route; lower tube.clearance or tube.min_width"
+        + (", or leave tube.segments out" if task.tube.segments else "")
+    )
+
+
+def candidate_routes(arena: Arena, start: Array) -> list[Route]:
+    """Routes to try: with room for a wide tube where that costs little length, and last the shortest."""
+    shortest = shortest_route(arena, start, arena.min_width)
+    full = float(np.minimum(start[1] - start[0], arena.target[1] - arena.target[0]).min())
+    routes = []
+    for share in WIDE_ROUTES:
+        if share * full > arena.min_width:
+            route = find_route(arena, start, share * full)
+            if route is not None and route.length <= DETOUR * shortest.length:
+                routes.append(route)
+    return [*routes, shortest]
+
+
+def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...]) -> Shape | None:
+    """A spline tube along the route, with the fewest segments of the ladder that do."""
+    sides = choose_sides(arena, route, start)
+    timing = least_times(arena, sides, start, route) if sides is not None else None
+    if sides is None or timing is None:
+        return None
+    for segments in ladder:
+        for shares in _time_plans(timing, segments):
+            changes = _changes(timing, sides, shares, segments)
+            if changes is None:
+                continue
+            shape = _shape(arena, start, bounds_by_stretch(arena, sides, changes, segments), segments, timing)
+            if shape is not None:
+                return shape
+    return None
+
+
+# ------------------------------------------------------------------------------------------------- times
+
+
+def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timing | None:
+    """A polyline tube with a vertex at every change of side, its total movement least (a linear program).
+
+    One duration for each stretch, shared by all dimensions; no edge moves by more than the duration. None when no tube
+    of least width fits.
+    """
+    n = arena.dimension
+    inner = sorted({round(stay.until, 9) for stays in sides for stay in stays[:-1]})
+    vertices = (0.0, *(v for v in inner if v > 0), float(len(route.points) - 1))
+    m = len(vertices) - 1
+    place = {v: k for k, v in enumerate(vertices)}
+    changes = tuple(tuple(place.get(round(s.until, 9), m) for s in stays[:-1]) + (m,) for stays in sides)
+    bounds = bounds_by_stretch(arena, sides, changes, m)
+
+    program = LinearProgram(2 * n * (m + 1) + m)
+    edge = np.arange(2 * n * (m + 1)).reshape(m + 1, 2, n)
+    duration = 2 * n * (m + 1) + np.arange(m)
+    program.cost[duration] = 1.0
+    program.lower[duration] = 0.0
+    for v in range(m + 1):
+        near = bounds[max(v - 1, 0) : v + 1]
+        low, high = near[:, 0].max(axis=0), near[:, 1].min(axis=0)
+        if v == m:
+            low, high = np.maximum(low, arena.target[0]), np.minimum(high, arena.target[1])
+        program.lower[edge[v]] = start if v == 0 else low
+        program.upper[edge[v]] = start if v == 0 else high
+    for v in range(1, m + 1):
+        program.rows(np.stack([edge[v, UPPER], edge[v, LOWER]], axis=1), [1, -1], arena.min_width, np.inf)
+        columns = np.stack([np.full(2 * n, duration[v - 1]), edge[v].ravel(), edge[v - 1].ravel()], axis=1)
+        program.rows(columns, [1, -1, 1], 0.0, np.inf)
+        program.rows(columns, [1, 1, -1], 0.0, np.inf)
+    solution = program.solve()
+    if solution is None:
+        return None
+    durations = [max(float(d), 0.0) for d in solution[duration]]
+    length = float(np.cumsum(durations)[-1])
+    shares = tuple(d / length for d in durations) if length > 0 else (1.0 / m,) * m
+    return Timing(vertices, shares, length)
+
+
+def _time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
+    """Shares of time to try: as the linear program has them, then with at least one segment for every stretch."""
+    least = 1.0 / segments
+    stretched = [max(share, least) for share in timing.shares]
+    total = float(np.cumsum(stretched)[-1])
+    plans = [timing.shares]
+    if total > 1.0 and len(stretched) < segments:
+        plans.append(tuple(share / total for share in stretched))
+    return plans
+
+
+def _changes(timing: Timing, sides: Sides, shares: tuple[float, ...], segments: int) -> tuple[tuple[int, ...], ...] | None:
+    """The segment at which each choice of side ends, at least one segment for each choice; None when they do not fit."""
+    times = np.concatenate([[0.0], np.cumsum(shares)]) * segments
+    place = {round(v, 9): float(t) for v, t in zip(timing.vertices, times, strict=True)}
+    result = []
+    for stays in sides:
+        if len(stays) > segments:
+            return None
+        ends, last = [], 0
+        for q, stay in enumerate(stays[:-1]):
+            latest = segments - (len(stays) - 1 - q)
+            last = min(max(round(place[round(stay.until, 9)]), last + 1), latest)
+            ends.append(last)
+        result.append((*ends, segments))
+    return tuple(result)
+
+
+# ------------------------------------------------------------------------------------------------- shape
+
+
+def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Timing) -> Shape | None:
+    """Least peak speed, then greatest width, with sides chosen anew after each while that helps; then each dimension
+    as slow as its width allows."""
+    best = _solve_all(arena, start, bounds, segments)
+    if best is None:
+        return None
+    floor = timing.length / arena.prescribed_time
+    for _ in range(ROUNDS):
+        if best.speed <= 1.03 * floor:
+            break
+        trial_bounds = _sides_of(arena, best, segments)
+        trial = _solve_all(arena, start, trial_bounds, segments)
+        if trial is None or trial.speed * GAIN > best.speed:
+            break
+        best, bounds = trial, trial_bounds
+    speed = min(SPEED_ROOM * best.speed, arena.max_speed - arena.allowance * segments / arena.prescribed_time)
+    if best.speed > speed:
+        raise NotCertified(
+            f"P6 speed: the slowest tube found needs {best.speed:.6g}, above tube.max_speed {arena.max_speed:.6g}; "
+            f"raise tube.max_speed, or prescribed_time to {arena.prescribed_time * best.speed / speed:.6g} s"
+        )
+    widest = _solve_all(arena, start, bounds, segments, speed=speed)
+    if widest is None:
+        return best
+    for _ in range(ROUNDS):
+        if widest.width >= 1.0:
+            break
+        trial_bounds = _sides_of(arena, widest, segments)
+        trial = _solve_all(arena, start, trial_bounds, segments, speed=speed)
+        if trial is None or trial.width < GAIN * widest.width:
+            break
+        widest, bounds = trial, trial_bounds
+    calm = _solve_all(arena, start, bounds, segments, speed=speed, widths=widest.widths)
+    return calm or widest
+
+
+def _solve_all(
+    arena: Arena, start: Array, bounds: Array, segments: int, speed: float | None = None, widths: Array | None = None
+) -> Shape | None:
+    """Every dimension by itself (with the sides fixed, nothing couples them); None when one has no tube."""
+    solved = []
+    for i in range(arena.dimension):
+        keep = None if widths is None else float(widths[i])
+        one = solve_dimension(arena, start[:, i], bounds[:, :, i], i, segments, speed, keep)
+        if one is None:
+            return None
+        solved.append(one)
+    return Shape(
+        points=np.stack([points for points, _, _ in solved], axis=1),
+        speed=max(v for _, v, _ in solved),
+        widths=np.array([w for _, _, w in solved]),
+    )
+
+
+def solve_dimension(
+    arena: Arena, start: Array, bounds: Array, i: int, segments: int, speed: float | None, width: float | None
+) -> tuple[Array, float, float] | None:
+    """The tube of dimension i by one linear program: control points of shape (2, K + 3), peak speed, relative width.
+
+    speed None: least peak speed. speed given, width None: greatest width at that speed. Both given: least peak speed
+    at that width. Widths are relative to the narrower of start and target, so 1 fills it. start: the edges at t = 0.
+    bounds: shape (K, 2), from `bounds_by_stretch`. Constraints are on Bezier coefficients (hull property); the last
+    control point equals the last but two, which makes the slope at t_c zero exactly.
+    """
+    points = segments + 2  # the point K + 2 is the point K
+    column = np.arange(2 * points).reshape(2, points)
+    column = np.concatenate([column, column[:, segments : segments + 1]], axis=1)
+    width_column, speed_column = 2 * points, 2 * points + 1
+    program = LinearProgram(2 * points + 2)
+    step = arena.prescribed_time / segments
+    relative = float(min(start[1] - start[0], arena.target[1, i] - arena.target[0, i]))
+    ends = ((segments, segments + 1),)
+
+    for e in (LOWER, UPPER):
+        c = column[e]
+        free = np.full(segments, np.inf)
+        low, high = (bounds[:, 0], free) if e == LOWER else (-free, bounds[:, 1])
+        program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [2 / 3, 1 / 3], low, high)
+        program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [1 / 3, 2 / 3], low, high)
+        program.rows(
+            np.stack([c[1:-3], c[2:-2], c[3:-1]], axis=1),
+            [1 / 6, 4 / 6, 1 / 6],
+            np.maximum(low[1:], low[:-1]),
+            np.minimum(high[1:], high[:-1]),
+        )
+        program.rows(c[None, :3], [1 / 6, 4 / 6, 1 / 6], start[e], start[e])
+        program.rows(
+            c[np.array(ends)],
+            [2 / 6, 4 / 6],
+            max(arena.target[0, i], low[-1]) if e == LOWER else -np.inf,
+            min(arena.target[1, i], high[-1]) if e == UPPER else np.inf,
+        )
+        # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
+        pairs = np.concatenate([np.stack([c[2:], c[1:-1]], axis=1), c[None, [2, 0]]])
+        share = np.concatenate([np.full(segments + 1, 1.0), [0.5]])[:, None]
+        shared = np.hstack([pairs, np.full((len(pairs), 1), speed_column)])
+        ones = np.full((len(pairs), 1), step)
+        program.rows(shared, np.hstack([share, -share, -ones]), -np.inf, 0.0)
+        program.rows(shared, np.hstack([share, -share, ones]), 0.0, np.inf)
+    inner, outer = column[LOWER, :points], column[UPPER, :points]
+    pairs = np.stack([outer, inner], axis=1)
+    program.rows(pairs, [1, -1], arena.min_width, np.inf)
+    program.lower[width_column], program.upper[width_column] = 0.0, 1.0
+    program.lower[speed_column], program.upper[speed_column] = 0.0, np.inf if speed is None else speed
+    if speed is None:
+        program.cost[speed_column] = 1.0
+        program.upper[width_column] = 0.0
+    else:
+        program.rows(np.hstack([pairs, np.full((points, 1), width_column)]), [1, -1, -relative], 0.0, np.inf)
+        program.cost[outer] -= ROOM_FOR_SHAPE / (points * relative)
+        program.cost[inner] += ROOM_FOR_SHAPE / (points * relative)
+        if width is None:
+            program.cost[width_column] = -1.0
+        else:
+            program.lower[width_column] = width * KEEP
+            program.cost[speed_column] = 1.0 / speed
+    solution = program.solve()
+    if solution is None:
+        return None
+    return solution[column], float(solution[speed_column]), float(solution[width_column])
+
+
+def _sides_of(arena: Arena, shape: Shape, segments: int) -> Array:
+    """Bounds as `bounds_by_stretch`, with the side for every segment and unsafe set on which this tube has most room."""
+    c = shape.points
+    bezier = np.stack(
+        [
+            (c[..., :-3] + 4 * c[..., 1:-2] + c[..., 2:-1]) / 6,
+            (2 * c[..., 1:-2] + c[..., 2:-1]) / 3,
+            (c[..., 1:-2] + 2 * c[..., 2:-1]) / 3,
+            (c[..., 1:-2] + 4 * c[..., 2:-1] + c[..., 3:]) / 6,
+        ],
+        axis=-1,
+    )
+    lowest, highest = bezier[LOWER].min(axis=-1), bezier[UPPER].max(axis=-1)  # (n, K)
+    bounds = np.repeat(arena.space[None], segments, axis=0)
+    if not arena.names:
+        return bounds
+    gaps = np.stack(
+        [arena.unsafe[:, 0, :, None] - highest[None], lowest[None] - arena.unsafe[:, 1, :, None]], axis=1
+    )  # (J, side, n, K)
+    choice = gaps.reshape(len(arena.names), 2 * arena.dimension, segments).argmax(axis=1)
+    for side in (BELOW, ABOVE):
+        for i in range(arena.dimension):
+            chosen = choice == side * arena.dimension + i
+            if side == BELOW:
+                limit = np.where(chosen, (arena.unsafe[:, 0, i] - arena.clearance)[:, None], np.inf).min(axis=0)
+                bounds[:, 1, i] = np.minimum(bounds[:, 1, i], limit)
+            else:
+                limit = np.where(chosen, (arena.unsafe[:, 1, i] + arena.clearance)[:, None], -np.inf).max(axis=0)
+                bounds[:, 0, i] = np.maximum(bounds[:, 0, i], limit)
+    return bounds
+
+
+# ---------------------------------------------------------------------------------------------- rounding
+
+
+def round_design(task: Task, shape: Shape) -> RefinedDesign:
+    """Control points over 6, rounded to multiples of 2**(m - 23) with 2**m the size of the state space: 24 bits hold
+    them exactly, in float as in double, so both scalar types share one tube and one certificate."""
+    bits = 23 - magnitude(task)
+    scaled = np.ldexp(shape.points / 6, bits)
+    integers = np.rint(scaled).astype(np.int64)
+    integers[:, :, -1] = integers[:, :, -3]
+    table = tuple(
+        tuple((int(integers[LOWER, i, j]), int(integers[UPPER, i, j])) for i in range(integers.shape[1]))
+        for j in range(integers.shape[2])
+    )
+    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, bits, table)

@@ -1,0 +1,169 @@
+"""The shortest route of the tube's centre, in the largest-component metric, among unsafe sets grown by half a tube.
+
+Nodes are the corners of the grown sets (a shortest path in any norm bends only there in the plane); edges are the
+straight lines that meet no grown set's interior. Searched by A*, edges found when a node is first expanded.
+In three and more dimensions the corners give a good route rather than the shortest; the linear programs improve it.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.design.arena import Arena, Array
+from stt_codegen.errors import NotCertified
+
+TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
+STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
+CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
+
+
+@dataclass(frozen=True)
+class Route:
+    """A polyline of shape (m + 1, n) from the centre of the start to a point of the target; its length in the
+    largest-component metric; the reach (clearance + half width) by which it keeps off the unsafe sets."""
+
+    points: Array
+    length: float
+    reach: float
+
+
+def shortest_route(arena: Arena, start: Array, width: float) -> Route:
+    """The route from the centre of the box `start` (shape (2, n)) to the target for a tube of that width.
+
+    Raises `NotCertified` when there is none, with the largest reach (clearance + half width) for which there is one.
+    """
+    route = find_route(arena, start, width)
+    if route is None:
+        raise NotCertified(_why_blocked(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2))
+    return route
+
+
+def find_route(arena: Arena, start: Array, width: float) -> Route | None:
+    """As `shortest_route`, None when there is none."""
+    return _search(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
+
+
+def _why_blocked(arena: Arena, centre: Array, reach: float) -> str:
+    low, high = 0.0, reach
+    if _search(arena, centre, 0.0, 0.0) is None:
+        return (
+            "P4 avoid: no way leads from the initial set to the target set between the unsafe sets, whatever the clearance; "
+            "remove or shrink an unsafe set, or enlarge the state space"
+        )
+    for _ in range(20):
+        middle = (low + high) / 2
+        found = _search(arena, centre, middle, middle * (arena.min_width / 2) / reach) is not None
+        low, high = (middle, high) if found else (low, middle)
+    return (
+        "P4 avoid: no way leads from the initial set to the target set that keeps clearance + min_width / 2 = "
+        f"{reach:.4g} from every unsafe set; a way opens at {low:.4g}: lower tube.clearance or tube.min_width to that sum"
+    )
+
+
+def _search(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
+    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
+    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    nodes = _nodes(lower, upper, space, goal, centre)
+    buried = _inside(nodes, lower, upper)
+    if buried[0]:
+        return None
+    nodes = nodes[~buried]
+
+    ends = np.clip(nodes, goal[0], goal[1])  # the nearest point of the target to each node
+    end_free = ~_inside(ends, lower, upper)
+    remaining = _length(ends - nodes)
+    cost = np.full(len(nodes), np.inf)
+    cost[0] = 0.0
+    parent = [-1] * len(nodes)
+    closed = np.zeros(len(nodes), dtype=bool)
+    queue: list[tuple[float, int]] = [(float(remaining[0]), 0)]
+    best, last = np.inf, -1
+    while queue:
+        estimate, v = heapq.heappop(queue)
+        if estimate >= best:
+            break
+        if closed[v]:
+            continue
+        closed[v] = True
+        seen = _visible(nodes[v], np.vstack([nodes, ends[v]]), lower, upper)
+        if seen[-1] and end_free[v] and cost[v] + remaining[v] < best:
+            best, last = float(cost[v] + remaining[v]), v
+        candidate = cost[v] + _length(nodes - nodes[v])
+        for w in np.nonzero(seen[:-1] & (candidate < cost))[0]:
+            cost[w] = candidate[w]
+            parent[w] = v
+            heapq.heappush(queue, (float(candidate[w] + remaining[w]), int(w)))
+    if last < 0:
+        return None
+    points = [ends[last]]
+    v = last
+    while v >= 0:
+        if len(points) > 1 or bool((nodes[v] != points[0]).any()) or parent[v] < 0:
+            points.append(nodes[v])
+        v = parent[v]
+    polyline = np.array(points[::-1])
+    steps = np.abs(polyline[1:] - polyline[:-1]).max(axis=1)
+    return Route(polyline, float(np.cumsum(steps)[-1]), reach)
+
+
+def _nodes(lower: Array, upper: Array, space: Array, goal: Array, centre: Array) -> Array:
+    """The start, the corners of the grown sets that lie in the space, and the corners and centre of the target."""
+    n = len(centre)
+    middle = (goal[0] + goal[1]) / 2
+    found = [centre]
+    for low, high in zip(lower, upper, strict=True):
+        choices = []
+        for i in range(n):
+            edges = [v for v in (low[i], high[i]) if space[0, i] <= v <= space[1, i]]
+            choices.append(edges or sorted({centre[i], middle[i]}))
+        if n <= CORNERS:
+            found += [np.array(corner) for corner in itertools.product(*choices)]
+        else:
+            for anchor in (centre, middle):
+                near = np.array([sorted(c, key=lambda v: abs(v - anchor[i]))[0] for i, c in enumerate(choices)])
+                found.append(near)
+                for i, c in enumerate(choices):
+                    for v in c:
+                        step = anchor.copy()
+                        step[i] = v
+                        found.append(step)
+    found.append(middle)
+    if n <= CORNERS:
+        found += [np.array(corner) for corner in itertools.product(*zip(goal[0], goal[1], strict=True))]
+    return np.array(found)
+
+
+def _inside(points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
+    """Which points (shape (P, n)) lie in the interior of some grown set (shape (J, n) each edge)."""
+    within = (points[:, None] > lower[None]) & (points[:, None] < upper[None])
+    return np.asarray(np.any(np.all(within, axis=2), axis=1))
+
+
+def _visible(a: Array, points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
+    """Which of `points` can be seen from `a`: the straight line meets no grown set's interior."""
+    step = (points - a)[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t_low, t_high = (lower[None] - a) / step, (upper[None] - a) / step
+    enter, leave = np.minimum(t_low, t_high), np.maximum(t_low, t_high)
+    parallel = np.broadcast_to(step == 0, enter.shape)
+    between = np.broadcast_to(((a > lower) & (a < upper))[None], enter.shape)
+    enter = np.where(parallel, np.where(between, -np.inf, np.inf), enter)
+    leave = np.where(parallel, np.where(between, np.inf, -np.inf), leave)
+    first = np.maximum(enter.max(axis=2), 0.0)
+    final = np.minimum(leave.min(axis=2), 1.0)
+    return np.asarray(~np.any(first < final - TOUCH, axis=1))
+
+
+def _length(steps: Array) -> Array:
+    """Length of steps (shape (P, n)): the largest component, ties broken by the sum of components."""
+    size = np.abs(steps)
+    total = size[:, 0].copy()
+    for i in range(1, size.shape[1]):
+        total += size[:, i]
+    return np.asarray(size.max(axis=1) + STRAIGHT * total)

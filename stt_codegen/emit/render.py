@@ -1,0 +1,178 @@
+"""From a Program and its certificate to the text of the four files. Templates place text; everything is decided here."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.emit.naming import check_names, file_names
+from stt_codegen.program.c import CPrinter
+from stt_codegen.program.number import round_to
+from stt_codegen.program.program import Const, Program, Status
+from stt_codegen.program.python import PythonPrinter
+from stt_codegen.task import Task, decimal
+
+Files = dict[str, bytes]
+CERTIFICATE_FORMAT = 1
+
+
+def render(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> Files:
+    """The emitted files by name: header, C, Python, certificate. UTF-8 with LF line ends; no date, version or path."""
+    check_names(program)
+    header, source, module, proof = file_names(task.name)
+    printer, python = CPrinter(program), PythonPrinter(program)
+    precision = "single" if program.scalar == "float" else "double"
+    common: dict[str, Any] = {
+        "prefix": task.name,
+        "macro": task.name.upper(),
+        "program": program,
+        "statuses": list(Status),
+        "precision": precision,
+        "scalar": program.scalar,
+        "kind": design.kind,
+        "hash": design_hash(task, design),
+        "notice": _notice(task, certificate),
+        "t_c": decimal(task.prescribed_time),
+        "segments": design.segments,
+    }
+    t_c = Const(round_to(task.prescribed_time, program.scalar))
+    files = {
+        header: _template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c)),
+        source: _template("controller.c.j2").render(**common, c=printer),
+        module: _template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
+    }
+    encoded = {name: text.encode() for name, text in files.items()}
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
+    document = certificate_document(task, design, program, certificate, digests)
+    encoded[proof] = (json.dumps(document, indent=2, ensure_ascii=True) + "\n").encode()
+    return encoded
+
+
+def design_hash(task: Task, design: RefinedDesign) -> str:
+    """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
+    data = {
+        "task": task.digest,
+        "design": design.kind,
+        "scalar": task.emit.scalar,
+        "segments": design.segments,
+        "bits": design.bits,
+        "table": design.table,
+    }
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def certificate_document(
+    task: Task, design: RefinedDesign, program: Program, certificate: Certificate, digests: dict[str, str]
+) -> dict[str, Any]:
+    """The certificate as JSON data. Margins are rounded down, bounds up; `exact` fields are fractions."""
+    return {
+        "format": CERTIFICATE_FORMAT,
+        "task": task.name,
+        "certified": certificate.holds,
+        "design": design.kind,
+        "scalar": program.scalar,
+        "dimension": design.dimension,
+        "prescribed_time": str(design.prescribed_time),
+        "segments": design.segments,
+        "coefficient_bits": design.bits,
+        "clearance": str(task.tube.clearance),
+        "min_width": str(task.tube.min_width),
+        "start": {
+            "lower": [str(a) for a, _ in certificate.start],
+            "upper": [str(b) for _, b in certificate.start],
+            "covers_initial_set": certificate.whole_start,
+        },
+        "least_width": _below(certificate.least_width),
+        "speed_bound": [_above(v) for v in certificate.speed],
+        "edge_error_bound": [_above(v) for v in certificate.edge_error],
+        "properties": [_finding(f) for f in certificate.findings],
+        "sha256": {"task_data": task.digest, **digests},
+    }
+
+
+def _finding(finding: Finding) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "property": finding.code,
+        "title": finding.title,
+        "statement": finding.statement,
+        "holds": finding.holds,
+        "margin": _below(finding.margin),
+        "required": _above(finding.required),
+        "margin_exact": str(finding.margin),
+    }
+    if finding.time is not None:
+        entry["time"] = [_nearest(v) for v in finding.time]
+    if finding.dimension is not None:
+        entry["dimension"] = finding.dimension
+    if finding.obstacle is not None:
+        entry["unsafe_set"] = finding.obstacle
+    return entry
+
+
+def _nearest(value: Fraction) -> float:
+    return float(f"{float(value):.9g}")
+
+
+def _below(value: Fraction, digits: int = 6) -> float:
+    """The largest decimal of so many digits that is not above `value`."""
+    return _toward(value, digits, math.floor)
+
+
+def _above(value: Fraction, digits: int = 6) -> float:
+    return _toward(value, digits, math.ceil)
+
+
+def _toward(value: Fraction, digits: int, direction: Any) -> float:
+    if value == 0:
+        return 0.0
+    power = digits - 1 - math.floor(math.log10(abs(value)))
+    return float(Fraction(direction(value * Fraction(10) ** power)) / Fraction(10) ** power)
+
+
+def _notice(task: Task, certificate: Certificate) -> list[str]:
+    """The lines of every file that say what is proved about it, or loudly that nothing is."""
+    if certificate.holds:
+        lines = [
+            f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
+            f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and ends in the target set.",
+        ]
+        if not certificate.whole_start:
+            lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
+        return lines
+    return [
+        "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
+        "This controller was written with --uncertified. Do not run it on a machine. What fails:",
+        *(f"  {f.code} {f.title}{' at ' + f.place() if f.place() else ''}" for f in certificate.failures),
+    ]
+
+
+def template_folder() -> Path:
+    """Where the templates are: inside the installed package, or beside it in a checkout."""
+    inside = Path(__file__).parent.parent / "templates"
+    return inside if inside.is_dir() else Path(__file__).parent.parent.parent / "templates"
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(template_folder(), encoding="utf-8"),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        newline_sequence="\n",
+        autoescape=False,
+    )
+
+
+def _template(name: str) -> jinja2.Template:
+    return _environment().get_template(name)

@@ -1,0 +1,31 @@
+"""The one exception family. Every stage raises these; `cli.main` alone turns them into exit codes."""
+
+
+class SttError(Exception):
+    """Anything the user can act on. The message says what was found, where, and what would be right."""
+
+    exit_code = 5
+
+
+class Drift(SttError):
+    """A comparison failed or files on disk are not what the tool writes (exit code 1)."""
+
+    exit_code = 1
+
+
+class BadInput(SttError):
+    """A task file, option or path that cannot be used (exit code 2)."""
+
+    exit_code = 2
+
+
+class NotCertified(SttError):
+    """The task is infeasible, or the tube found does not satisfy its certificate (exit code 3)."""
+
+    exit_code = 3
+
+
+class MissingTool(SttError):
+    """A tool outside the package is needed and absent (exit code 4)."""
+
+    exit_code = 4

@@ -1,0 +1,5 @@
+"""The equations, in CasADi: one file per section of the paper, and the refined tube that Theorem 4.1 also licenses.
+
+Every function here returns a `casadi.Function` of scalars; `program.lower` turns it into a kernel. Numbers in brackets
+are the paper's equations (Das and Jagtap, IEEE L-CSS 8, 2024).
+"""

@@ -1,0 +1,44 @@
+"""Section IV: normalized error e, transformed error eps, its Jacobian xi, and the control law (13), by component.
+
+Everything is written in the distances to the edges, a = x - gamma_L and b = gamma_U - x, which keeps it well conditioned
+where x nears an edge:
+
+    e   = (2 x - gamma_s) / gamma_d          = (a - b) / gamma_d
+    eps = ln((1 + e) / (1 - e))              = ln(a / b)
+    xi  = 4 / (gamma_d (1 - e^2))            = 1/a + 1/b          = d eps / d x
+
+The printed xi has I - e e^T; read as an outer product it is singular inside the domain and not the Jacobian of eps.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+
+def normalized_error() -> ca.Function:
+    """a, b, width = gamma_d -> e, in (-1, 1) inside the tube."""
+    a, b, width = ca.SX.sym("a"), ca.SX.sym("b"), ca.SX.sym("width")
+    return ca.Function("normalized_error", [a, b, width], [(a - b) / width], ["a", "b", "width"], ["e"])
+
+
+def transformed_error() -> ca.Function:
+    """a, b > 0 -> eps = ln(a/b) and xi = 1/a + 1/b = (1 + a/b) / a.
+
+    xi in this form costs one division; `xi_by_differentiation` is the same number from eps itself (a test shows it).
+    """
+    a, b = ca.SX.sym("a"), ca.SX.sym("b")
+    ratio = a / b
+    return ca.Function("transformed_error", [a, b], [ca.log(ratio), (1 + ratio) / a], ["a", "b"], ["epsilon", "xi"])
+
+
+def xi_by_differentiation() -> ca.Function:
+    """x, gamma_L, gamma_U -> d eps / d x, by automatic differentiation of eps = ln((x - gamma_L) / (gamma_U - x))."""
+    x, lower, upper = ca.SX.sym("x"), ca.SX.sym("lower"), ca.SX.sym("upper")
+    epsilon = ca.log((x - lower) / (upper - x))
+    return ca.Function("xi_by_differentiation", [x, lower, upper], [ca.jacobian(epsilon, x)])
+
+
+def law() -> ca.Function:
+    """k, xi, eps -> u = -k xi eps (13)."""
+    k, xi, epsilon = ca.SX.sym("k"), ca.SX.sym("xi"), ca.SX.sym("epsilon")
+    return ca.Function("law", [k, xi, epsilon], [-(k * xi * epsilon)], ["k", "xi", "epsilon"], ["u"])

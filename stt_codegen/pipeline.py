@@ -1,0 +1,104 @@
+"""The map: a task file becomes a certified controller in five calls.
+
+    load_task       task.toml -> Task                      task.py
+    design_tube     Task -> RefinedDesign                  design/   route, sides, linear programs, rounding
+    build_program   Task, design -> Program                paper/ (equations in CasADi), controller/ (frames), program/
+    certify         Task, design, Program -> Certificate   certify/  exact P1-P6, rounding bound P7
+    render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
+
+Each stage is a plain function from frozen data to frozen data; none reaches back. `reference.py` writes the same
+equations once more in plain NumPy, and `compare.py` holds every backend against it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.program.program import Program
+from stt_codegen.task import Task, load_task
+
+
+@dataclass(frozen=True)
+class Controller:
+    """Everything that the pipeline makes of one task."""
+
+    task: Task
+    design: RefinedDesign
+    program: Program
+    certificate: Certificate
+    files: dict[str, bytes]
+
+
+def build(path: str | Path, design: str | None = None, scalar: str | None = None, uncertified: bool = False) -> Controller:
+    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options.
+
+    Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
+    the certificate fails.
+    """
+    return build_task(load_task(path).with_options(design, scalar), uncertified)
+
+
+def build_task(task: Task, uncertified: bool = False) -> Controller:
+    """As `build`, for a task already loaded."""
+    require_supported(task)
+    design = design_tube(task)
+    program = build_program(task, design)
+    certificate = certify(task, design, program)
+    if not certificate.holds and not uncertified:
+        raise NotCertified("; ".join(f.refusal() for f in certificate.failures) + " (or --uncertified writes it with a banner)")
+    return Controller(task, design, program, certificate, render_files(task, design, program, certificate))
+
+
+def require_supported(task: Task) -> None:
+    """Refuse what the task format knows and this version cannot do yet, rather than leave it out silently."""
+    if task.tube.design != "refined":
+        raise BadInput(f'{task.name}: tube.design = "{task.tube.design}" is not available in this version; use "refined"')
+    if task.emit.math != "libm":
+        raise BadInput(f'{task.name}: emit.math = "{task.emit.math}" is not available in this version; use "libm"')
+    if task.emit.tick_period is not None:
+        raise BadInput(f"{task.name}: emit.tick_period is not available in this version; leave it out")
+
+
+def design_tube(task: Task) -> RefinedDesign:
+    """Choose the numbers that fix a tube."""
+    from stt_codegen.design.refine import refine
+
+    return refine(task)
+
+
+def build_program(task: Task, design: RefinedDesign) -> Program:
+    """The controller as typed single assignments, which every printer and prover reads."""
+    from stt_codegen.controller.refined import refined_program
+
+    return refined_program(task, design)
+
+
+def certify(task: Task, design: RefinedDesign, program: Program) -> Certificate:
+    """P1 to P7 with their margins; the certificate may fail, `build` decides what that means."""
+    from stt_codegen.certify.arithmetic import edge_error
+    from stt_codegen.certify.exact import certify_refined
+
+    error = edge_error(design, program)
+    certificate = certify_refined(task, design, error)
+    least = min((f.margin - f.required for f in certificate.findings if f.required > 0), default=Fraction(0))
+    bound = max(error)
+    seventh = Finding(
+        "P7",
+        f"emitted {program.scalar} arithmetic moves no edge by more than {float(bound):.3g}, within every margin above",
+        least,
+        Fraction(0),
+        advice='the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin',
+    )
+    return replace(certificate, findings=(*certificate.findings, seventh))
+
+
+def render_files(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, bytes]:
+    """The text of the emitted files, by name."""
+    from stt_codegen.emit.render import render
+
+    return render(task, design, program, certificate)

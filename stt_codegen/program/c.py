@@ -1,0 +1,228 @@
+"""Program to C99. Every statement is one line; all decisions on types, names and literals are made here.
+
+Assumed of the compiler: IEEE-754 arithmetic in the program's own type (FLT_EVAL_METHOD 0), no fused multiply-add
+(-ffp-contract=off, the default of -std=c99), no -ffast-math. The emitted file refuses the last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from stt_codegen.program.number import round_to, shortest
+from stt_codegen.program.program import (
+    BOOL,
+    INT,
+    MATH_CALLS,
+    REAL,
+    STATUS,
+    Assign,
+    Call,
+    Const,
+    Expression,
+    For,
+    Function,
+    IsFinite,
+    Kernel,
+    Load,
+    Op,
+    Param,
+    Program,
+    Return,
+    Select,
+    Statement,
+    Status,
+    Store,
+    Table,
+    Trunc,
+    Type,
+    Var,
+)
+
+_INFIX = {
+    "add": "+",
+    "sub": "-",
+    "mul": "*",
+    "div": "/",
+    "lt": "<",
+    "le": "<=",
+    "and": "&&",
+    "or": "||",
+    "iadd": "+",
+    "imul": "*",
+    "ilt": "<",
+}
+LITERALS_A_LINE = 4
+
+
+class CPrinter:
+    """Prints the parts of one program; `real` is the scalar's type name in the emitted files."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.prefix = program.prefix
+        self.macro = program.prefix.upper()
+        self.real = f"{self.prefix}_real"
+
+    # ---- names and literals
+
+    def type_name(self, kind: Type) -> str:
+        return {REAL: self.real, INT: "int32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
+
+    def math_name(self, operation: str) -> str:
+        """The C library's function in the program's own precision."""
+        return operation + "f" if self.program.scalar == "float" else operation
+
+    def literal(self, constant: Const) -> str:
+        value = constant.value
+        if isinstance(value, Status):
+            return f"{self.macro}_{value.name}"
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        if constant.type is INT:
+            return str(value)
+        if value is None:
+            return f"({self.real})NAN"
+        text = shortest(round_to(value, self.program.scalar), self.program.scalar)  # type: ignore[arg-type]
+        text += "F" if self.program.scalar == "float" else ""
+        return f"({text})" if text.startswith("-") else text
+
+    # ---- expressions
+
+    def expression(self, value: Expression) -> str:
+        match value:
+            case Var(name=name):
+                return name
+            case Const():
+                return self.literal(value)
+            case Select(condition=c, then=a, other=b):
+                return f"{self.expression(c)} ? {self.expression(a)} : {self.expression(b)}"
+            case IsFinite(arg=a):
+                return f"isfinite({self.expression(a)}) != 0"
+            case Trunc(arg=a):
+                return f"(int32_t){self.expression(a)}"
+            case Load(array=array, index=i):
+                return f"{self.array(array)}[{self.expression(i)}]"
+            case Op(name=name, args=args):
+                return self.operation(name, [self.expression(a) for a in args])
+
+    def operation(self, name: str, args: list[str]) -> str:
+        if name in _INFIX:
+            return f"{args[0]} {_INFIX[name]} {args[1]}"
+        if name in MATH_CALLS or name == "fabs":
+            return f"{self.math_name(name)}({', '.join(args)})"
+        match name:
+            case "neg":
+                return f"-{args[0]}"
+            case "not":
+                return f"!{args[0]}"
+            case "real":
+                return f"({self.real}){args[0]}"
+            case "eq":  # == on reals is refused by -Wfloat-equal; this is the same, false for NaN included
+                return f"({args[0]} <= {args[1]}) && ({args[1]} <= {args[0]})"
+            case "ne":
+                return f"!(({args[0]} <= {args[1]}) && ({args[1]} <= {args[0]}))"
+        raise NotImplementedError(f"C has no printer for operation {name!r}")
+
+    def array(self, name: str) -> str:
+        return f"{self.prefix}_{name}" if any(t.name == name for t in self.program.tables) else name
+
+    # ---- statements
+
+    def statements(self, body: Iterable[Statement], indent: int = 1) -> list[str]:
+        lines: list[str] = []
+        pad = "    " * indent
+        for statement in body:
+            match statement:
+                case Assign(var=var, value=value):
+                    lines.append(f"{pad}const {self.type_name(var.type)} {var.name} = {self.expression(value)};")
+                case Call():
+                    lines += [pad + line for line in self.call(statement)]
+                case Store(array=array, index=i, value=value):
+                    lines.append(f"{pad}{array}[{self.expression(i)}] = {self.expression(value)};")
+                case For(index=index, count=count, body=inner, carries=carries):
+                    lines += [f"{pad}{self.type_name(c.var.type)} {c.var.name} = {self.expression(c.initial)};" for c in carries]
+                    lines.append(f"{pad}for (int32_t {index.name} = 0; {index.name} < {count}; ++{index.name}) {{")
+                    lines += self.statements(inner, indent + 1)
+                    lines += [f"{pad}    {c.var.name} = {self.expression(c.next)};" for c in carries]
+                    lines.append(f"{pad}}}")
+                case Return(status=status, when=when, body=inner):
+                    leave = "return;" if status is None else f"return {self.expression(status)};"
+                    if when is None:
+                        if status is not None:
+                            lines.append(pad + leave)
+                    else:
+                        lines.append(f"{pad}if ({self.expression(when)}) {{")
+                        lines += self.statements(inner, indent + 1)
+                        lines += [f"{pad}    {leave}", f"{pad}}}"]
+        return lines
+
+    def call(self, call: Call) -> list[str]:
+        args = [self.expression(a) for a in call.args]
+        name = f"{self.prefix}_{call.kernel}"
+        if len(call.results) == 1:
+            result = call.results[0]
+            return [f"const {self.type_name(result.type)} {result.name} = {name}({', '.join(args)});"]
+        lines = [f"{self.type_name(r.type)} {r.name};" for r in call.results]
+        return [*lines, f"{name}({', '.join(args + [f'&{r.name}' for r in call.results])});"]
+
+    # ---- tables, kernels, functions
+
+    def table(self, table: Table) -> list[str]:
+        lines = [*self.comment(table.doc), f"static const {self.real} {self.prefix}_{table.name}[{len(table.values)}] = {{"]
+        for start in range(0, len(table.values), table.row):
+            row = [self.literal(Const(v)).strip("()") for v in table.values[start : start + table.row]]
+            for first in range(0, len(row), LITERALS_A_LINE):
+                lines.append("    " + ", ".join(row[first : first + LITERALS_A_LINE]) + ",")
+        lines[-1] = lines[-1].removesuffix(",")
+        return [*lines, "};"]
+
+    def kernel(self, kernel: Kernel) -> list[str]:
+        inputs = [f"{self.type_name(v.type)} {v.name}" for v in kernel.inputs]
+        lines = self.comment(kernel.doc)
+        if len(kernel.outputs) == 1:
+            kind = self.type_name(kernel.outputs[0].type)
+            lines += self.wrap(f"static {kind} {self.prefix}_{kernel.name}(", inputs, ")")
+            return [*lines, "{", *self.statements(kernel.body), f"    return {self.expression(kernel.outputs[0])};", "}"]
+        taken = {v.name for v in kernel.inputs} | {a.var.name for a in kernel.body}
+        names = [n + "_out" if n in taken else n for n in kernel.output_names]
+        outs = [f"{self.type_name(o.type)} *{n}" for o, n in zip(kernel.outputs, names, strict=True)]
+        lines += self.wrap(f"static void {self.prefix}_{kernel.name}(", inputs + outs, ")")
+        stores = [f"    *{n} = {self.expression(o)};" for n, o in zip(names, kernel.outputs, strict=True)]
+        return [*lines, "{", *self.statements(kernel.body), *stores, "}"]
+
+    def function(self, function: Function) -> list[str]:
+        return [*self.signature(function), "{", *self.statements(function.body), "}"]
+
+    def prototype(self, function: Function) -> list[str]:
+        lines = [*self.comment(function.doc), *self.signature(function)]
+        lines[-1] += ";"
+        return lines
+
+    def signature(self, function: Function) -> list[str]:
+        kind = f"{self.prefix}_status" if function.returns_status else "void"
+        return self.wrap(f"{kind} {self.prefix}_{function.name}(", [self.param(p) for p in function.params], ")")
+
+    def param(self, param: Param) -> str:
+        if param.length is None:
+            return f"{self.real} {param.name}"
+        factor = param.length // self.program.dimension
+        length = f"{self.macro}_N" if factor == 1 else f"{factor} * {self.macro}_N"
+        return f"{'' if param.output else 'const '}{self.real} {param.name}[{length}]"
+
+    def wrap(self, head: str, parts: list[str], tail: str, width: int = 112) -> list[str]:
+        """`head` + parts separated by commas + `tail`, broken under the opening parenthesis where too long."""
+        lines, line = [], head
+        for k, part in enumerate(parts):
+            piece = part + (tail if k == len(parts) - 1 else ",")
+            if len(line) + len(piece) + 1 > width and line.strip() != head.strip():
+                lines.append(line.rstrip())
+                line = " " * len(head)
+            line += piece if line.endswith("(") or not line.strip() else " " + piece
+        return [*lines, line]
+
+    def comment(self, doc: tuple[str, ...]) -> list[str]:
+        if not doc:
+            return []
+        if len(doc) == 1:
+            return [f"/* {doc[0]} */"]
+        return [f"/* {doc[0]}", *(f" * {line}".rstrip() for line in doc[1:]), " */"]

@@ -1,0 +1,165 @@
+"""From a CasADi function to a kernel: constants exact, opcodes canonical, one name for each value, nothing unused.
+
+Reads the instruction list, the part of CasADi that is steady between versions. Work slots are reused there, so every
+write gets a fresh number; inputs are never overwritten, hence all of them are read before any output is stored.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+
+import casadi as ca
+
+from stt_codegen.program.program import BOOL, REAL, Assign, Kernel, Op, Operand, Select, Var, real, type_of
+
+# Opcodes that are one operation of the Program.
+_DIRECT = {
+    "OP_ADD": "add", "OP_SUB": "sub", "OP_MUL": "mul", "OP_DIV": "div", "OP_NEG": "neg", "OP_FABS": "fabs",
+    "OP_SQRT": "sqrt", "OP_EXP": "exp", "OP_EXPM1": "expm1", "OP_LOG": "log", "OP_LOG1P": "log1p", "OP_SINH": "sinh",
+    "OP_COSH": "cosh", "OP_TANH": "tanh", "OP_ATANH": "atanh", "OP_SIN": "sin", "OP_COS": "cos", "OP_TAN": "tan",
+    "OP_FLOOR": "floor", "OP_CEIL": "ceil", "OP_POW": "pow", "OP_CONSTPOW": "pow",
+    "OP_LT": "lt", "OP_LE": "le", "OP_EQ": "eq", "OP_NE": "ne", "OP_AND": "and", "OP_OR": "or", "OP_NOT": "not",
+}  # fmt: skip
+_COMMUTATIVE = frozenset({"add", "mul", "eq", "ne", "and", "or"})
+
+
+class UnknownOpcode(Exception):
+    """A CasADi instruction that the Program has no node for."""
+
+
+@cache
+def opcode_names() -> dict[int, str]:
+    """CasADi's opcodes by number."""
+    return {getattr(ca, name): name for name in dir(ca) if name.startswith("OP_")}
+
+
+def lower(function: ca.Function, doc: tuple[str, ...] = ()) -> Kernel:
+    """Lower an SX function of scalars and dense vectors (entries become `name0`, `name1`, ...) to a kernel.
+
+    Raises `UnknownOpcode`, naming it, for an instruction outside the closed set.
+    """
+    reader = _Reader(function)
+    outputs = reader.run()
+    names = [n for k in range(function.n_out()) for n in _entries(function.name_out(k), function.nnz_out(k))]
+    return Kernel(
+        name=function.name(),
+        inputs=tuple(v for vector in reader.inputs for v in vector),
+        body=_live(reader.body, outputs),
+        outputs=tuple(outputs),
+        output_names=tuple(names),
+        doc=doc,
+    )
+
+
+def _entries(name: str, count: int) -> list[str]:
+    return [name] if count == 1 else [f"{name}{k}" for k in range(count)]
+
+
+class _Reader:
+    """One pass over the instruction list, with value numbering: an expression seen before is not computed again."""
+
+    def __init__(self, function: ca.Function) -> None:
+        self.function = function
+        self.inputs = [
+            tuple(Var(n, REAL) for n in _entries(function.name_in(k), function.nnz_in(k))) for k in range(function.n_in())
+        ]
+        self.taken = {v.name for vector in self.inputs for v in vector}
+        self.body: list[Assign] = []
+        self.seen: dict[object, Var] = {}
+        self.slots: dict[int, Operand] = {}
+
+    def run(self) -> list[Operand]:
+        f = self.function
+        outputs: list[list[Operand]] = [[real(0)] * f.nnz_out(k) for k in range(f.n_out())]
+        for k in range(f.n_instructions()):
+            code = f.instruction_id(k)
+            name = opcode_names().get(code, f"opcode {code}")
+            args, results = f.instruction_input(k), f.instruction_output(k)
+            if name == "OP_INPUT":
+                self.slots[results[0]] = self.inputs[args[0]][args[1]]
+            elif name == "OP_OUTPUT":
+                outputs[results[0]][results[1]] = self._as_real(self.slots[args[0]])
+            elif name == "OP_CONST":
+                self.slots[results[0]] = real(Fraction(f.instruction_constant(k)))
+            else:
+                self.slots[results[0]] = self._operation(name, [self.slots[a] for a in args])
+        return [operand for vector in outputs for operand in vector]
+
+    def _operation(self, name: str, args: list[Operand]) -> Operand:
+        """One instruction in canonical form: twice, square and inverse become the operation they stand for."""
+        match name:
+            case "OP_ASSIGN" | "OP_LIFT":
+                return args[0]
+            case "OP_TWICE":
+                return self._emit("add", args[0], args[0])
+            case "OP_SQ":
+                return self._emit("mul", args[0], args[0])
+            case "OP_INV":
+                return self._emit("div", real(1), args[0])
+            case "OP_FMIN" | "OP_FMAX":  # for finite arguments; fmin and fmax of C differ only where one is NaN
+                a, b = (args[0], args[1]) if name == "OP_FMIN" else (args[1], args[0])
+                return self._select(self._emit("lt", a, b), args[0], args[1])
+            case "OP_SIGN":  # the sign of 0 is 0, as in CasADi
+                below = self._select(self._emit("lt", args[0], real(0)), real(-1), real(0))
+                return self._select(self._emit("lt", real(0), args[0]), real(1), below)
+            case "OP_IF_ELSE_ZERO":
+                return self._select(self._as_bool(args[0]), self._as_real(args[1]), real(0))
+            case _ if name in _DIRECT:
+                return self._emit(_DIRECT[name], *args)
+            case _:
+                raise UnknownOpcode(
+                    f"{self.function.name()}: CasADi's {name} has no node in the Program; rewrite the kernel without it"
+                )
+
+    def _emit(self, operation: str, *args: Operand) -> Operand:
+        logical = operation in ("and", "or", "not")
+        operands = tuple(self._as_bool(a) if logical else self._as_real(a) for a in args)
+        return self._number(Op(operation, operands))
+
+    def _select(self, condition: Operand, then: Operand, other: Operand) -> Operand:
+        return self._number(Select(condition, then, other))
+
+    def _number(self, value: Op | Select) -> Operand:
+        key: object = value
+        if isinstance(value, Op) and value.name in _COMMUTATIVE:
+            key = (value.name, frozenset(value.args))
+        if key not in self.seen:
+            var = Var(self._fresh(), type_of(value))
+            self.body.append(Assign(var, value))
+            self.seen[key] = var
+        return self.seen[key]
+
+    def _fresh(self) -> str:
+        k = len(self.body)
+        while f"v{k}" in self.taken:
+            k += 1
+        self.taken.add(f"v{k}")
+        return f"v{k}"
+
+    def _as_real(self, operand: Operand) -> Operand:
+        """A truth value where a number is wanted is 1 or 0 (CasADi has one type for both)."""
+        return self._select(operand, real(1), real(0)) if operand.type is BOOL else operand
+
+    def _as_bool(self, operand: Operand) -> Operand:
+        return operand if operand.type is BOOL else self._emit("ne", operand, real(0))
+
+
+def _live(body: list[Assign], outputs: list[Operand]) -> tuple[Assign, ...]:
+    """The assignments that an output depends on."""
+    needed = {o.name for o in outputs if isinstance(o, Var)}
+    kept: list[Assign] = []
+    for assign in reversed(body):
+        if assign.var.name not in needed:
+            continue
+        kept.append(assign)
+        value = assign.value
+        operands = (
+            value.args
+            if isinstance(value, Op)
+            else (value.condition, value.then, value.other)
+            if isinstance(value, Select)
+            else ()
+        )
+        needed |= {a.name for a in operands if isinstance(a, Var)}
+    return tuple(reversed(kept))

@@ -1,0 +1,84 @@
+"""Exact rounding to IEEE-754 binary32 and binary64, and the shortest literals that read back exactly.
+
+Everything is done on fractions, so it depends on no library's formatting and is the same everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+@dataclass(frozen=True)
+class Format:
+    """A binary floating-point format: `precision` bits of significand, exponents down to `least` (of the unit bit)."""
+
+    precision: int
+    least: int
+    greatest: int
+
+    @property
+    def roundoff(self) -> Fraction:
+        """Half a unit in the last place of 1: the relative error of one rounding."""
+        return Fraction(1, 1 << self.precision)
+
+    @property
+    def tiny(self) -> Fraction:
+        """Half the least subnormal: the absolute error of one rounding near zero."""
+        return Fraction(2) ** (self.least - self.precision)
+
+    @property
+    def largest(self) -> Fraction:
+        return (2 - Fraction(2) ** (1 - self.precision)) * Fraction(2) ** self.greatest
+
+
+FORMATS = {"float": Format(24, -126, 127), "double": Format(53, -1022, 1023)}
+
+
+def exponent_of(value: Fraction) -> int:
+    """The e with 2**e <= |value| < 2**(e+1); value is not 0."""
+    size = abs(value)
+    e = size.numerator.bit_length() - size.denominator.bit_length()
+    return e if Fraction(2) ** e <= size else e - 1
+
+
+def ulp_exponent(value: Fraction, scalar: str) -> int:
+    """The exponent of the unit in the last place of `value` in this format."""
+    form = FORMATS[scalar]
+    e = exponent_of(value) if value else form.least
+    return max(e, form.least) - form.precision + 1
+
+
+def round_to(value: Fraction, scalar: str) -> Fraction:
+    """The nearest number of the format, ties to even. Raises OverflowError beyond the largest."""
+    if value == 0:
+        return Fraction(0)
+    unit = Fraction(2) ** ulp_exponent(value, scalar)
+    rounded = round(value / unit) * unit  # Fraction rounds half to even
+    if abs(rounded) > FORMATS[scalar].largest:
+        raise OverflowError(f"{float(value):.9g} is too large for a {scalar}")
+    return rounded
+
+
+def shortest(value: Fraction, scalar: str) -> str:
+    """The fewest significant digits that read back as `value` (a number of the format), always with a point or exponent."""
+    if value == 0:
+        return "0.0"
+    exact = round_to(value, scalar)
+    as_double = exact.numerator / exact.denominator  # exact: both formats fit a double
+    for digits in range(1, 18):
+        text = f"{as_double:.{digits}g}"
+        if round_to(Fraction(text), scalar) == exact:
+            break
+    mantissa, _, exponent = text.partition("e")
+    if exponent:
+        return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent)}"
+    return text if "." in text else text + ".0"
+
+
+def ulps_between(a: float, b: float, scalar: str) -> float:
+    """|a - b| in units in the last place of b in this format."""
+    if a == b:
+        return 0.0
+    return abs(a - b) / math.ldexp(1.0, ulp_exponent(Fraction(b), scalar)) if math.isfinite(a - b) else math.inf

@@ -1,0 +1,359 @@
+"""The Program: everything that is emitted, as typed single assignments over a small closed set of nodes.
+
+    Program = tables + kernels + functions
+    Kernel  = pure straight-line function of scalars; lowered from CasADi (lower.py) or written here
+    Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
+
+The readers are c.py, python.py, cost.py (every node) and rounding.py (arithmetic only). A new target language is one new
+reader. What is proved and counted is therefore what is shipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from enum import Enum
+from fractions import Fraction
+
+
+class Type(Enum):
+    REAL = "real"  # float or double, the program's scalar
+    INT = "int"  # a table index or loop counter, at least 32 bits
+    BOOL = "bool"
+    STATUS = "status"
+
+
+REAL, INT, BOOL, STATUS = Type.REAL, Type.INT, Type.BOOL, Type.STATUS
+
+# Operations: argument types and result type. Comparisons with a NaN are false, `ne` is true, as in IEEE 754.
+OPERATIONS: dict[str, tuple[tuple[Type, ...], Type]] = {
+    **dict.fromkeys(("add", "sub", "mul", "div", "pow"), ((REAL, REAL), REAL)),
+    **dict.fromkeys(("neg", "fabs", "sqrt", "exp", "expm1", "log", "log1p", "sinh", "cosh", "tanh", "atanh", "sin", "cos", "tan", "floor", "ceil"), ((REAL,), REAL)),
+    **dict.fromkeys(("lt", "le", "eq", "ne"), ((REAL, REAL), BOOL)),
+    "and": ((BOOL, BOOL), BOOL),
+    "or": ((BOOL, BOOL), BOOL),
+    "not": ((BOOL,), BOOL),
+    "iadd": ((INT, INT), INT),
+    "imul": ((INT, INT), INT),
+    "ilt": ((INT, INT), BOOL),
+    "real": ((INT,), REAL),
+}  # fmt: skip
+
+MATH_CALLS = frozenset(
+    {"sqrt", "exp", "expm1", "log", "log1p", "sinh", "cosh", "tanh", "atanh", "sin", "cos", "tan", "floor", "ceil", "pow"}
+)
+
+
+class Status(Enum):
+    """What `control` returns; the numbers are part of the C interface."""
+
+    OK = 0
+    OUTSIDE_TUBE = 1
+    BAD_INPUT = 2
+
+
+@dataclass(frozen=True)
+class Var:
+    """The result of one assignment, a parameter, or a loop counter."""
+
+    name: str
+    type: Type
+
+
+@dataclass(frozen=True)
+class Const:
+    """An exact number (rounded to the program's scalar only when printed), a truth value, a Status or NaN (None)."""
+
+    value: Fraction | int | bool | Status | None
+    type: Type = REAL
+
+
+Operand = Var | Const
+
+
+@dataclass(frozen=True)
+class Op:
+    """Arithmetic and mathematics: `name` is a key of OPERATIONS."""
+
+    name: str
+    args: tuple[Operand, ...]
+
+    def __post_init__(self) -> None:
+        if self.name not in OPERATIONS:
+            raise ValueError(f"unknown operation {self.name!r}")
+        expected = OPERATIONS[self.name][0]
+        if tuple(a.type for a in self.args) != expected:
+            raise TypeError(f"{self.name} takes {[t.value for t in expected]}, got {[a.type.value for a in self.args]}")
+
+
+@dataclass(frozen=True)
+class Select:
+    """`then` where `condition` holds, else `other`; both are already computed."""
+
+    condition: Operand
+    then: Operand
+    other: Operand
+
+    def __post_init__(self) -> None:
+        if self.condition.type is not BOOL or self.then.type is not self.other.type:
+            raise TypeError("Select takes a truth value and two operands of one type")
+
+
+@dataclass(frozen=True)
+class IsFinite:
+    """Whether a real is neither NaN nor infinite."""
+
+    arg: Operand
+
+
+@dataclass(frozen=True)
+class Trunc:
+    """A real toward zero as an integer; the argument must be finite and within 31 bits."""
+
+    arg: Operand
+
+
+@dataclass(frozen=True)
+class Load:
+    """One entry of a table or of an array parameter."""
+
+    array: str
+    index: Operand
+
+
+Expression = Operand | Op | Select | IsFinite | Trunc | Load
+
+
+def type_of(expression: Expression) -> Type:
+    """The type of an expression's value."""
+    match expression:
+        case Var(type=t) | Const(type=t):
+            return t
+        case Op(name=name):
+            return OPERATIONS[name][1]
+        case Select(then=then):
+            return then.type
+        case IsFinite():
+            return BOOL
+        case Trunc():
+            return INT
+        case Load():
+            return REAL
+
+
+# ---------------------------------------------------------------------------------------------- statements
+
+
+@dataclass(frozen=True)
+class Assign:
+    var: Var
+    value: Expression
+
+
+@dataclass(frozen=True)
+class Call:
+    """`results` = the outputs of the kernel named `kernel`."""
+
+    results: tuple[Var, ...]
+    kernel: str
+    args: tuple[Operand, ...]
+
+
+@dataclass(frozen=True)
+class Store:
+    """Write one entry of an output array."""
+
+    array: str
+    index: Operand
+    value: Operand
+
+
+@dataclass(frozen=True)
+class Carry:
+    """A value carried through a loop: `var` is `initial` before the first turn and `next` after each."""
+
+    var: Var
+    initial: Operand
+    next: Operand
+
+
+@dataclass(frozen=True)
+class For:
+    """`body` for index = 0 .. count - 1."""
+
+    index: Var
+    count: int
+    body: tuple[Statement, ...]
+    carries: tuple[Carry, ...] = ()
+
+
+@dataclass(frozen=True)
+class Return:
+    """Leave the function with `status` (None where it returns nothing); with `when`, only if that holds and after `body`."""
+
+    status: Expression | None = None
+    when: Operand | None = None
+    body: tuple[Statement, ...] = ()
+
+
+Statement = Assign | Call | Store | For | Return
+
+
+# ---------------------------------------------------------------------------------- tables and functions
+
+
+@dataclass(frozen=True)
+class Table:
+    """Constants, exact in the scalar type; `row` is how many belong together (one printed line)."""
+
+    name: str
+    values: tuple[Fraction, ...]
+    row: int
+    doc: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A pure function of scalars. `outputs` are operands, so an input or constant may be passed through."""
+
+    name: str
+    inputs: tuple[Var, ...]
+    body: tuple[Assign, ...]
+    outputs: tuple[Operand, ...]
+    output_names: tuple[str, ...]
+    doc: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Param:
+    """A parameter of a public function: a scalar (`length` None, input only) or an array of n reals, in or out."""
+
+    name: str
+    length: int | None
+    output: bool = False
+
+
+@dataclass(frozen=True)
+class Function:
+    name: str
+    params: tuple[Param, ...]
+    body: tuple[Statement, ...]
+    returns_status: bool
+    doc: tuple[str, ...] = ()
+
+    @property
+    def inputs(self) -> tuple[Param, ...]:
+        return tuple(p for p in self.params if not p.output)
+
+    @property
+    def outputs(self) -> tuple[Param, ...]:
+        return tuple(p for p in self.params if p.output)
+
+
+@dataclass(frozen=True)
+class Program:
+    """scalar is "float" or "double"; names are without the task's prefix, which the printers add."""
+
+    prefix: str
+    dimension: int
+    scalar: str
+    tables: tuple[Table, ...]
+    kernels: tuple[Kernel, ...]
+    functions: tuple[Function, ...]
+
+    def kernel(self, name: str) -> Kernel:
+        return next(k for k in self.kernels if k.name == name)
+
+    def function(self, name: str) -> Function:
+        return next(f for f in self.functions if f.name == name)
+
+    def table(self, name: str) -> Table:
+        return next(t for t in self.tables if t.name == name)
+
+
+# ------------------------------------------------------------------------------------------------ building
+
+
+@dataclass
+class Block:
+    """Builds a list of statements with names used once."""
+
+    taken: set[str] = field(default_factory=set)
+    statements: list[Statement] = field(default_factory=list)
+
+    def fresh(self, name: str, kind: Type) -> Var:
+        """A variable of that name, with a number behind it when the name is taken."""
+        candidate, k = name, 1
+        while candidate in self.taken:
+            k += 1
+            candidate = f"{name}{k}"
+        self.taken.add(candidate)
+        return Var(candidate, kind)
+
+    def let(self, name: str, value: Expression) -> Var:
+        var = self.fresh(name, type_of(value))
+        self.statements.append(Assign(var, value))
+        return var
+
+    def op(self, name: str, operation: str, *args: Operand) -> Var:
+        return self.let(name, Op(operation, args))
+
+    def select(self, name: str, condition: Operand, then: Operand, other: Operand) -> Var:
+        return self.let(name, Select(condition, then, other))
+
+    def call(self, kernel: Kernel, *args: Operand, names: Sequence[str] = ()) -> tuple[Var, ...]:
+        kinds = [o.type for o in kernel.outputs]
+        results = tuple(self.fresh(n, t) for n, t in zip(names or kernel.output_names, kinds, strict=True))
+        self.statements.append(Call(results, kernel.name, args))
+        return results
+
+    def store(self, array: str, index: Operand, value: Operand) -> None:
+        self.statements.append(Store(array, index, value))
+
+    @contextmanager
+    def loop(self, index: str, count: int) -> Iterator[Loop]:
+        """A loop over 0 .. count - 1; carried values are declared on the object it yields."""
+        outer, self.statements = self.statements, []
+        handle = Loop(self, self.fresh(index, INT))
+        yield handle
+        body, self.statements = self.statements, outer
+        self.statements.append(For(handle.index, count, tuple(body), tuple(handle.carries)))
+
+    def leave(self, status: Expression | None = None) -> None:
+        self.statements.append(Return(status))
+
+    @contextmanager
+    def leave_when(self, condition: Operand, status: Operand | None = None) -> Iterator[None]:
+        """Statements to do before leaving with `status` when `condition` holds."""
+        outer, self.statements = self.statements, []
+        yield
+        body, self.statements = self.statements, outer
+        self.statements.append(Return(status, condition, tuple(body)))
+
+
+@dataclass
+class Loop:
+    block: Block
+    index: Var
+    carries: list[Carry] = field(default_factory=list)
+
+    def carry(self, name: str, initial: Operand) -> Var:
+        """A value that the loop changes; say how with `update`."""
+        var = self.block.fresh(name, initial.type)
+        self.carries.append(Carry(var, initial, var))
+        return var
+
+    def update(self, var: Var, value: Operand) -> None:
+        self.carries = [Carry(c.var, c.initial, value) if c.var == var else c for c in self.carries]
+
+
+def real(value: Fraction | int) -> Const:
+    return Const(Fraction(value), REAL)
+
+
+def integer(value: int) -> Const:
+    return Const(value, INT)
+
+
+TRUE, FALSE, NAN = Const(True, BOOL), Const(False, BOOL), Const(None, REAL)

@@ -1,0 +1,69 @@
+"""A reader that bounds the rounding error of a kernel: for every value its range and how far it may be from the truth.
+
+Forward analysis in exact fractions: each operation adds at most half a unit in the last place of its result's range
+(plus half the least subnormal). Arithmetic only; a kernel with other nodes is an error here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.program import Kernel, Op, Operand, Var
+
+
+@dataclass(frozen=True)
+class Inexact:
+    """The true value lies in [low, high]; the computed one differs from it by at most `error`."""
+
+    low: Fraction
+    high: Fraction
+    error: Fraction = Fraction(0)
+
+    @property
+    def size(self) -> Fraction:
+        return max(abs(self.low), abs(self.high))
+
+
+def rounding_error(kernel: Kernel, inputs: Mapping[str, Inexact], scalar: str) -> tuple[Inexact, ...]:
+    """Range and error bound of each output of `kernel`, for inputs in the given ranges, in this scalar type."""
+    form = FORMATS[scalar]
+    known: dict[str, Inexact] = dict(inputs)
+
+    def value(operand: Operand) -> Inexact:
+        if isinstance(operand, Var):
+            return known[operand.name]
+        exact = Fraction(operand.value)  # type: ignore[arg-type]
+        return Inexact(exact, exact, abs(round_to(exact, scalar) - exact))
+
+    def rounded(low: Fraction, high: Fraction, error: Fraction) -> Inexact:
+        size = max(abs(low), abs(high)) + error
+        return Inexact(low, high, error + size * form.roundoff + form.tiny)
+
+    for assign in kernel.body:
+        if not isinstance(assign.value, Op):
+            raise NotImplementedError(f"{kernel.name}: no rounding bound for {type(assign.value).__name__}")
+        known[assign.var.name] = _operation(assign.value, [value(a) for a in assign.value.args], rounded)
+    return tuple(value(o) for o in kernel.outputs)
+
+
+def _operation(op: Op, args: list[Inexact], rounded: object) -> Inexact:
+    assert callable(rounded)
+    a = args[0]
+    result: Inexact
+    if op.name == "neg":
+        return Inexact(-a.high, -a.low, a.error)
+    b = args[1]
+    if op.name == "add":
+        result = rounded(a.low + b.low, a.high + b.high, a.error + b.error)
+    elif op.name == "sub":
+        result = rounded(a.low - b.high, a.high - b.low, a.error + b.error)
+    elif op.name == "mul":
+        corners = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+        low = Fraction(0) if op.args[0] == op.args[1] and a.low <= 0 <= a.high else min(corners)
+        result = rounded(low, max(corners), a.size * b.error + b.size * a.error + a.error * b.error)
+    else:
+        raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
+    return result
