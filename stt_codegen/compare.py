@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +29,7 @@ from stt_codegen.pipeline import Controller, build_program, build_task
 from stt_codegen.program.number import FORMATS
 from stt_codegen.task import Task
 
-Array = npt.NDArray[np.float64]
+Array = npt.NDArray[Any]
 POINTS = 10_000
 
 
@@ -91,9 +92,7 @@ def compare_backend(controller: Controller, backend: Backend, points: int = POIN
         error = np.where(np.isnan(error), np.inf, error)
         ulp = 2 * eps * np.exp2(np.floor(np.log2(np.maximum(np.asarray(scale, dtype=float), 1e-300))))
         share = error / np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
-        rows.append(
-            Row(backend.name, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
-        )
+        rows.append(Row(backend.name, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size))
 
     lower, upper = backend.tube(t)
     largest = max(float(np.abs(low).max()), float(np.abs(high).max()))
@@ -102,9 +101,8 @@ def compare_backend(controller: Controller, backend: Backend, points: int = POIN
     fastest = max(float(np.abs(rates[0]).max()), float(np.abs(rates[1]).max()), 1e-30)
     row("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
 
-    boxes = (np.asarray(lower, dtype=number), np.asarray(upper, dtype=number))
-    e, epsilon, xi = reference.transform(*boxes, x, e_max)
-    got_e, got_epsilon, got_xi = backend.transform(*boxes, x)
+    e, epsilon, xi = reference.transform(lower, upper, x, e_max)
+    got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
     size = np.maximum(1.0, np.abs(epsilon))
     row("e", got_e, e, 8 * eps, 1.0)
     row("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * eps, size)
@@ -163,6 +161,6 @@ def sample_points(controller: Controller, points: int, number: type) -> tuple[Ar
     e_max = float(task.control.e_max)
     tail = np.sign(e) * (1 - 10.0 ** -random.uniform(0, 7, (count, n)))
     e = np.select([kind == 0, kind == 1, kind == 2, kind == 3], [np.sign(e), np.sign(e) * e_max, tail, 1.5 * e], e)
-    x = ((high + low + width * e) / 2).astype(number)
+    x: Array = np.asarray((high + low + width * e) / 2, dtype=number)
     x[kind == 4] = (random.choice([-1.0, 1.0], (count, n)) * 10.0 ** random.uniform(0, 30, (count, n))).astype(number)[kind == 4]
     return t, x

@@ -89,7 +89,7 @@ def certify(task: Task, design: RefinedDesign, program: Program) -> Certificate:
     bound = max(error)
     seventh = Finding(
         "P7",
-        f"emitted {program.scalar} arithmetic moves no edge by more than {float(bound):.3g}, within every margin above",
+        f"{program.scalar} arithmetic moves no edge by more than {float(bound):.2g}",
         least,
         Fraction(0),
         advice='the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin',

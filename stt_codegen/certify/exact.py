@@ -62,7 +62,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     findings = [
         Finding(
             "P1",
-            f"gamma_U - gamma_L >= {decimal(task.tube.min_width)} in every dimension for all t",
+            f"width >= {decimal(task.tube.min_width)} in every dimension",
             width.slack * unit,
             2 * error,
             **place(width),
@@ -74,7 +74,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     findings.append(
         Finding(
             "P3",
-            "gamma within the state space" + (" less the body" if task.body and any(task.body) else "") + " for all t",
+            "gamma within the state space" + (" less the body" if task.body and any(task.body) else ""),
             stay.slack * unit,
             error,
             **place(stay),
@@ -90,7 +90,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
         findings.append(
             Finding(
                 "P4",
-                f"gamma keeps {decimal(clearance)} from each of {len(unsafe)} unsafe sets, for all t",
+                f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets",
                 avoid.slack * unit,
                 error,
                 **place(avoid),
@@ -169,8 +169,8 @@ def _smooth(task: Task, design: RefinedDesign, speed: tuple[Fraction, ...]) -> F
             "P6", "gamma is C2 up to t_c and C1 there", -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None,
             "the last control point must equal the last but two",
         )  # fmt: skip
-    bound = ", ".join(f"{float(v):.6g}" for v in speed)
-    statement = f"gamma is C2 up to t_c, C1 there, |gammadot| <= ({bound}) by dimension"
+    bound = ", ".join(f"{float(v):.4g}" for v in speed)
+    statement = f"gamma is C2, C1 at t_c; |gammadot| <= {bound}"
     if task.tube.max_speed is None:
         return Finding("P6", statement, Fraction(0), Fraction(0))
     i = speed.index(max(speed))

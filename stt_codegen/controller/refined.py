@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.controller.component import Law, clamped_distances, control_component, control_law_of, strictly_inside, transform_function
+from stt_codegen.controller.component import (
+    Law,
+    clamped_distances,
+    control_component,
+    control_law_of,
+    strictly_inside,
+    transform_function,
+)
 from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower

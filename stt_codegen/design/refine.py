@@ -123,7 +123,7 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timin
     vertices = (0.0, *(v for v in inner if v > 0), float(len(route.points) - 1))
     m = len(vertices) - 1
     place = {v: k for k, v in enumerate(vertices)}
-    changes = tuple(tuple(place.get(round(s.until, 9), m) for s in stays[:-1]) + (m,) for stays in sides)
+    changes = tuple((*(place.get(round(s.until, 9), m) for s in stays[:-1]), m) for stays in sides)
     bounds = bounds_by_stretch(arena, sides, changes, m)
 
     program = LinearProgram(2 * n * (m + 1) + m)

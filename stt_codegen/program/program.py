@@ -27,9 +27,10 @@ class Type(Enum):
 REAL, INT, BOOL, STATUS = Type.REAL, Type.INT, Type.BOOL, Type.STATUS
 
 # Operations: argument types and result type. Comparisons with a NaN are false, `ne` is true, as in IEEE 754.
+_UNARY = "neg fabs sqrt exp expm1 log log1p sinh cosh tanh atanh sin cos tan floor ceil"
 OPERATIONS: dict[str, tuple[tuple[Type, ...], Type]] = {
     **dict.fromkeys(("add", "sub", "mul", "div", "pow"), ((REAL, REAL), REAL)),
-    **dict.fromkeys(("neg", "fabs", "sqrt", "exp", "expm1", "log", "log1p", "sinh", "cosh", "tanh", "atanh", "sin", "cos", "tan", "floor", "ceil"), ((REAL,), REAL)),
+    **dict.fromkeys(_UNARY.split(), ((REAL,), REAL)),
     **dict.fromkeys(("lt", "le", "eq", "ne"), ((REAL, REAL), BOOL)),
     "and": ((BOOL, BOOL), BOOL),
     "or": ((BOOL, BOOL), BOOL),
@@ -38,7 +39,7 @@ OPERATIONS: dict[str, tuple[tuple[Type, ...], Type]] = {
     "imul": ((INT, INT), INT),
     "ilt": ((INT, INT), BOOL),
     "real": ((INT,), REAL),
-}  # fmt: skip
+}
 
 MATH_CALLS = frozenset(
     {"sqrt", "exp", "expm1", "log", "log1p", "sinh", "cosh", "tanh", "atanh", "sin", "cos", "tan", "floor", "ceil", "pow"}

@@ -1,0 +1,50 @@
+# make demo: the paper's case study, from task files to certified C.   make test: everything that must hold.
+# Both set up what they need: Python packages in .venv from the hashed lock, system packages through apt when root.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+TASKS := $(sort $(wildcard tasks/*.toml))
+CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
+
+.PHONY: demo test generate check lock clean help
+
+help:
+	@sed -n 's/^# //p' Makefile | head -2
+
+demo: $(STAMP)
+	@.ci/tools demo
+	@$(BIN)/stt-codegen generate $(CASE_STUDY) --out demo
+	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen design $$task --picture demo || exit; done
+	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen compare $$task || exit; done
+	@echo "Look at demo/: pictures (.png), C (.h, .c), Python (.py) and certificates (.certificate.json)."
+
+test: $(STAMP)
+	@.ci/tools test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/pytest -n auto
+
+# Everything in generated/, from every task file, in both precisions.
+generate: $(STAMP)
+	@for scalar in float double; do $(BIN)/stt-codegen generate $(TASKS) --record generated --scalar $$scalar || exit; done
+
+check: $(STAMP)
+	@$(BIN)/stt-codegen check generated
+
+$(STAMP): requirements.lock pyproject.toml
+	@.ci/tools python
+	@echo "setting up $(VENV) (once)..."
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+# After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
+lock:
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
+
+clean:
+	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,391 @@
+/* empty.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (empty.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "empty.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "empty.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-21: exact in float and double.
+ */
+static const empty_real empty_coefficients[140] = {
+    -0.015784263610839844, 0.15087223052978516, -0.01052093505859375, 0.15613555908203125,
+    5.245208740234375e-6, 0.16666173934936523, 5.245208740234375e-6, 0.16666173934936523,
+    0.01579427719116211, 0.1824507713317871, 0.010531425476074219, 0.17718791961669922,
+    0.03158378601074219, 0.1982402801513672, 0.021057605743408203, 0.1877140998840332,
+    0.047373294830322266, 0.21402978897094727, 0.03158378601074219, 0.1982402801513672,
+    0.06316280364990234, 0.22981929779052734, 0.04210996627807617, 0.20876646041870117,
+    0.07895183563232422, 0.24560832977294922, 0.052636146545410156, 0.21929264068603516,
+    0.0947413444519043, 0.2613978385925293, 0.06316232681274414, 0.22981882095336914,
+    0.11053085327148438, 0.2771873474121094, 0.07368850708007812, 0.24034500122070312,
+    0.12632036209106445, 0.29297685623168945, 0.08421516418457031, 0.2508716583251953,
+    0.14210939407348633, 0.30876588821411133, 0.0947413444519043, 0.2613978385925293,
+    0.1578989028930664, 0.3245553970336914, 0.10526752471923828, 0.2719240188598633,
+    0.17368841171264648, 0.3403449058532715, 0.11579370498657227, 0.28245019912719727,
+    0.18947792053222656, 0.35613441467285156, 0.12631988525390625, 0.29297637939453125,
+    0.20526742935180664, 0.37192392349243164, 0.13684606552124023, 0.30350255966186523,
+    0.22105646133422852, 0.3877129554748535, 0.14737224578857422, 0.3140287399291992,
+    0.2368459701538086, 0.4035024642944336, 0.1578984260559082, 0.3245549201965332,
+    0.25263547897338867, 0.41929197311401367, 0.1684250831604004, 0.3350815773010254,
+    0.26842498779296875, 0.43508148193359375, 0.17895126342773438, 0.3456077575683594,
+    0.2842140197753906, 0.4508705139160156, 0.18947744369506836, 0.35613393783569336,
+    0.3000035285949707, 0.4666600227355957, 0.20000362396240234, 0.36666011810302734,
+    0.3157930374145508, 0.4824495315551758, 0.21052980422973633, 0.37718629837036133,
+    0.33158254623413086, 0.49823904037475586, 0.2210559844970703, 0.3877124786376953,
+    0.34737157821655273, 0.5140280723571777, 0.2315821647644043, 0.3982386589050293,
+    0.3631610870361328, 0.5298175811767578, 0.24210834503173828, 0.4087648391723633,
+    0.3789505958557129, 0.5456070899963379, 0.25263452529907227, 0.41929101943969727,
+    0.39474010467529297, 0.561396598815918, 0.26316118240356445, 0.42981767654418945,
+    0.41052913665771484, 0.5771856307983398, 0.27368736267089844, 0.44034385681152344,
+    0.4263186454772949, 0.5929751396179199, 0.2842135429382324, 0.4508700370788574,
+    0.442108154296875, 0.6087646484375, 0.2947397232055664, 0.4613962173461914,
+    0.4578976631164551, 0.6245541572570801, 0.3052659034729004, 0.4719223976135254,
+    0.47368669509887695, 0.640343189239502, 0.3157920837402344, 0.4824485778808594,
+    0.48947620391845703, 0.656132698059082, 0.32631826400756836, 0.49297475814819336,
+    0.5052657127380371, 0.6719222068786621, 0.33684444427490234, 0.5035009384155273,
+    0.48947620391845703, 0.656132698059082, 0.32631826400756836, 0.49297475814819336
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 4 s).
+ */
+static void empty_segment(empty_real t, int32_t *row, empty_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 4.0;
+    const empty_real started = positive ? t : 0.0;
+    const empty_real held = running ? started : 0.0;
+    const empty_real scaled = held * 8.0;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const empty_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const empty_real base = (empty_real)segment;
+    const empty_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void empty_basis(empty_real s, empty_real *w0, empty_real *w1, empty_real *w2, empty_real *w3)
+{
+    const empty_real v0 = 1.0 - s;
+    const empty_real v1 = v0 * v0;
+    const empty_real v2 = v1 * v0;
+    const empty_real v3 = v0 * s;
+    const empty_real v4 = 1.0 + v3;
+    const empty_real v5 = 3.0 * v4;
+    const empty_real v6 = v0 * v5;
+    const empty_real v7 = 1.0 + v6;
+    const empty_real v8 = s * v5;
+    const empty_real v9 = 1.0 + v8;
+    const empty_real v10 = s * s;
+    const empty_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void empty_basis_rate(empty_real s, empty_real *dw0, empty_real *dw1, empty_real *dw2, empty_real *dw3)
+{
+    const empty_real v0 = 1.0 - s;
+    const empty_real v1 = v0 + v0;
+    const empty_real v2 = v0 * v1;
+    const empty_real v3 = v0 * v0;
+    const empty_real v4 = v2 + v3;
+    const empty_real v5 = -v4;
+    const empty_real v6 = v0 - s;
+    const empty_real v7 = 3.0 * v6;
+    const empty_real v8 = v0 * v7;
+    const empty_real v9 = v0 * s;
+    const empty_real v10 = 1.0 + v9;
+    const empty_real v11 = 3.0 * v10;
+    const empty_real v12 = v8 - v11;
+    const empty_real v13 = s * v7;
+    const empty_real v14 = v11 + v13;
+    const empty_real v15 = s + s;
+    const empty_real v16 = s * v15;
+    const empty_real v17 = s * s;
+    const empty_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static empty_real empty_blend(empty_real w0, empty_real w1, empty_real w2, empty_real w3, empty_real q0,
+                              empty_real q1, empty_real q2, empty_real q3)
+{
+    const empty_real v0 = w0 * q0;
+    const empty_real v1 = w1 * q1;
+    const empty_real v2 = v0 + v1;
+    const empty_real v3 = w2 * q2;
+    const empty_real v4 = w3 * q3;
+    const empty_real v5 = v3 + v4;
+    const empty_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static empty_real empty_normalized_error(empty_real a, empty_real b, empty_real width)
+{
+    const empty_real v0 = a - b;
+    const empty_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void empty_transformed_error(empty_real a, empty_real b, empty_real *epsilon, empty_real *xi)
+{
+    const empty_real v0 = a / b;
+    const empty_real v1 = log(v0);
+    const empty_real v2 = 1.0 + v0;
+    const empty_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static empty_real empty_law(empty_real k, empty_real xi, empty_real epsilon)
+{
+    const empty_real v0 = k * xi;
+    const empty_real v1 = v0 * epsilon;
+    const empty_real v2 = -v1;
+    return v2;
+}
+
+void empty_tube(empty_real t, empty_real lower[EMPTY_N], empty_real upper[EMPTY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (empty_real)NAN;
+            upper[j] = (empty_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    empty_real s;
+    empty_segment(t, &row, &s);
+    empty_real w0;
+    empty_real w1;
+    empty_real w2;
+    empty_real w3;
+    empty_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const empty_real lower_q0 = empty_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const empty_real lower_q1 = empty_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const empty_real lower_q2 = empty_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const empty_real lower_q3 = empty_coefficients[lower_3];
+        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const empty_real upper_q0 = empty_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const empty_real upper_q1 = empty_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const empty_real upper_q2 = empty_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const empty_real upper_q3 = empty_coefficients[upper_3];
+        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void empty_tube_rate(empty_real t, empty_real lower_rate[EMPTY_N], empty_real upper_rate[EMPTY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (empty_real)NAN;
+            upper_rate[j] = (empty_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    empty_real s;
+    empty_segment(t, &row, &s);
+    empty_real dw0;
+    empty_real dw1;
+    empty_real dw2;
+    empty_real dw3;
+    empty_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 4.0;
+    const empty_real per_second = moving ? 8.0 : 0.0;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const empty_real lower_q0 = empty_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const empty_real lower_q1 = empty_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const empty_real lower_q2 = empty_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const empty_real lower_q3 = empty_coefficients[lower_3];
+        const empty_real lower_slope = empty_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const empty_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const empty_real upper_q0 = empty_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const empty_real upper_q1 = empty_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const empty_real upper_q2 = empty_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const empty_real upper_q3 = empty_coefficients[upper_3];
+        const empty_real upper_slope = empty_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const empty_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real u[EMPTY_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const empty_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0;
+        }
+        return EMPTY_BAD_INPUT;
+    }
+    int32_t row;
+    empty_real s;
+    empty_segment(t, &row, &s);
+    empty_real w0;
+    empty_real w1;
+    empty_real w2;
+    empty_real w3;
+    empty_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const empty_real lower_q0 = empty_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const empty_real lower_q1 = empty_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const empty_real lower_q2 = empty_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const empty_real lower_q3 = empty_coefficients[lower_3];
+        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const empty_real upper_q0 = empty_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const empty_real upper_q1 = empty_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const empty_real upper_q2 = empty_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const empty_real upper_q3 = empty_coefficients[upper_3];
+        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const empty_real x_i = x[i];
+        const empty_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const empty_real width = wide ? 9.5367431640625e-7 : room;
+        const empty_real least = width * 0.005;
+        const empty_real most = width * 0.995;
+        const empty_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const empty_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const empty_real a = a_over ? most : a_raised;
+        const empty_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const empty_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const empty_real b = b_over ? most : b_raised;
+        empty_real epsilon;
+        empty_real xi;
+        empty_transformed_error(a, b, &epsilon, &xi);
+        const empty_real push = empty_law(0.5, xi, epsilon);
+        const empty_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? EMPTY_OK : EMPTY_OUTSIDE_TUBE;
+}
+
+void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMPTY_N],
+                     const empty_real x[EMPTY_N], empty_real e[EMPTY_N], empty_real epsilon[EMPTY_N],
+                     empty_real xi[EMPTY_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const empty_real lower_edge = lower[i];
+        const empty_real upper_edge = upper[i];
+        const empty_real x_i = x[i];
+        const empty_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const empty_real width = wide ? 9.5367431640625e-7 : room;
+        const empty_real least = width * 0.005;
+        const empty_real most = width * 0.995;
+        const empty_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const empty_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const empty_real a = a_over ? most : a_raised;
+        const empty_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const empty_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const empty_real b = b_over ? most : b_raised;
+        const empty_real e_raw = empty_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99);
+        const empty_real e_held_raised = e_held_under ? (-0.99) : e_raw;
+        const bool e_held_over = 0.99 < e_held_raised;
+        const empty_real e_held = e_held_over ? 0.99 : e_held_raised;
+        empty_real epsilon_i;
+        empty_real xi_i;
+        empty_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const empty_real e_settled = empty ? 0.0 : e_held;
+        const empty_real e_out = finite ? e_settled : (empty_real)NAN;
+        e[i] = e_out;
+        const empty_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const empty_real epsilon_out = finite ? epsilon_settled : (empty_real)NAN;
+        epsilon[i] = epsilon_out;
+        const empty_real xi_settled = empty ? 0.0 : xi_i;
+        const empty_real xi_out = finite ? xi_settled : (empty_real)NAN;
+        xi[i] = xi_out;
+    }
+}

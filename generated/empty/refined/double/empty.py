@@ -1,0 +1,381 @@
+"""empty: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (empty.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+
+The same functions as empty.c (double precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 4.0  # prescribed time, seconds
+DESIGN_HASH = "a19336c464856c24"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-21: exact in float and double.
+COEFFICIENTS = (
+    -0.015784263610839844, 0.15087223052978516, -0.01052093505859375, 0.15613555908203125,
+    5.245208740234375e-6, 0.16666173934936523, 5.245208740234375e-6, 0.16666173934936523,
+    0.01579427719116211, 0.1824507713317871, 0.010531425476074219, 0.17718791961669922,
+    0.03158378601074219, 0.1982402801513672, 0.021057605743408203, 0.1877140998840332,
+    0.047373294830322266, 0.21402978897094727, 0.03158378601074219, 0.1982402801513672,
+    0.06316280364990234, 0.22981929779052734, 0.04210996627807617, 0.20876646041870117,
+    0.07895183563232422, 0.24560832977294922, 0.052636146545410156, 0.21929264068603516,
+    0.0947413444519043, 0.2613978385925293, 0.06316232681274414, 0.22981882095336914,
+    0.11053085327148438, 0.2771873474121094, 0.07368850708007812, 0.24034500122070312,
+    0.12632036209106445, 0.29297685623168945, 0.08421516418457031, 0.2508716583251953,
+    0.14210939407348633, 0.30876588821411133, 0.0947413444519043, 0.2613978385925293,
+    0.1578989028930664, 0.3245553970336914, 0.10526752471923828, 0.2719240188598633,
+    0.17368841171264648, 0.3403449058532715, 0.11579370498657227, 0.28245019912719727,
+    0.18947792053222656, 0.35613441467285156, 0.12631988525390625, 0.29297637939453125,
+    0.20526742935180664, 0.37192392349243164, 0.13684606552124023, 0.30350255966186523,
+    0.22105646133422852, 0.3877129554748535, 0.14737224578857422, 0.3140287399291992,
+    0.2368459701538086, 0.4035024642944336, 0.1578984260559082, 0.3245549201965332,
+    0.25263547897338867, 0.41929197311401367, 0.1684250831604004, 0.3350815773010254,
+    0.26842498779296875, 0.43508148193359375, 0.17895126342773438, 0.3456077575683594,
+    0.2842140197753906, 0.4508705139160156, 0.18947744369506836, 0.35613393783569336,
+    0.3000035285949707, 0.4666600227355957, 0.20000362396240234, 0.36666011810302734,
+    0.3157930374145508, 0.4824495315551758, 0.21052980422973633, 0.37718629837036133,
+    0.33158254623413086, 0.49823904037475586, 0.2210559844970703, 0.3877124786376953,
+    0.34737157821655273, 0.5140280723571777, 0.2315821647644043, 0.3982386589050293,
+    0.3631610870361328, 0.5298175811767578, 0.24210834503173828, 0.4087648391723633,
+    0.3789505958557129, 0.5456070899963379, 0.25263452529907227, 0.41929101943969727,
+    0.39474010467529297, 0.561396598815918, 0.26316118240356445, 0.42981767654418945,
+    0.41052913665771484, 0.5771856307983398, 0.27368736267089844, 0.44034385681152344,
+    0.4263186454772949, 0.5929751396179199, 0.2842135429382324, 0.4508700370788574,
+    0.442108154296875, 0.6087646484375, 0.2947397232055664, 0.4613962173461914,
+    0.4578976631164551, 0.6245541572570801, 0.3052659034729004, 0.4719223976135254,
+    0.47368669509887695, 0.640343189239502, 0.3157920837402344, 0.4824485778808594,
+    0.48947620391845703, 0.656132698059082, 0.32631826400756836, 0.49297475814819336,
+    0.5052657127380371, 0.6719222068786621, 0.33684444427490234, 0.5035009384155273,
+    0.48947620391845703, 0.656132698059082, 0.32631826400756836, 0.49297475814819336,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    At and after t_c: the last segment and s = 1, exactly (t_c = 4 s).
+    """
+    positive = 0.0 < t
+    running = t < 4.0
+    started = t if positive else 0.0
+    held = started if running else 0.0
+    scaled = held * 8.0
+    early = scaled < 32.0
+    use = running and early
+    u = scaled if use else 32.0
+    whole = int(u)
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 4.0
+    per_second = 8.0 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite = finite_t
+    for j in range(2):
+        x_j = x[j]
+        finite_x = math.isfinite(x_j)
+        both = finite and finite_x
+        finite = both
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    inside = True
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = room < 9.5367431640625e-7
+        width = 9.5367431640625e-7 if wide else room
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_under = to_lower < least
+        a_raised = least if a_under else to_lower
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_under = to_upper < least
+        b_raised = least if b_under else to_upper
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = lower_edge < x_i
+        below = x_i < upper_edge
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower, NaN where an edge or x is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = room < 9.5367431640625e-7
+        width = 9.5367431640625e-7 if wide else room
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_under = to_lower < least
+        a_raised = least if a_under else to_lower
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_under = to_upper < least
+        b_raised = least if b_under else to_upper
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_under = e_raw < -0.99
+        e_held_raised = -0.99 if e_held_under else e_raw
+        e_held_over = 0.99 < e_held_raised
+        e_held = 0.99 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

@@ -1,0 +1,435 @@
+/* omni_heading.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (omni_heading.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_heading.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_heading.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_heading_real omni_heading_coefficients[210] = {
+    -0.07992362976074219, 0.04445171356201172, -0.07992362976074219, 0.043358802795410156,
+    -0.016656875610351562, 0.016656875610351562,
+    0.019994735717773438, 0.08310508728027344, 0.019994735717773438, 0.08332347869873047,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.12306880950927734, 4.76837158203125e-6, 0.12328720092773438,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.16166114807128906, 4.76837158203125e-6, 0.1632518768310547,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.16166114807128906, 0.015218734741210938, 0.203216552734375,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.16166114807128906, 0.05518341064453125, 0.2431812286376953,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.16166114807128906, 0.09514713287353516, 0.2831449508666992,
+    -0.016656875610351562, 0.016656875610351562,
+    4.76837158203125e-6, 0.16166114807128906, 0.13511180877685547, 0.32310962677001953,
+    -0.016656875610351562, 0.016656875610351562,
+    0.01862335205078125, 0.16166114807128906, 0.17507648468017578, 0.36307430267333984,
+    -0.016656875610351562, 0.016656875610351562,
+    0.058587074279785156, 0.12169742584228516, 0.2150402069091797, 0.40303802490234375,
+    -0.016656875610351562, 0.016656875610351562,
+    0.09855175018310547, 0.16166114807128906, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.13851642608642578, 0.20162582397460938, 0.2949695587158203, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.1784811019897461, 0.2415904998779297, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.21844482421875, 0.28155517578125, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.2584095001220703, 0.3215188980102539, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.2983741760253906, 0.3614835739135742, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.33833885192871094, 0.40144824981689453, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.37830257415771484, 0.44141292572021484, 0.2550048828125, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.39310455322265625, 0.48137664794921875, 0.2618141174316406, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.43306922912597656, 0.5213413238525391, 0.30177879333496094, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.4730339050292969, 0.5613059997558594, 0.34174251556396484, 0.37169742584228516,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5129976272583008, 0.6012706756591797, 0.38170719146728516, 0.41166114807128906,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5050048828125, 0.6412343978881836, 0.42167186737060547, 0.4516258239746094,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5050048828125, 0.6811990737915039, 0.4616365432739258, 0.4915904998779297,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5050048828125, 0.7211637496948242, 0.42167186737060547, 0.53155517578125,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5050048828125, 0.7611274719238281, 0.44361114501953125, 0.5715188980102539,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5050048828125, 0.8010921478271484, 0.48357582092285156, 0.6114835739135742,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5235404968261719, 0.8333282470703125, 0.5235404968261719, 0.6514482498168945,
+    -0.016656875610351562, 0.016656875610351562,
+    0.5635042190551758, 0.8333282470703125, 0.5635042190551758, 0.6914119720458984,
+    -0.016656875610351562, 0.016656875610351562,
+    0.6034688949584961, 0.8333282470703125, 0.6034688949584961, 0.7313766479492188,
+    -0.016656875610351562, 0.016656875610351562,
+    0.6434335708618164, 0.8333282470703125, 0.6434335708618164, 0.7713413238525391,
+    -0.016656875610351562, 0.016656875610351562,
+    0.6833972930908203, 0.8333282470703125, 0.6833972930908203, 0.8113059997558594,
+    -0.016656875610351562, 0.016656875610351562,
+    0.7233619689941406, 0.8333282470703125, 0.7233619689941406, 0.8333282470703125,
+    -0.016656875610351562, 0.016656875610351562,
+    0.7633266448974609, 0.8333282470703125, 0.7633266448974609, 0.8333282470703125,
+    -0.016656875610351562, 0.016656875610351562,
+    0.7233619689941406, 0.8333282470703125, 0.7233619689941406, 0.8333282470703125,
+    -0.016656875610351562, 0.016656875610351562
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ */
+static void omni_heading_segment(omni_heading_real t, int32_t *row, omni_heading_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 9.0;
+    const omni_heading_real started = positive ? t : 0.0;
+    const omni_heading_real held = running ? started : 0.0;
+    const omni_heading_real scaled = held * 3.5555555555555554;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const omni_heading_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const omni_heading_real base = (omni_heading_real)segment;
+    const omni_heading_real place = u - base;
+    const int32_t first = segment * 6;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void omni_heading_basis(omni_heading_real s, omni_heading_real *w0, omni_heading_real *w1,
+                               omni_heading_real *w2, omni_heading_real *w3)
+{
+    const omni_heading_real v0 = 1.0 - s;
+    const omni_heading_real v1 = v0 * v0;
+    const omni_heading_real v2 = v1 * v0;
+    const omni_heading_real v3 = v0 * s;
+    const omni_heading_real v4 = 1.0 + v3;
+    const omni_heading_real v5 = 3.0 * v4;
+    const omni_heading_real v6 = v0 * v5;
+    const omni_heading_real v7 = 1.0 + v6;
+    const omni_heading_real v8 = s * v5;
+    const omni_heading_real v9 = 1.0 + v8;
+    const omni_heading_real v10 = s * s;
+    const omni_heading_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void omni_heading_basis_rate(omni_heading_real s, omni_heading_real *dw0, omni_heading_real *dw1,
+                                    omni_heading_real *dw2, omni_heading_real *dw3)
+{
+    const omni_heading_real v0 = 1.0 - s;
+    const omni_heading_real v1 = v0 + v0;
+    const omni_heading_real v2 = v0 * v1;
+    const omni_heading_real v3 = v0 * v0;
+    const omni_heading_real v4 = v2 + v3;
+    const omni_heading_real v5 = -v4;
+    const omni_heading_real v6 = v0 - s;
+    const omni_heading_real v7 = 3.0 * v6;
+    const omni_heading_real v8 = v0 * v7;
+    const omni_heading_real v9 = v0 * s;
+    const omni_heading_real v10 = 1.0 + v9;
+    const omni_heading_real v11 = 3.0 * v10;
+    const omni_heading_real v12 = v8 - v11;
+    const omni_heading_real v13 = s * v7;
+    const omni_heading_real v14 = v11 + v13;
+    const omni_heading_real v15 = s + s;
+    const omni_heading_real v16 = s * v15;
+    const omni_heading_real v17 = s * s;
+    const omni_heading_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static omni_heading_real omni_heading_blend(omni_heading_real w0, omni_heading_real w1, omni_heading_real w2,
+                                            omni_heading_real w3, omni_heading_real q0, omni_heading_real q1,
+                                            omni_heading_real q2, omni_heading_real q3)
+{
+    const omni_heading_real v0 = w0 * q0;
+    const omni_heading_real v1 = w1 * q1;
+    const omni_heading_real v2 = v0 + v1;
+    const omni_heading_real v3 = w2 * q2;
+    const omni_heading_real v4 = w3 * q3;
+    const omni_heading_real v5 = v3 + v4;
+    const omni_heading_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static omni_heading_real omni_heading_normalized_error(omni_heading_real a, omni_heading_real b,
+                                                       omni_heading_real width)
+{
+    const omni_heading_real v0 = a - b;
+    const omni_heading_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void omni_heading_transformed_error(omni_heading_real a, omni_heading_real b, omni_heading_real *epsilon,
+                                           omni_heading_real *xi)
+{
+    const omni_heading_real v0 = a / b;
+    const omni_heading_real v1 = log(v0);
+    const omni_heading_real v2 = 1.0 + v0;
+    const omni_heading_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static omni_heading_real omni_heading_law(omni_heading_real k, omni_heading_real xi, omni_heading_real epsilon)
+{
+    const omni_heading_real v0 = k * xi;
+    const omni_heading_real v1 = v0 * epsilon;
+    const omni_heading_real v2 = -v1;
+    return v2;
+}
+
+void omni_heading_tube(omni_heading_real t, omni_heading_real lower[OMNI_HEADING_N],
+                       omni_heading_real upper[OMNI_HEADING_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (omni_heading_real)NAN;
+            upper[j] = (omni_heading_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_heading_tube_rate(omni_heading_real t, omni_heading_real lower_rate[OMNI_HEADING_N],
+                            omni_heading_real upper_rate[OMNI_HEADING_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower_rate[j] = (omni_heading_real)NAN;
+            upper_rate[j] = (omni_heading_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real dw0;
+    omni_heading_real dw1;
+    omni_heading_real dw2;
+    omni_heading_real dw3;
+    omni_heading_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0;
+    const omni_heading_real per_second = moving ? 3.5555555555555554 : 0.0;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_slope = omni_heading_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_heading_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_slope = omni_heading_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
+                                         omni_heading_real u[OMNI_HEADING_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 3; ++j) {
+        const omni_heading_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 3; ++j2) {
+            u[j2] = 0.0;
+        }
+        return OMNI_HEADING_BAD_INPUT;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const omni_heading_real width = wide ? 9.5367431640625e-7 : room;
+        const omni_heading_real least = width * 0.005;
+        const omni_heading_real most = width * 0.995;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_heading_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_heading_real a = a_over ? most : a_raised;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_heading_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_heading_real b = b_over ? most : b_raised;
+        omni_heading_real epsilon;
+        omni_heading_real xi;
+        omni_heading_transformed_error(a, b, &epsilon, &xi);
+        const omni_heading_real push = omni_heading_law(0.5, xi, epsilon);
+        const omni_heading_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? OMNI_HEADING_OK : OMNI_HEADING_OUTSIDE_TUBE;
+}
+
+void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
+                            const omni_heading_real upper[OMNI_HEADING_N],
+                            const omni_heading_real x[OMNI_HEADING_N], omni_heading_real e[OMNI_HEADING_N],
+                            omni_heading_real epsilon[OMNI_HEADING_N], omni_heading_real xi[OMNI_HEADING_N])
+{
+    for (int32_t i = 0; i < 3; ++i) {
+        const omni_heading_real lower_edge = lower[i];
+        const omni_heading_real upper_edge = upper[i];
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const omni_heading_real width = wide ? 9.5367431640625e-7 : room;
+        const omni_heading_real least = width * 0.005;
+        const omni_heading_real most = width * 0.995;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_heading_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_heading_real a = a_over ? most : a_raised;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_heading_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_heading_real b = b_over ? most : b_raised;
+        const omni_heading_real e_raw = omni_heading_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99);
+        const omni_heading_real e_held_raised = e_held_under ? (-0.99) : e_raw;
+        const bool e_held_over = 0.99 < e_held_raised;
+        const omni_heading_real e_held = e_held_over ? 0.99 : e_held_raised;
+        omni_heading_real epsilon_i;
+        omni_heading_real xi_i;
+        omni_heading_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_heading_real e_settled = empty ? 0.0 : e_held;
+        const omni_heading_real e_out = finite ? e_settled : (omni_heading_real)NAN;
+        e[i] = e_out;
+        const omni_heading_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const omni_heading_real epsilon_out = finite ? epsilon_settled : (omni_heading_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_heading_real xi_settled = empty ? 0.0 : xi_i;
+        const omni_heading_real xi_out = finite ? xi_settled : (omni_heading_real)NAN;
+        xi[i] = xi_out;
+    }
+}

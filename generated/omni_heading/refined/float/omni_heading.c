@@ -1,0 +1,435 @@
+/* omni_heading.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_heading.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_heading.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_heading.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_heading_real omni_heading_coefficients[210] = {
+    -0.07992363F, 0.044451714F, -0.07992363F, 0.043358803F,
+    -0.016656876F, 0.016656876F,
+    0.019994736F, 0.08310509F, 0.019994736F, 0.08332348F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.12306881F, 4.7683716e-6F, 0.1232872F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.16166115F, 4.7683716e-6F, 0.16325188F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.16166115F, 0.015218735F, 0.20321655F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.16166115F, 0.05518341F, 0.24318123F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.16166115F, 0.09514713F, 0.28314495F,
+    -0.016656876F, 0.016656876F,
+    4.7683716e-6F, 0.16166115F, 0.13511181F, 0.32310963F,
+    -0.016656876F, 0.016656876F,
+    0.018623352F, 0.16166115F, 0.17507648F, 0.3630743F,
+    -0.016656876F, 0.016656876F,
+    0.058587074F, 0.121697426F, 0.2150402F, 0.40303802F,
+    -0.016656876F, 0.016656876F,
+    0.09855175F, 0.16166115F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.13851643F, 0.20162582F, 0.29496956F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.1784811F, 0.2415905F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.21844482F, 0.28155518F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.2584095F, 0.3215189F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.29837418F, 0.36148357F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.33833885F, 0.40144825F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.37830257F, 0.44141293F, 0.25500488F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.39310455F, 0.48137665F, 0.26181412F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.43306923F, 0.5213413F, 0.3017788F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.4730339F, 0.561306F, 0.34174252F, 0.37169743F,
+    -0.016656876F, 0.016656876F,
+    0.5129976F, 0.6012707F, 0.3817072F, 0.41166115F,
+    -0.016656876F, 0.016656876F,
+    0.5050049F, 0.6412344F, 0.42167187F, 0.45162582F,
+    -0.016656876F, 0.016656876F,
+    0.5050049F, 0.6811991F, 0.46163654F, 0.4915905F,
+    -0.016656876F, 0.016656876F,
+    0.5050049F, 0.72116375F, 0.42167187F, 0.5315552F,
+    -0.016656876F, 0.016656876F,
+    0.5050049F, 0.7611275F, 0.44361115F, 0.5715189F,
+    -0.016656876F, 0.016656876F,
+    0.5050049F, 0.80109215F, 0.48357582F, 0.6114836F,
+    -0.016656876F, 0.016656876F,
+    0.5235405F, 0.83332825F, 0.5235405F, 0.65144825F,
+    -0.016656876F, 0.016656876F,
+    0.5635042F, 0.83332825F, 0.5635042F, 0.691412F,
+    -0.016656876F, 0.016656876F,
+    0.6034689F, 0.83332825F, 0.6034689F, 0.73137665F,
+    -0.016656876F, 0.016656876F,
+    0.6434336F, 0.83332825F, 0.6434336F, 0.7713413F,
+    -0.016656876F, 0.016656876F,
+    0.6833973F, 0.83332825F, 0.6833973F, 0.811306F,
+    -0.016656876F, 0.016656876F,
+    0.72336197F, 0.83332825F, 0.72336197F, 0.83332825F,
+    -0.016656876F, 0.016656876F,
+    0.76332664F, 0.83332825F, 0.76332664F, 0.83332825F,
+    -0.016656876F, 0.016656876F,
+    0.72336197F, 0.83332825F, 0.72336197F, 0.83332825F,
+    -0.016656876F, 0.016656876F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ */
+static void omni_heading_segment(omni_heading_real t, int32_t *row, omni_heading_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 9.0F;
+    const omni_heading_real started = positive ? t : 0.0F;
+    const omni_heading_real held = running ? started : 0.0F;
+    const omni_heading_real scaled = held * 3.5555556F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const omni_heading_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const omni_heading_real base = (omni_heading_real)segment;
+    const omni_heading_real place = u - base;
+    const int32_t first = segment * 6;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void omni_heading_basis(omni_heading_real s, omni_heading_real *w0, omni_heading_real *w1,
+                               omni_heading_real *w2, omni_heading_real *w3)
+{
+    const omni_heading_real v0 = 1.0F - s;
+    const omni_heading_real v1 = v0 * v0;
+    const omni_heading_real v2 = v1 * v0;
+    const omni_heading_real v3 = v0 * s;
+    const omni_heading_real v4 = 1.0F + v3;
+    const omni_heading_real v5 = 3.0F * v4;
+    const omni_heading_real v6 = v0 * v5;
+    const omni_heading_real v7 = 1.0F + v6;
+    const omni_heading_real v8 = s * v5;
+    const omni_heading_real v9 = 1.0F + v8;
+    const omni_heading_real v10 = s * s;
+    const omni_heading_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void omni_heading_basis_rate(omni_heading_real s, omni_heading_real *dw0, omni_heading_real *dw1,
+                                    omni_heading_real *dw2, omni_heading_real *dw3)
+{
+    const omni_heading_real v0 = 1.0F - s;
+    const omni_heading_real v1 = v0 + v0;
+    const omni_heading_real v2 = v0 * v1;
+    const omni_heading_real v3 = v0 * v0;
+    const omni_heading_real v4 = v2 + v3;
+    const omni_heading_real v5 = -v4;
+    const omni_heading_real v6 = v0 - s;
+    const omni_heading_real v7 = 3.0F * v6;
+    const omni_heading_real v8 = v0 * v7;
+    const omni_heading_real v9 = v0 * s;
+    const omni_heading_real v10 = 1.0F + v9;
+    const omni_heading_real v11 = 3.0F * v10;
+    const omni_heading_real v12 = v8 - v11;
+    const omni_heading_real v13 = s * v7;
+    const omni_heading_real v14 = v11 + v13;
+    const omni_heading_real v15 = s + s;
+    const omni_heading_real v16 = s * v15;
+    const omni_heading_real v17 = s * s;
+    const omni_heading_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static omni_heading_real omni_heading_blend(omni_heading_real w0, omni_heading_real w1, omni_heading_real w2,
+                                            omni_heading_real w3, omni_heading_real q0, omni_heading_real q1,
+                                            omni_heading_real q2, omni_heading_real q3)
+{
+    const omni_heading_real v0 = w0 * q0;
+    const omni_heading_real v1 = w1 * q1;
+    const omni_heading_real v2 = v0 + v1;
+    const omni_heading_real v3 = w2 * q2;
+    const omni_heading_real v4 = w3 * q3;
+    const omni_heading_real v5 = v3 + v4;
+    const omni_heading_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static omni_heading_real omni_heading_normalized_error(omni_heading_real a, omni_heading_real b,
+                                                       omni_heading_real width)
+{
+    const omni_heading_real v0 = a - b;
+    const omni_heading_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void omni_heading_transformed_error(omni_heading_real a, omni_heading_real b, omni_heading_real *epsilon,
+                                           omni_heading_real *xi)
+{
+    const omni_heading_real v0 = a / b;
+    const omni_heading_real v1 = logf(v0);
+    const omni_heading_real v2 = 1.0F + v0;
+    const omni_heading_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static omni_heading_real omni_heading_law(omni_heading_real k, omni_heading_real xi, omni_heading_real epsilon)
+{
+    const omni_heading_real v0 = k * xi;
+    const omni_heading_real v1 = v0 * epsilon;
+    const omni_heading_real v2 = -v1;
+    return v2;
+}
+
+void omni_heading_tube(omni_heading_real t, omni_heading_real lower[OMNI_HEADING_N],
+                       omni_heading_real upper[OMNI_HEADING_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (omni_heading_real)NAN;
+            upper[j] = (omni_heading_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_heading_tube_rate(omni_heading_real t, omni_heading_real lower_rate[OMNI_HEADING_N],
+                            omni_heading_real upper_rate[OMNI_HEADING_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower_rate[j] = (omni_heading_real)NAN;
+            upper_rate[j] = (omni_heading_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real dw0;
+    omni_heading_real dw1;
+    omni_heading_real dw2;
+    omni_heading_real dw3;
+    omni_heading_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0F;
+    const omni_heading_real per_second = moving ? 3.5555556F : 0.0F;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_slope = omni_heading_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_heading_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_slope = omni_heading_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
+                                         omni_heading_real u[OMNI_HEADING_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 3; ++j) {
+        const omni_heading_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 3; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return OMNI_HEADING_BAD_INPUT;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const omni_heading_real width = wide ? 9.536743e-7F : room;
+        const omni_heading_real least = width * 0.005F;
+        const omni_heading_real most = width * 0.995F;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_heading_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_heading_real a = a_over ? most : a_raised;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_heading_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_heading_real b = b_over ? most : b_raised;
+        omni_heading_real epsilon;
+        omni_heading_real xi;
+        omni_heading_transformed_error(a, b, &epsilon, &xi);
+        const omni_heading_real push = omni_heading_law(0.5F, xi, epsilon);
+        const omni_heading_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? OMNI_HEADING_OK : OMNI_HEADING_OUTSIDE_TUBE;
+}
+
+void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
+                            const omni_heading_real upper[OMNI_HEADING_N],
+                            const omni_heading_real x[OMNI_HEADING_N], omni_heading_real e[OMNI_HEADING_N],
+                            omni_heading_real epsilon[OMNI_HEADING_N], omni_heading_real xi[OMNI_HEADING_N])
+{
+    for (int32_t i = 0; i < 3; ++i) {
+        const omni_heading_real lower_edge = lower[i];
+        const omni_heading_real upper_edge = upper[i];
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const omni_heading_real width = wide ? 9.536743e-7F : room;
+        const omni_heading_real least = width * 0.005F;
+        const omni_heading_real most = width * 0.995F;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_heading_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_heading_real a = a_over ? most : a_raised;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_heading_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_heading_real b = b_over ? most : b_raised;
+        const omni_heading_real e_raw = omni_heading_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99F);
+        const omni_heading_real e_held_raised = e_held_under ? (-0.99F) : e_raw;
+        const bool e_held_over = 0.99F < e_held_raised;
+        const omni_heading_real e_held = e_held_over ? 0.99F : e_held_raised;
+        omni_heading_real epsilon_i;
+        omni_heading_real xi_i;
+        omni_heading_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_heading_real e_settled = empty ? 0.0F : e_held;
+        const omni_heading_real e_out = finite ? e_settled : (omni_heading_real)NAN;
+        e[i] = e_out;
+        const omni_heading_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const omni_heading_real epsilon_out = finite ? epsilon_settled : (omni_heading_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_heading_real xi_settled = empty ? 0.0F : xi_i;
+        const omni_heading_real xi_out = finite ? xi_settled : (omni_heading_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,393 @@
+/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_s1.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_s1.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_s1_real omni_s1_coefficients[140] = {
+    -0.060161590576171875, 0.052669525146484375, 0.778620719909668, 0.861933708190918,
+    0.014769554138183594, 0.08332347869873047, 0.7500104904174805, 0.8333234786987305,
+    0.0011463165283203125, 0.11397743225097656, 0.721400260925293, 0.804713249206543,
+    4.76837158203125e-6, 0.14463043212890625, 0.6927900314331055, 0.7761030197143555,
+    4.76837158203125e-6, 0.16166114807128906, 0.664179801940918, 0.747492790222168,
+    0.0011463165283203125, 0.16166114807128906, 0.6355695724487305, 0.7188825607299805,
+    0.031800270080566406, 0.16166114807128906, 0.606959342956543, 0.690272331237793,
+    0.0624542236328125, 0.13100814819335938, 0.5883388519287109, 0.6616621017456055,
+    0.09310722351074219, 0.16166114807128906, 0.5883378982543945, 0.6616611480712891,
+    0.12376117706298828, 0.19231510162353516, 0.5883388519287109, 0.6616621017456055,
+    0.15441513061523438, 0.22296905517578125, 0.5883378982543945, 0.6616611480712891,
+    0.18506908416748047, 0.25362300872802734, 0.5883388519287109, 0.6616621017456055,
+    0.21572303771972656, 0.28427696228027344, 0.5883378982543945, 0.6616611480712891,
+    0.24637699127197266, 0.31493091583251953, 0.5883388519287109, 0.6616621017456055,
+    0.27703094482421875, 0.3455848693847656, 0.5883378982543945, 0.6616611480712891,
+    0.30768489837646484, 0.3762388229370117, 0.5883388519287109, 0.6616621017456055,
+    0.33833885192871094, 0.4068927764892578, 0.5883378982543945, 0.6616611480712891,
+    0.3689918518066406, 0.4375457763671875, 0.5883388519287109, 0.6616621017456055,
+    0.33833885192871094, 0.4681997299194336, 0.5883388519287109, 0.690272331237793,
+    0.33833885192871094, 0.4988536834716797, 0.5883388519287109, 0.7188825607299805,
+    0.3617229461669922, 0.5295076370239258, 0.5883388519287109, 0.747492790222168,
+    0.3923768997192383, 0.5601615905761719, 0.5883388519287109, 0.7761030197143555,
+    0.4230308532714844, 0.590815544128418, 0.5883388519287109, 0.804713249206543,
+    0.45368480682373047, 0.6214694976806641, 0.5883388519287109, 0.8333234786987305,
+    0.48433876037597656, 0.6521234512329102, 0.5883388519287109, 0.8333282470703125,
+    0.5149927139282227, 0.6827774047851562, 0.5883388519287109, 0.8333282470703125,
+    0.5456457138061523, 0.7134304046630859, 0.5883388519287109, 0.8333282470703125,
+    0.5762996673583984, 0.744084358215332, 0.5883388519287109, 0.8333282470703125,
+    0.6069536209106445, 0.7747383117675781, 0.6164913177490234, 0.8333282470703125,
+    0.6376075744628906, 0.8053922653198242, 0.6451015472412109, 0.8333282470703125,
+    0.6682615280151367, 0.8333282470703125, 0.673710823059082, 0.8333282470703125,
+    0.6989154815673828, 0.8333282470703125, 0.7023210525512695, 0.8333282470703125,
+    0.7295694351196289, 0.8333282470703125, 0.730931282043457, 0.8333282470703125,
+    0.760223388671875, 0.8333282470703125, 0.7595415115356445, 0.8333282470703125,
+    0.7295694351196289, 0.8333282470703125, 0.730931282043457, 0.8333282470703125
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ */
+static void omni_s1_segment(omni_s1_real t, int32_t *row, omni_s1_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 9.0;
+    const omni_s1_real started = positive ? t : 0.0;
+    const omni_s1_real held = running ? started : 0.0;
+    const omni_s1_real scaled = held * 3.5555555555555554;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const omni_s1_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const omni_s1_real base = (omni_s1_real)segment;
+    const omni_s1_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void omni_s1_basis(omni_s1_real s, omni_s1_real *w0, omni_s1_real *w1, omni_s1_real *w2,
+                          omni_s1_real *w3)
+{
+    const omni_s1_real v0 = 1.0 - s;
+    const omni_s1_real v1 = v0 * v0;
+    const omni_s1_real v2 = v1 * v0;
+    const omni_s1_real v3 = v0 * s;
+    const omni_s1_real v4 = 1.0 + v3;
+    const omni_s1_real v5 = 3.0 * v4;
+    const omni_s1_real v6 = v0 * v5;
+    const omni_s1_real v7 = 1.0 + v6;
+    const omni_s1_real v8 = s * v5;
+    const omni_s1_real v9 = 1.0 + v8;
+    const omni_s1_real v10 = s * s;
+    const omni_s1_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void omni_s1_basis_rate(omni_s1_real s, omni_s1_real *dw0, omni_s1_real *dw1, omni_s1_real *dw2,
+                               omni_s1_real *dw3)
+{
+    const omni_s1_real v0 = 1.0 - s;
+    const omni_s1_real v1 = v0 + v0;
+    const omni_s1_real v2 = v0 * v1;
+    const omni_s1_real v3 = v0 * v0;
+    const omni_s1_real v4 = v2 + v3;
+    const omni_s1_real v5 = -v4;
+    const omni_s1_real v6 = v0 - s;
+    const omni_s1_real v7 = 3.0 * v6;
+    const omni_s1_real v8 = v0 * v7;
+    const omni_s1_real v9 = v0 * s;
+    const omni_s1_real v10 = 1.0 + v9;
+    const omni_s1_real v11 = 3.0 * v10;
+    const omni_s1_real v12 = v8 - v11;
+    const omni_s1_real v13 = s * v7;
+    const omni_s1_real v14 = v11 + v13;
+    const omni_s1_real v15 = s + s;
+    const omni_s1_real v16 = s * v15;
+    const omni_s1_real v17 = s * s;
+    const omni_s1_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static omni_s1_real omni_s1_blend(omni_s1_real w0, omni_s1_real w1, omni_s1_real w2, omni_s1_real w3,
+                                  omni_s1_real q0, omni_s1_real q1, omni_s1_real q2, omni_s1_real q3)
+{
+    const omni_s1_real v0 = w0 * q0;
+    const omni_s1_real v1 = w1 * q1;
+    const omni_s1_real v2 = v0 + v1;
+    const omni_s1_real v3 = w2 * q2;
+    const omni_s1_real v4 = w3 * q3;
+    const omni_s1_real v5 = v3 + v4;
+    const omni_s1_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omni_s1_real width)
+{
+    const omni_s1_real v0 = a - b;
+    const omni_s1_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void omni_s1_transformed_error(omni_s1_real a, omni_s1_real b, omni_s1_real *epsilon, omni_s1_real *xi)
+{
+    const omni_s1_real v0 = a / b;
+    const omni_s1_real v1 = log(v0);
+    const omni_s1_real v2 = 1.0 + v0;
+    const omni_s1_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static omni_s1_real omni_s1_law(omni_s1_real k, omni_s1_real xi, omni_s1_real epsilon)
+{
+    const omni_s1_real v0 = k * xi;
+    const omni_s1_real v1 = v0 * epsilon;
+    const omni_s1_real v2 = -v1;
+    return v2;
+}
+
+void omni_s1_tube(omni_s1_real t, omni_s1_real lower[OMNI_S1_N], omni_s1_real upper[OMNI_S1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (omni_s1_real)NAN;
+            upper[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real w0;
+    omni_s1_real w1;
+    omni_s1_real w2;
+    omni_s1_real w3;
+    omni_s1_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_edge = omni_s1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_edge = omni_s1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_s1_tube_rate(omni_s1_real t, omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (omni_s1_real)NAN;
+            upper_rate[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real dw0;
+    omni_s1_real dw1;
+    omni_s1_real dw2;
+    omni_s1_real dw3;
+    omni_s1_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0;
+    const omni_s1_real per_second = moving ? 3.5555555555555554 : 0.0;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_slope = omni_s1_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_s1_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_slope = omni_s1_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s1_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_s1_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0;
+        }
+        return OMNI_S1_BAD_INPUT;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real w0;
+    omni_s1_real w1;
+    omni_s1_real w2;
+    omni_s1_real w3;
+    omni_s1_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_edge = omni_s1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_edge = omni_s1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const omni_s1_real width = wide ? 9.5367431640625e-7 : room;
+        const omni_s1_real least = width * 0.005;
+        const omni_s1_real most = width * 0.995;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_s1_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_s1_real a = a_over ? most : a_raised;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_s1_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_s1_real b = b_over ? most : b_raised;
+        omni_s1_real epsilon;
+        omni_s1_real xi;
+        omni_s1_transformed_error(a, b, &epsilon, &xi);
+        const omni_s1_real push = omni_s1_law(0.5, xi, epsilon);
+        const omni_s1_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? OMNI_S1_OK : OMNI_S1_OUTSIDE_TUBE;
+}
+
+void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
+                       const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
+                       omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_s1_real lower_edge = lower[i];
+        const omni_s1_real upper_edge = upper[i];
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const omni_s1_real width = wide ? 9.5367431640625e-7 : room;
+        const omni_s1_real least = width * 0.005;
+        const omni_s1_real most = width * 0.995;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_s1_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_s1_real a = a_over ? most : a_raised;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_s1_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_s1_real b = b_over ? most : b_raised;
+        const omni_s1_real e_raw = omni_s1_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99);
+        const omni_s1_real e_held_raised = e_held_under ? (-0.99) : e_raw;
+        const bool e_held_over = 0.99 < e_held_raised;
+        const omni_s1_real e_held = e_held_over ? 0.99 : e_held_raised;
+        omni_s1_real epsilon_i;
+        omni_s1_real xi_i;
+        omni_s1_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_s1_real e_settled = empty ? 0.0 : e_held;
+        const omni_s1_real e_out = finite ? e_settled : (omni_s1_real)NAN;
+        e[i] = e_out;
+        const omni_s1_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const omni_s1_real epsilon_out = finite ? epsilon_settled : (omni_s1_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_s1_real xi_settled = empty ? 0.0 : xi_i;
+        const omni_s1_real xi_out = finite ? xi_settled : (omni_s1_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,381 @@
+"""omni_s1: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+
+The same functions as omni_s1.c (single precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 9.0  # prescribed time, seconds
+DESIGN_HASH = "25ff7a550424e114"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-20: exact in float and double.
+COEFFICIENTS = (
+    -0.060161590576171875, 0.052669525146484375, 0.778620719909668, 0.861933708190918,
+    0.014769554138183594, 0.08332347869873047, 0.7500104904174805, 0.8333234786987305,
+    0.0011463165283203125, 0.11397743225097656, 0.721400260925293, 0.804713249206543,
+    4.76837158203125e-6, 0.14463043212890625, 0.6927900314331055, 0.7761030197143555,
+    4.76837158203125e-6, 0.16166114807128906, 0.664179801940918, 0.747492790222168,
+    0.0011463165283203125, 0.16166114807128906, 0.6355695724487305, 0.7188825607299805,
+    0.031800270080566406, 0.16166114807128906, 0.606959342956543, 0.690272331237793,
+    0.0624542236328125, 0.13100814819335938, 0.5883388519287109, 0.6616621017456055,
+    0.09310722351074219, 0.16166114807128906, 0.5883378982543945, 0.6616611480712891,
+    0.12376117706298828, 0.19231510162353516, 0.5883388519287109, 0.6616621017456055,
+    0.15441513061523438, 0.22296905517578125, 0.5883378982543945, 0.6616611480712891,
+    0.18506908416748047, 0.25362300872802734, 0.5883388519287109, 0.6616621017456055,
+    0.21572303771972656, 0.28427696228027344, 0.5883378982543945, 0.6616611480712891,
+    0.24637699127197266, 0.31493091583251953, 0.5883388519287109, 0.6616621017456055,
+    0.27703094482421875, 0.3455848693847656, 0.5883378982543945, 0.6616611480712891,
+    0.30768489837646484, 0.3762388229370117, 0.5883388519287109, 0.6616621017456055,
+    0.33833885192871094, 0.4068927764892578, 0.5883378982543945, 0.6616611480712891,
+    0.3689918518066406, 0.4375457763671875, 0.5883388519287109, 0.6616621017456055,
+    0.33833885192871094, 0.4681997299194336, 0.5883388519287109, 0.690272331237793,
+    0.33833885192871094, 0.4988536834716797, 0.5883388519287109, 0.7188825607299805,
+    0.3617229461669922, 0.5295076370239258, 0.5883388519287109, 0.747492790222168,
+    0.3923768997192383, 0.5601615905761719, 0.5883388519287109, 0.7761030197143555,
+    0.4230308532714844, 0.590815544128418, 0.5883388519287109, 0.804713249206543,
+    0.45368480682373047, 0.6214694976806641, 0.5883388519287109, 0.8333234786987305,
+    0.48433876037597656, 0.6521234512329102, 0.5883388519287109, 0.8333282470703125,
+    0.5149927139282227, 0.6827774047851562, 0.5883388519287109, 0.8333282470703125,
+    0.5456457138061523, 0.7134304046630859, 0.5883388519287109, 0.8333282470703125,
+    0.5762996673583984, 0.744084358215332, 0.5883388519287109, 0.8333282470703125,
+    0.6069536209106445, 0.7747383117675781, 0.6164913177490234, 0.8333282470703125,
+    0.6376075744628906, 0.8053922653198242, 0.6451015472412109, 0.8333282470703125,
+    0.6682615280151367, 0.8333282470703125, 0.673710823059082, 0.8333282470703125,
+    0.6989154815673828, 0.8333282470703125, 0.7023210525512695, 0.8333282470703125,
+    0.7295694351196289, 0.8333282470703125, 0.730931282043457, 0.8333282470703125,
+    0.760223388671875, 0.8333282470703125, 0.7595415115356445, 0.8333282470703125,
+    0.7295694351196289, 0.8333282470703125, 0.730931282043457, 0.8333282470703125,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+    """
+    positive = 0.0 < t
+    running = t < 9.0
+    started = t if positive else 0.0
+    held = started if running else 0.0
+    scaled = held * 3.555555582046509
+    early = scaled < 32.0
+    use = running and early
+    u = scaled if use else 32.0
+    whole = int(u)
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 9.0
+    per_second = 3.555555582046509 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite = finite_t
+    for j in range(2):
+        x_j = x[j]
+        finite_x = math.isfinite(x_j)
+        both = finite and finite_x
+        finite = both
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    inside = True
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = room < 9.5367431640625e-7
+        width = 9.5367431640625e-7 if wide else room
+        least = width * 0.004999999888241291
+        most = width * 0.9950000047683716
+        to_lower = x_i - lower_edge
+        a_under = to_lower < least
+        a_raised = least if a_under else to_lower
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_under = to_upper < least
+        b_raised = least if b_under else to_upper
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = lower_edge < x_i
+        below = x_i < upper_edge
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower, NaN where an edge or x is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = room < 9.5367431640625e-7
+        width = 9.5367431640625e-7 if wide else room
+        least = width * 0.004999999888241291
+        most = width * 0.9950000047683716
+        to_lower = x_i - lower_edge
+        a_under = to_lower < least
+        a_raised = least if a_under else to_lower
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_under = to_upper < least
+        b_raised = least if b_under else to_upper
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_under = e_raw < -0.9900000095367432
+        e_held_raised = -0.9900000095367432 if e_held_under else e_raw
+        e_held_over = 0.9900000095367432 < e_held_raised
+        e_held = 0.9900000095367432 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

@@ -1,0 +1,393 @@
+/* omni_s3.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_s3.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_s3.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_s3.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_s3_real omni_s3_coefficients[140] = {
+    0.68875885F, 0.77207184F, -0.023674011F, 0.059638977F,
+    0.6666765F, 0.7499895F, 1.04904175e-5F, 0.08332348F,
+    0.64459515F, 0.72790813F, 0.023694038F, 0.10700703F,
+    0.6225128F, 0.7058258F, 0.04737854F, 0.13069153F,
+    0.6004305F, 0.6837435F, 0.07106209F, 0.15437508F,
+    0.57834816F, 0.66166115F, 0.09474659F, 0.17805958F,
+    0.5562668F, 0.6395798F, 0.11843014F, 0.20174313F,
+    0.53418446F, 0.66166115F, 0.14211464F, 0.22542763F,
+    0.5121021F, 0.66166115F, 0.16579819F, 0.24911118F,
+    0.5050049F, 0.66166115F, 0.18948269F, 0.27279568F,
+    0.5050049F, 0.66166115F, 0.21316624F, 0.29647923F,
+    0.5050049F, 0.66166115F, 0.23685074F, 0.32016373F,
+    0.5050049F, 0.66166115F, 0.2605343F, 0.34384727F,
+    0.5050049F, 0.66166115F, 0.2842188F, 0.36753178F,
+    0.5050049F, 0.66166115F, 0.3079033F, 0.39121628F,
+    0.5050049F, 0.66166115F, 0.33158684F, 0.41489983F,
+    0.5050049F, 0.66166115F, 0.35527134F, 0.43858433F,
+    0.5050049F, 0.66166115F, 0.3789549F, 0.46226788F,
+    0.5050049F, 0.6395798F, 0.4026394F, 0.48595238F,
+    0.5050049F, 0.66166115F, 0.42632294F, 0.5096359F,
+    0.5050049F, 0.6837435F, 0.45000744F, 0.5333204F,
+    0.5050049F, 0.7058258F, 0.473691F, 0.557004F,
+    0.5144634F, 0.72790813F, 0.4973755F, 0.5806885F,
+    0.5365448F, 0.7499895F, 0.52105904F, 0.604372F,
+    0.5586271F, 0.77207184F, 0.54474354F, 0.6280565F,
+    0.58070946F, 0.79415417F, 0.5684271F, 0.6517401F,
+    0.6027918F, 0.81623554F, 0.5921116F, 0.6754246F,
+    0.62487316F, 0.83332825F, 0.61579514F, 0.6991081F,
+    0.6469555F, 0.83332825F, 0.63947964F, 0.7227926F,
+    0.6690378F, 0.83332825F, 0.6631632F, 0.7464762F,
+    0.6911192F, 0.83332825F, 0.6868477F, 0.7701607F,
+    0.7132015F, 0.83332825F, 0.71053123F, 0.7938442F,
+    0.73528385F, 0.81862736F, 0.73421574F, 0.8175287F,
+    0.7573662F, 0.8406782F, 0.75790024F, 0.8412132F,
+    0.73528385F, 0.81862736F, 0.73421574F, 0.8175287F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ */
+static void omni_s3_segment(omni_s3_real t, int32_t *row, omni_s3_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 9.0F;
+    const omni_s3_real started = positive ? t : 0.0F;
+    const omni_s3_real held = running ? started : 0.0F;
+    const omni_s3_real scaled = held * 3.5555556F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const omni_s3_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const omni_s3_real base = (omni_s3_real)segment;
+    const omni_s3_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void omni_s3_basis(omni_s3_real s, omni_s3_real *w0, omni_s3_real *w1, omni_s3_real *w2,
+                          omni_s3_real *w3)
+{
+    const omni_s3_real v0 = 1.0F - s;
+    const omni_s3_real v1 = v0 * v0;
+    const omni_s3_real v2 = v1 * v0;
+    const omni_s3_real v3 = v0 * s;
+    const omni_s3_real v4 = 1.0F + v3;
+    const omni_s3_real v5 = 3.0F * v4;
+    const omni_s3_real v6 = v0 * v5;
+    const omni_s3_real v7 = 1.0F + v6;
+    const omni_s3_real v8 = s * v5;
+    const omni_s3_real v9 = 1.0F + v8;
+    const omni_s3_real v10 = s * s;
+    const omni_s3_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void omni_s3_basis_rate(omni_s3_real s, omni_s3_real *dw0, omni_s3_real *dw1, omni_s3_real *dw2,
+                               omni_s3_real *dw3)
+{
+    const omni_s3_real v0 = 1.0F - s;
+    const omni_s3_real v1 = v0 + v0;
+    const omni_s3_real v2 = v0 * v1;
+    const omni_s3_real v3 = v0 * v0;
+    const omni_s3_real v4 = v2 + v3;
+    const omni_s3_real v5 = -v4;
+    const omni_s3_real v6 = v0 - s;
+    const omni_s3_real v7 = 3.0F * v6;
+    const omni_s3_real v8 = v0 * v7;
+    const omni_s3_real v9 = v0 * s;
+    const omni_s3_real v10 = 1.0F + v9;
+    const omni_s3_real v11 = 3.0F * v10;
+    const omni_s3_real v12 = v8 - v11;
+    const omni_s3_real v13 = s * v7;
+    const omni_s3_real v14 = v11 + v13;
+    const omni_s3_real v15 = s + s;
+    const omni_s3_real v16 = s * v15;
+    const omni_s3_real v17 = s * s;
+    const omni_s3_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static omni_s3_real omni_s3_blend(omni_s3_real w0, omni_s3_real w1, omni_s3_real w2, omni_s3_real w3,
+                                  omni_s3_real q0, omni_s3_real q1, omni_s3_real q2, omni_s3_real q3)
+{
+    const omni_s3_real v0 = w0 * q0;
+    const omni_s3_real v1 = w1 * q1;
+    const omni_s3_real v2 = v0 + v1;
+    const omni_s3_real v3 = w2 * q2;
+    const omni_s3_real v4 = w3 * q3;
+    const omni_s3_real v5 = v3 + v4;
+    const omni_s3_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static omni_s3_real omni_s3_normalized_error(omni_s3_real a, omni_s3_real b, omni_s3_real width)
+{
+    const omni_s3_real v0 = a - b;
+    const omni_s3_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void omni_s3_transformed_error(omni_s3_real a, omni_s3_real b, omni_s3_real *epsilon, omni_s3_real *xi)
+{
+    const omni_s3_real v0 = a / b;
+    const omni_s3_real v1 = logf(v0);
+    const omni_s3_real v2 = 1.0F + v0;
+    const omni_s3_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static omni_s3_real omni_s3_law(omni_s3_real k, omni_s3_real xi, omni_s3_real epsilon)
+{
+    const omni_s3_real v0 = k * xi;
+    const omni_s3_real v1 = v0 * epsilon;
+    const omni_s3_real v2 = -v1;
+    return v2;
+}
+
+void omni_s3_tube(omni_s3_real t, omni_s3_real lower[OMNI_S3_N], omni_s3_real upper[OMNI_S3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (omni_s3_real)NAN;
+            upper[j] = (omni_s3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s3_real s;
+    omni_s3_segment(t, &row, &s);
+    omni_s3_real w0;
+    omni_s3_real w1;
+    omni_s3_real w2;
+    omni_s3_real w3;
+    omni_s3_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
+        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
+        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_s3_tube_rate(omni_s3_real t, omni_s3_real lower_rate[OMNI_S3_N], omni_s3_real upper_rate[OMNI_S3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (omni_s3_real)NAN;
+            upper_rate[j] = (omni_s3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s3_real s;
+    omni_s3_segment(t, &row, &s);
+    omni_s3_real dw0;
+    omni_s3_real dw1;
+    omni_s3_real dw2;
+    omni_s3_real dw3;
+    omni_s3_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0F;
+    const omni_s3_real per_second = moving ? 3.5555556F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
+        const omni_s3_real lower_slope = omni_s3_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_s3_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
+        const omni_s3_real upper_slope = omni_s3_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s3_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], omni_s3_real u[OMNI_S3_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_s3_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return OMNI_S3_BAD_INPUT;
+    }
+    int32_t row;
+    omni_s3_real s;
+    omni_s3_segment(t, &row, &s);
+    omni_s3_real w0;
+    omni_s3_real w1;
+    omni_s3_real w2;
+    omni_s3_real w3;
+    omni_s3_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
+        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
+        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s3_real x_i = x[i];
+        const omni_s3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const omni_s3_real width = wide ? 9.536743e-7F : room;
+        const omni_s3_real least = width * 0.005F;
+        const omni_s3_real most = width * 0.995F;
+        const omni_s3_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_s3_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_s3_real a = a_over ? most : a_raised;
+        const omni_s3_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_s3_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_s3_real b = b_over ? most : b_raised;
+        omni_s3_real epsilon;
+        omni_s3_real xi;
+        omni_s3_transformed_error(a, b, &epsilon, &xi);
+        const omni_s3_real push = omni_s3_law(0.5F, xi, epsilon);
+        const omni_s3_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? OMNI_S3_OK : OMNI_S3_OUTSIDE_TUBE;
+}
+
+void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real upper[OMNI_S3_N],
+                       const omni_s3_real x[OMNI_S3_N], omni_s3_real e[OMNI_S3_N],
+                       omni_s3_real epsilon[OMNI_S3_N], omni_s3_real xi[OMNI_S3_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_s3_real lower_edge = lower[i];
+        const omni_s3_real upper_edge = upper[i];
+        const omni_s3_real x_i = x[i];
+        const omni_s3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const omni_s3_real width = wide ? 9.536743e-7F : room;
+        const omni_s3_real least = width * 0.005F;
+        const omni_s3_real most = width * 0.995F;
+        const omni_s3_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const omni_s3_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const omni_s3_real a = a_over ? most : a_raised;
+        const omni_s3_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const omni_s3_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const omni_s3_real b = b_over ? most : b_raised;
+        const omni_s3_real e_raw = omni_s3_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99F);
+        const omni_s3_real e_held_raised = e_held_under ? (-0.99F) : e_raw;
+        const bool e_held_over = 0.99F < e_held_raised;
+        const omni_s3_real e_held = e_held_over ? 0.99F : e_held_raised;
+        omni_s3_real epsilon_i;
+        omni_s3_real xi_i;
+        omni_s3_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_s3_real e_settled = empty ? 0.0F : e_held;
+        const omni_s3_real e_out = finite ? e_settled : (omni_s3_real)NAN;
+        e[i] = e_out;
+        const omni_s3_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const omni_s3_real epsilon_out = finite ? epsilon_settled : (omni_s3_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_s3_real xi_settled = empty ? 0.0F : xi_i;
+        const omni_s3_real xi_out = finite ? xi_settled : (omni_s3_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,60 @@
+/* omni_s3.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_s3.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * Call omni_s3_control once every period with the time since the start and the measured state. It keeps no state and
+ * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
+ */
+#ifndef OMNI_S3_H
+#define OMNI_S3_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef float omni_s3_real;
+
+#define OMNI_S3_N 2
+#define OMNI_S3_T_C 9.0F /* prescribed time, seconds */
+#define OMNI_S3_DESIGN_HASH "4f0e64d8de572afd" /* log it: names this design */
+
+typedef enum {
+    OMNI_S3_OK = 0,
+    OMNI_S3_OUTSIDE_TUBE = 1,
+    OMNI_S3_BAD_INPUT = 2
+} omni_s3_status;
+
+/* Edges of the tube gamma at time t (seconds), in the task's units.
+ * t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+ */
+void omni_s3_tube(omni_s3_real t, omni_s3_real lower[OMNI_S3_N], omni_s3_real upper[OMNI_S3_N]);
+
+/* Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+ * The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+ */
+void omni_s3_tube_rate(omni_s3_real t, omni_s3_real lower_rate[OMNI_S3_N], omni_s3_real upper_rate[OMNI_S3_N]);
+
+/* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+ * t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+ */
+omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], omni_s3_real u[OMNI_S3_N]);
+
+/* Error transform of section IV for the state x in the box (lower, upper), by component:
+ *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+ *   epsilon = ln((1 + e) / (1 - e))
+ *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+ * 0 in a component with upper <= lower, NaN where an edge or x is not finite.
+ */
+void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real upper[OMNI_S3_N],
+                       const omni_s3_real x[OMNI_S3_N], omni_s3_real e[OMNI_S3_N],
+                       omni_s3_real epsilon[OMNI_S3_N], omni_s3_real xi[OMNI_S3_N]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,433 @@
+/* spacecraft.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (spacecraft.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "spacecraft.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "spacecraft.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]
+ * Multiples of 2^-21: exact in float and double.
+ */
+static const spacecraft_real spacecraft_coefficients[210] = {
+    -0.01691150665283203, 0.08307838439941406, -0.04571390151977539, 0.07713651657104492,
+    0.055092811584472656, 0.15508270263671875,
+    5.245208740234375e-6, 0.09999513626098633, 0.011435508728027344, 0.09999513626098633,
+    0.06667184829711914, 0.16666173934936523,
+    0.016921520233154297, 0.11691141128540039, 2.384185791015625e-6, 0.12285327911376953,
+    0.07825040817260742, 0.17824029922485352,
+    0.03383827209472656, 0.13382816314697266, 2.384185791015625e-6, 0.14571142196655273,
+    0.0898294448852539, 0.1898193359375,
+    0.050754547119140625, 0.15074443817138672, 2.384185791015625e-6, 0.16856956481933594,
+    0.10140848159790039, 0.20139837265014648,
+    0.06767129898071289, 0.16766119003295898, 2.384185791015625e-6, 0.19142770767211914,
+    0.11298704147338867, 0.21297693252563477,
+    0.08458757400512695, 0.18457746505737305, 2.384185791015625e-6, 0.21428585052490234,
+    0.12456607818603516, 0.22455596923828125,
+    0.10150432586669922, 0.2014942169189453, 2.384185791015625e-6, 0.2283306121826172,
+    0.13614511489868164, 0.23613500595092773,
+    0.11842107772827148, 0.21841049194335938, 2.384185791015625e-6, 0.2283306121826172,
+    0.14772367477416992, 0.24771356582641602,
+    0.13533735275268555, 0.23532724380493164, 2.384185791015625e-6, 0.2283306121826172,
+    0.1593027114868164, 0.2592926025390625,
+    0.1522541046142578, 0.2522439956665039, 2.384185791015625e-6, 0.2283306121826172,
+    0.1708817481994629, 0.2708711624145508,
+    0.16917037963867188, 0.26916027069091797, 2.384185791015625e-6, 0.2283306121826172,
+    0.18246030807495117, 0.28245019912719727,
+    0.18608713150024414, 0.28607702255249023, 2.384185791015625e-6, 0.2283306121826172,
+    0.19403934478759766, 0.29402923583984375,
+    0.2030034065246582, 0.3029932975769043, 2.384185791015625e-6, 0.2283306121826172,
+    0.20561838150024414, 0.30560779571533203,
+    0.21992015838623047, 0.31991004943847656, 0.006649017333984375, 0.2283306121826172,
+    0.21719694137573242, 0.3171868324279785,
+    0.23683643341064453, 0.3368263244628906, 0.029507160186767578, 0.2283306121826172,
+    0.2287759780883789, 0.328765869140625,
+    0.2537531852722168, 0.3537430763244629, 0.05236530303955078, 0.2283306121826172,
+    0.2403545379638672, 0.3403444290161133,
+    0.27066993713378906, 0.37065935134887695, 0.07522344589233398, 0.2283306121826172,
+    0.25193357467651367, 0.35192346572875977,
+    0.2875862121582031, 0.3875761032104492, 0.09808206558227539, 0.2283306121826172,
+    0.26351261138916016, 0.36350250244140625,
+    0.3045029640197754, 0.4044928550720215, 0.1209402084350586, 0.2283306121826172,
+    0.27509117126464844, 0.37508106231689453,
+    0.32141923904418945, 0.42140913009643555, 0.1437983512878418, 0.20547246932983398,
+    0.2866702079772949, 0.386660099029541,
+    0.3383359909057617, 0.4383258819580078, 0.166656494140625, 0.2283306121826172,
+    0.2982492446899414, 0.3982391357421875,
+    0.3552522659301758, 0.4552421569824219, 0.1895146369934082, 0.2511892318725586,
+    0.3098278045654297, 0.4098176956176758,
+    0.3383359909057617, 0.47215890884399414, 0.2123727798461914, 0.2740473747253418,
+    0.32140684127807617, 0.42139673233032227,
+    0.3383359909057617, 0.4890751838684082, 0.2352313995361328, 0.296905517578125,
+    0.33298587799072266, 0.43297529220581055,
+    0.3383359909057617, 0.5059919357299805, 0.258089542388916, 0.3197636604309082,
+    0.34456443786621094, 0.44455432891845703,
+    0.3383359909057617, 0.5229082107543945, 0.2809476852416992, 0.3426218032836914,
+    0.3561434745788574, 0.4561333656311035,
+    0.3383359909057617, 0.5333309173583984, 0.3038058280944824, 0.3654799461364746,
+    0.3677225112915039, 0.4677119255065918,
+    0.35439205169677734, 0.5333309173583984, 0.3266639709472656, 0.388338565826416,
+    0.3793010711669922, 0.4792909622192383,
+    0.3713083267211914, 0.5333309173583984, 0.34952259063720703, 0.4111967086791992,
+    0.39088010787963867, 0.49086999893188477,
+    0.38822507858276367, 0.5333309173583984, 0.37238073348999023, 0.4340548515319824,
+    0.40245866775512695, 0.502448558807373,
+    0.40514183044433594, 0.5333309173583984, 0.39523887634277344, 0.4569129943847656,
+    0.41403770446777344, 0.5140275955200195,
+    0.42205810546875, 0.5220632553100586, 0.41809701919555664, 0.47977113723754883,
+    0.4256167411804199, 0.525606632232666,
+    0.43897485733032227, 0.5389642715454102, 0.44095516204833984, 0.5026297569274902,
+    0.4371953010559082, 0.5371851921081543,
+    0.42205810546875, 0.5220632553100586, 0.41809701919555664, 0.47977113723754883,
+    0.4256167411804199, 0.525606632232666
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 15 s).
+ */
+static void spacecraft_segment(spacecraft_real t, int32_t *row, spacecraft_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 15.0;
+    const spacecraft_real started = positive ? t : 0.0;
+    const spacecraft_real held = running ? started : 0.0;
+    const spacecraft_real scaled = held * 2.1333333333333333;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const spacecraft_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const spacecraft_real base = (spacecraft_real)segment;
+    const spacecraft_real place = u - base;
+    const int32_t first = segment * 6;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void spacecraft_basis(spacecraft_real s, spacecraft_real *w0, spacecraft_real *w1, spacecraft_real *w2,
+                             spacecraft_real *w3)
+{
+    const spacecraft_real v0 = 1.0 - s;
+    const spacecraft_real v1 = v0 * v0;
+    const spacecraft_real v2 = v1 * v0;
+    const spacecraft_real v3 = v0 * s;
+    const spacecraft_real v4 = 1.0 + v3;
+    const spacecraft_real v5 = 3.0 * v4;
+    const spacecraft_real v6 = v0 * v5;
+    const spacecraft_real v7 = 1.0 + v6;
+    const spacecraft_real v8 = s * v5;
+    const spacecraft_real v9 = 1.0 + v8;
+    const spacecraft_real v10 = s * s;
+    const spacecraft_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0, spacecraft_real *dw1,
+                                  spacecraft_real *dw2, spacecraft_real *dw3)
+{
+    const spacecraft_real v0 = 1.0 - s;
+    const spacecraft_real v1 = v0 + v0;
+    const spacecraft_real v2 = v0 * v1;
+    const spacecraft_real v3 = v0 * v0;
+    const spacecraft_real v4 = v2 + v3;
+    const spacecraft_real v5 = -v4;
+    const spacecraft_real v6 = v0 - s;
+    const spacecraft_real v7 = 3.0 * v6;
+    const spacecraft_real v8 = v0 * v7;
+    const spacecraft_real v9 = v0 * s;
+    const spacecraft_real v10 = 1.0 + v9;
+    const spacecraft_real v11 = 3.0 * v10;
+    const spacecraft_real v12 = v8 - v11;
+    const spacecraft_real v13 = s * v7;
+    const spacecraft_real v14 = v11 + v13;
+    const spacecraft_real v15 = s + s;
+    const spacecraft_real v16 = s * v15;
+    const spacecraft_real v17 = s * s;
+    const spacecraft_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, spacecraft_real w2,
+                                        spacecraft_real w3, spacecraft_real q0, spacecraft_real q1,
+                                        spacecraft_real q2, spacecraft_real q3)
+{
+    const spacecraft_real v0 = w0 * q0;
+    const spacecraft_real v1 = w1 * q1;
+    const spacecraft_real v2 = v0 + v1;
+    const spacecraft_real v3 = w2 * q2;
+    const spacecraft_real v4 = w3 * q3;
+    const spacecraft_real v5 = v3 + v4;
+    const spacecraft_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static spacecraft_real spacecraft_normalized_error(spacecraft_real a, spacecraft_real b, spacecraft_real width)
+{
+    const spacecraft_real v0 = a - b;
+    const spacecraft_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void spacecraft_transformed_error(spacecraft_real a, spacecraft_real b, spacecraft_real *epsilon,
+                                         spacecraft_real *xi)
+{
+    const spacecraft_real v0 = a / b;
+    const spacecraft_real v1 = log(v0);
+    const spacecraft_real v2 = 1.0 + v0;
+    const spacecraft_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static spacecraft_real spacecraft_law(spacecraft_real k, spacecraft_real xi, spacecraft_real epsilon)
+{
+    const spacecraft_real v0 = k * xi;
+    const spacecraft_real v1 = v0 * epsilon;
+    const spacecraft_real v2 = -v1;
+    return v2;
+}
+
+void spacecraft_tube(spacecraft_real t, spacecraft_real lower[SPACECRAFT_N],
+                     spacecraft_real upper[SPACECRAFT_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (spacecraft_real)NAN;
+            upper[j] = (spacecraft_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void spacecraft_tube_rate(spacecraft_real t, spacecraft_real lower_rate[SPACECRAFT_N],
+                          spacecraft_real upper_rate[SPACECRAFT_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower_rate[j] = (spacecraft_real)NAN;
+            upper_rate[j] = (spacecraft_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real dw0;
+    spacecraft_real dw1;
+    spacecraft_real dw2;
+    spacecraft_real dw3;
+    spacecraft_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 15.0;
+    const spacecraft_real per_second = moving ? 2.1333333333333333 : 0.0;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_slope = spacecraft_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const spacecraft_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_slope = spacecraft_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
+                                     spacecraft_real u[SPACECRAFT_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 3; ++j) {
+        const spacecraft_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 3; ++j2) {
+            u[j2] = 0.0;
+        }
+        return SPACECRAFT_BAD_INPUT;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const spacecraft_real width = wide ? 9.5367431640625e-7 : room;
+        const spacecraft_real least = width * 0.005;
+        const spacecraft_real most = width * 0.995;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const spacecraft_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const spacecraft_real a = a_over ? most : a_raised;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const spacecraft_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const spacecraft_real b = b_over ? most : b_raised;
+        spacecraft_real epsilon;
+        spacecraft_real xi;
+        spacecraft_transformed_error(a, b, &epsilon, &xi);
+        const spacecraft_real push = spacecraft_law(0.5, xi, epsilon);
+        const spacecraft_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? SPACECRAFT_OK : SPACECRAFT_OUTSIDE_TUBE;
+}
+
+void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const spacecraft_real upper[SPACECRAFT_N],
+                          const spacecraft_real x[SPACECRAFT_N], spacecraft_real e[SPACECRAFT_N],
+                          spacecraft_real epsilon[SPACECRAFT_N], spacecraft_real xi[SPACECRAFT_N])
+{
+    for (int32_t i = 0; i < 3; ++i) {
+        const spacecraft_real lower_edge = lower[i];
+        const spacecraft_real upper_edge = upper[i];
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.5367431640625e-7;
+        const spacecraft_real width = wide ? 9.5367431640625e-7 : room;
+        const spacecraft_real least = width * 0.005;
+        const spacecraft_real most = width * 0.995;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const spacecraft_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const spacecraft_real a = a_over ? most : a_raised;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const spacecraft_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const spacecraft_real b = b_over ? most : b_raised;
+        const spacecraft_real e_raw = spacecraft_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99);
+        const spacecraft_real e_held_raised = e_held_under ? (-0.99) : e_raw;
+        const bool e_held_over = 0.99 < e_held_raised;
+        const spacecraft_real e_held = e_held_over ? 0.99 : e_held_raised;
+        spacecraft_real epsilon_i;
+        spacecraft_real xi_i;
+        spacecraft_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const spacecraft_real e_settled = empty ? 0.0 : e_held;
+        const spacecraft_real e_out = finite ? e_settled : (spacecraft_real)NAN;
+        e[i] = e_out;
+        const spacecraft_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const spacecraft_real epsilon_out = finite ? epsilon_settled : (spacecraft_real)NAN;
+        epsilon[i] = epsilon_out;
+        const spacecraft_real xi_settled = empty ? 0.0 : xi_i;
+        const spacecraft_real xi_out = finite ? xi_settled : (spacecraft_real)NAN;
+        xi[i] = xi_out;
+    }
+}

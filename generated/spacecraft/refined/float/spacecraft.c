@@ -1,0 +1,433 @@
+/* spacecraft.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (spacecraft.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "spacecraft.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "spacecraft.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]
+ * Multiples of 2^-21: exact in float and double.
+ */
+static const spacecraft_real spacecraft_coefficients[210] = {
+    -0.016911507F, 0.083078384F, -0.0457139F, 0.07713652F,
+    0.05509281F, 0.1550827F,
+    5.2452087e-6F, 0.099995136F, 0.011435509F, 0.099995136F,
+    0.06667185F, 0.16666174F,
+    0.01692152F, 0.11691141F, 2.3841858e-6F, 0.12285328F,
+    0.07825041F, 0.1782403F,
+    0.033838272F, 0.13382816F, 2.3841858e-6F, 0.14571142F,
+    0.089829445F, 0.18981934F,
+    0.050754547F, 0.15074444F, 2.3841858e-6F, 0.16856956F,
+    0.10140848F, 0.20139837F,
+    0.0676713F, 0.16766119F, 2.3841858e-6F, 0.19142771F,
+    0.11298704F, 0.21297693F,
+    0.084587574F, 0.18457747F, 2.3841858e-6F, 0.21428585F,
+    0.12456608F, 0.22455597F,
+    0.101504326F, 0.20149422F, 2.3841858e-6F, 0.22833061F,
+    0.13614511F, 0.236135F,
+    0.11842108F, 0.21841049F, 2.3841858e-6F, 0.22833061F,
+    0.14772367F, 0.24771357F,
+    0.13533735F, 0.23532724F, 2.3841858e-6F, 0.22833061F,
+    0.15930271F, 0.2592926F,
+    0.1522541F, 0.252244F, 2.3841858e-6F, 0.22833061F,
+    0.17088175F, 0.27087116F,
+    0.16917038F, 0.26916027F, 2.3841858e-6F, 0.22833061F,
+    0.18246031F, 0.2824502F,
+    0.18608713F, 0.28607702F, 2.3841858e-6F, 0.22833061F,
+    0.19403934F, 0.29402924F,
+    0.2030034F, 0.3029933F, 2.3841858e-6F, 0.22833061F,
+    0.20561838F, 0.3056078F,
+    0.21992016F, 0.31991005F, 0.0066490173F, 0.22833061F,
+    0.21719694F, 0.31718683F,
+    0.23683643F, 0.33682632F, 0.02950716F, 0.22833061F,
+    0.22877598F, 0.32876587F,
+    0.2537532F, 0.35374308F, 0.052365303F, 0.22833061F,
+    0.24035454F, 0.34034443F,
+    0.27066994F, 0.37065935F, 0.075223446F, 0.22833061F,
+    0.25193357F, 0.35192347F,
+    0.2875862F, 0.3875761F, 0.098082066F, 0.22833061F,
+    0.2635126F, 0.3635025F,
+    0.30450296F, 0.40449286F, 0.12094021F, 0.22833061F,
+    0.27509117F, 0.37508106F,
+    0.32141924F, 0.42140913F, 0.14379835F, 0.20547247F,
+    0.2866702F, 0.3866601F,
+    0.338336F, 0.43832588F, 0.1666565F, 0.22833061F,
+    0.29824924F, 0.39823914F,
+    0.35525227F, 0.45524216F, 0.18951464F, 0.25118923F,
+    0.3098278F, 0.4098177F,
+    0.338336F, 0.4721589F, 0.21237278F, 0.27404737F,
+    0.32140684F, 0.42139673F,
+    0.338336F, 0.48907518F, 0.2352314F, 0.29690552F,
+    0.33298588F, 0.4329753F,
+    0.338336F, 0.50599194F, 0.25808954F, 0.31976366F,
+    0.34456444F, 0.44455433F,
+    0.338336F, 0.5229082F, 0.2809477F, 0.3426218F,
+    0.35614347F, 0.45613337F,
+    0.338336F, 0.5333309F, 0.30380583F, 0.36547995F,
+    0.3677225F, 0.46771193F,
+    0.35439205F, 0.5333309F, 0.32666397F, 0.38833857F,
+    0.37930107F, 0.47929096F,
+    0.37130833F, 0.5333309F, 0.3495226F, 0.4111967F,
+    0.3908801F, 0.49087F,
+    0.38822508F, 0.5333309F, 0.37238073F, 0.43405485F,
+    0.40245867F, 0.50244856F,
+    0.40514183F, 0.5333309F, 0.39523888F, 0.456913F,
+    0.4140377F, 0.5140276F,
+    0.4220581F, 0.52206326F, 0.41809702F, 0.47977114F,
+    0.42561674F, 0.52560663F,
+    0.43897486F, 0.5389643F, 0.44095516F, 0.50262976F,
+    0.4371953F, 0.5371852F,
+    0.4220581F, 0.52206326F, 0.41809702F, 0.47977114F,
+    0.42561674F, 0.52560663F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 15 s).
+ */
+static void spacecraft_segment(spacecraft_real t, int32_t *row, spacecraft_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 15.0F;
+    const spacecraft_real started = positive ? t : 0.0F;
+    const spacecraft_real held = running ? started : 0.0F;
+    const spacecraft_real scaled = held * 2.1333334F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const spacecraft_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const spacecraft_real base = (spacecraft_real)segment;
+    const spacecraft_real place = u - base;
+    const int32_t first = segment * 6;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void spacecraft_basis(spacecraft_real s, spacecraft_real *w0, spacecraft_real *w1, spacecraft_real *w2,
+                             spacecraft_real *w3)
+{
+    const spacecraft_real v0 = 1.0F - s;
+    const spacecraft_real v1 = v0 * v0;
+    const spacecraft_real v2 = v1 * v0;
+    const spacecraft_real v3 = v0 * s;
+    const spacecraft_real v4 = 1.0F + v3;
+    const spacecraft_real v5 = 3.0F * v4;
+    const spacecraft_real v6 = v0 * v5;
+    const spacecraft_real v7 = 1.0F + v6;
+    const spacecraft_real v8 = s * v5;
+    const spacecraft_real v9 = 1.0F + v8;
+    const spacecraft_real v10 = s * s;
+    const spacecraft_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0, spacecraft_real *dw1,
+                                  spacecraft_real *dw2, spacecraft_real *dw3)
+{
+    const spacecraft_real v0 = 1.0F - s;
+    const spacecraft_real v1 = v0 + v0;
+    const spacecraft_real v2 = v0 * v1;
+    const spacecraft_real v3 = v0 * v0;
+    const spacecraft_real v4 = v2 + v3;
+    const spacecraft_real v5 = -v4;
+    const spacecraft_real v6 = v0 - s;
+    const spacecraft_real v7 = 3.0F * v6;
+    const spacecraft_real v8 = v0 * v7;
+    const spacecraft_real v9 = v0 * s;
+    const spacecraft_real v10 = 1.0F + v9;
+    const spacecraft_real v11 = 3.0F * v10;
+    const spacecraft_real v12 = v8 - v11;
+    const spacecraft_real v13 = s * v7;
+    const spacecraft_real v14 = v11 + v13;
+    const spacecraft_real v15 = s + s;
+    const spacecraft_real v16 = s * v15;
+    const spacecraft_real v17 = s * s;
+    const spacecraft_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, spacecraft_real w2,
+                                        spacecraft_real w3, spacecraft_real q0, spacecraft_real q1,
+                                        spacecraft_real q2, spacecraft_real q3)
+{
+    const spacecraft_real v0 = w0 * q0;
+    const spacecraft_real v1 = w1 * q1;
+    const spacecraft_real v2 = v0 + v1;
+    const spacecraft_real v3 = w2 * q2;
+    const spacecraft_real v4 = w3 * q3;
+    const spacecraft_real v5 = v3 + v4;
+    const spacecraft_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static spacecraft_real spacecraft_normalized_error(spacecraft_real a, spacecraft_real b, spacecraft_real width)
+{
+    const spacecraft_real v0 = a - b;
+    const spacecraft_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void spacecraft_transformed_error(spacecraft_real a, spacecraft_real b, spacecraft_real *epsilon,
+                                         spacecraft_real *xi)
+{
+    const spacecraft_real v0 = a / b;
+    const spacecraft_real v1 = logf(v0);
+    const spacecraft_real v2 = 1.0F + v0;
+    const spacecraft_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static spacecraft_real spacecraft_law(spacecraft_real k, spacecraft_real xi, spacecraft_real epsilon)
+{
+    const spacecraft_real v0 = k * xi;
+    const spacecraft_real v1 = v0 * epsilon;
+    const spacecraft_real v2 = -v1;
+    return v2;
+}
+
+void spacecraft_tube(spacecraft_real t, spacecraft_real lower[SPACECRAFT_N],
+                     spacecraft_real upper[SPACECRAFT_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (spacecraft_real)NAN;
+            upper[j] = (spacecraft_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void spacecraft_tube_rate(spacecraft_real t, spacecraft_real lower_rate[SPACECRAFT_N],
+                          spacecraft_real upper_rate[SPACECRAFT_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower_rate[j] = (spacecraft_real)NAN;
+            upper_rate[j] = (spacecraft_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real dw0;
+    spacecraft_real dw1;
+    spacecraft_real dw2;
+    spacecraft_real dw3;
+    spacecraft_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 15.0F;
+    const spacecraft_real per_second = moving ? 2.1333334F : 0.0F;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_slope = spacecraft_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const spacecraft_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_slope = spacecraft_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
+                                     spacecraft_real u[SPACECRAFT_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 3; ++j) {
+        const spacecraft_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 3; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return SPACECRAFT_BAD_INPUT;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const spacecraft_real width = wide ? 9.536743e-7F : room;
+        const spacecraft_real least = width * 0.005F;
+        const spacecraft_real most = width * 0.995F;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const spacecraft_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const spacecraft_real a = a_over ? most : a_raised;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const spacecraft_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const spacecraft_real b = b_over ? most : b_raised;
+        spacecraft_real epsilon;
+        spacecraft_real xi;
+        spacecraft_transformed_error(a, b, &epsilon, &xi);
+        const spacecraft_real push = spacecraft_law(0.5F, xi, epsilon);
+        const spacecraft_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? SPACECRAFT_OK : SPACECRAFT_OUTSIDE_TUBE;
+}
+
+void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const spacecraft_real upper[SPACECRAFT_N],
+                          const spacecraft_real x[SPACECRAFT_N], spacecraft_real e[SPACECRAFT_N],
+                          spacecraft_real epsilon[SPACECRAFT_N], spacecraft_real xi[SPACECRAFT_N])
+{
+    for (int32_t i = 0; i < 3; ++i) {
+        const spacecraft_real lower_edge = lower[i];
+        const spacecraft_real upper_edge = upper[i];
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = room < 9.536743e-7F;
+        const spacecraft_real width = wide ? 9.536743e-7F : room;
+        const spacecraft_real least = width * 0.005F;
+        const spacecraft_real most = width * 0.995F;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const bool a_under = to_lower < least;
+        const spacecraft_real a_raised = a_under ? least : to_lower;
+        const bool a_over = most < a_raised;
+        const spacecraft_real a = a_over ? most : a_raised;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool b_under = to_upper < least;
+        const spacecraft_real b_raised = b_under ? least : to_upper;
+        const bool b_over = most < b_raised;
+        const spacecraft_real b = b_over ? most : b_raised;
+        const spacecraft_real e_raw = spacecraft_normalized_error(a, b, width);
+        const bool e_held_under = e_raw < (-0.99F);
+        const spacecraft_real e_held_raised = e_held_under ? (-0.99F) : e_raw;
+        const bool e_held_over = 0.99F < e_held_raised;
+        const spacecraft_real e_held = e_held_over ? 0.99F : e_held_raised;
+        spacecraft_real epsilon_i;
+        spacecraft_real xi_i;
+        spacecraft_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const spacecraft_real e_settled = empty ? 0.0F : e_held;
+        const spacecraft_real e_out = finite ? e_settled : (spacecraft_real)NAN;
+        e[i] = e_out;
+        const spacecraft_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const spacecraft_real epsilon_out = finite ? epsilon_settled : (spacecraft_real)NAN;
+        epsilon[i] = epsilon_out;
+        const spacecraft_real xi_settled = empty ? 0.0F : xi_i;
+        const spacecraft_real xi_out = finite ? xi_settled : (spacecraft_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,261 @@
+"""The command line. Imports stay inside the commands, so that --help answers at once; `main` alone makes exit codes.
+
+0 good, 1 drift or a failed comparison, 2 bad input, 3 not certified or infeasible, 4 a needed tool is missing, 5 internal.
+Results go to stdout (one JSON document with --json), progress and messages to stderr.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from stt_codegen.errors import BadInput, SttError
+
+app = typer.Typer(
+    name="stt-codegen",
+    help="Certified prescribed-time reach-avoid-stay controllers in C and Python, from one TOML file.",
+    rich_markup_mode=None,
+    add_completion=False,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
+TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
+Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
+DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
+ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
+Uncertified = Annotated[bool, typer.Option("--uncertified", help="go on when the certificate fails; every file says so")]
+
+
+def _say(text: str) -> None:
+    """Progress and messages, on stderr."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def _print_json(document: Any) -> None:
+    print(json.dumps(document, indent=2))
+
+
+@app.command()
+def design(
+    task: TaskFile,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    picture: Annotated[Path | None, typer.Option(metavar="DIR", help="where <name>.png goes; none without")] = None,
+    json: Json = False,
+    uncertified: Uncertified = False,
+) -> None:
+    """Show the tube of a task before anything is emitted: width, speed, certificate, cost, picture."""
+    from stt_codegen.pipeline import build
+    from stt_codegen.report import design_report
+
+    begin = time.perf_counter()
+    controller = build(task, design, scalar, uncertified)
+    report = design_report(controller, time.perf_counter() - begin)
+    if picture is not None:
+        from stt_codegen.picture import draw
+
+        path = picture / f"{controller.task.name}.png"
+        draw(controller, path)
+        report["picture"] = str(path)
+    if json:
+        _print_json(report)
+    else:
+        _show_design(report)
+
+
+def _console() -> Any:
+    """Where tables go: as wide as the terminal, or 120 columns in a file."""
+    from rich.console import Console
+
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def _show_design(report: dict[str, Any]) -> None:
+    from rich.table import Table
+
+    console = _console()
+    verdict = "[green]certified[/green]" if report["certified"] else "[red]NOT CERTIFIED[/red]"
+    console.print(f"[bold]{report['task']}[/bold]: {report['design']} tube, {verdict}, {report['seconds']} s")
+    speed = ", ".join(f"{v:.4g}" for v in report["speed_bound"])
+    console.print(
+        f"  {report['segments']} segments over {report['prescribed_time']:g} s; least width {report['least_width']:.4g}; "
+        f"speed of an edge at most {speed} by dimension"
+    )
+    if not report["covers_initial_set"]:
+        console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
+    table = Table(box=None, pad_edge=True, header_style="bold")
+    for heading in ("", "property", "holds", "to spare", "least at"):
+        table.add_column(heading, justify="right" if heading == "to spare" else "left")
+    for p in report["properties"]:
+        holds = "[green]yes[/green]" if p["holds"] else "[red]NO[/red]"
+        table.add_row(p["property"], p["statement"], holds, f"{p['margin']:.3g}" if p["margin"] else "", p["where"])
+    console.print(table)
+    cost = report["cost"]
+    kinds = ", ".join(f"{count} {kind}" for kind, count in cost["operations"].items())
+    code = f", {cost['host_code_bytes']} B of code on this host (-Os)" if cost["host_code_bytes"] else ""
+    console.print(f"  one control step: {cost['operations_total']} operations ({kinds})")
+    console.print(f"  {cost['table_bytes']} B of tables{code}")
+    if "picture" in report:
+        console.print(f"  picture: {report['picture']}")
+
+
+@app.command()
+def generate(
+    tasks: TaskFiles,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write the files of every task here (default: .)")] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="write to DIR/<task>/<design>/<scalar>/ and note it in DIR/MANIFEST.json for `check`"),
+    ] = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    uncertified: Uncertified = False,
+    json: Json = False,
+) -> None:
+    """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
+    from stt_codegen.emit.manifest import record as record_controller
+    from stt_codegen.emit.manifest import write_files
+    from stt_codegen.pipeline import build
+
+    if out is not None and record is not None:
+        raise BadInput("--out and --record: give one of them")
+    made = [(task, build(task, design, scalar, uncertified)) for task in tasks]  # all of them, before any is written
+    names = [controller.task.name for _, controller in made]
+    for name in names:
+        if names.count(name) > 1:
+            raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
+    written = []
+    for task, controller in made:
+        if record is not None:
+            folder = record_controller(record, task, controller, uncertified)
+        else:
+            folder = out or Path()
+            write_files(folder, controller.files)
+        written.append(
+            {
+                "task": controller.task.name,
+                "certified": controller.certificate.holds,
+                "folder": str(folder),
+                "files": list(controller.files),
+            }
+        )
+        if not json:
+            verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
+            print(f"{controller.task.name}: {verdict}; {', '.join(controller.files)} in {folder}")
+    if json:
+        _print_json({"written": written})
+
+
+@app.command()
+def check(
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="the folder of MANIFEST.json")] = Path("generated"),
+    accept: Annotated[bool, typer.Option("--accept", help="write what the tool makes now, instead of comparing")] = False,
+    json: Json = False,
+) -> None:
+    """Make every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference."""
+    from stt_codegen.emit import check as checks
+
+    progress = (lambda name: _say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
+    if accept:
+        count = checks.accept(folder, progress)
+        _print_json({"accepted": count}) if json else print(f"{folder}: {count} folders written")
+        return
+    found = checks.check(folder, progress)
+    tools = checks.changed_tools(folder)
+    if json:
+        _print_json(
+            {
+                "differences": [{"path": d.path, "what": d.what, "numbers": d.numbers, "diff": list(d.diff)} for d in found],
+                "changed_tools": tools,
+            }
+        )
+    else:
+        for d in found:
+            print(f"{d.path}: {d.what}" + (f" ({d.numbers})" if d.numbers else ""))
+            for line in d.diff:
+                print(f"    {line}")
+        for line in tools:
+            print(f"note: other version than recorded: {line}")
+        if found:
+            print(f"\n{len(found)} differences. To accept what the tool makes now:  stt-codegen check {folder} --accept")
+        else:
+            print(f"{folder}: {checks.folders(folder)} folders, no difference")
+    if found:
+        raise typer.Exit(1)
+
+
+@app.command()
+def compare(
+    task: TaskFile,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 10_000,
+    json: Json = False,
+) -> None:
+    """Compare CasADi, the Python, and the C in float and double with an independent reference. Exit code 1 beyond a bound."""
+    from dataclasses import asdict
+
+    from stt_codegen.compare import compare as compare_task
+    from stt_codegen.pipeline import require_supported
+    from stt_codegen.task import load_task
+
+    loaded = load_task(task)
+    require_supported(loaded)
+    rows = compare_task(loaded, points, progress=_say)
+    good = all(r.holds for r in rows)
+    if json:
+        _print_json({"task": loaded.name, "within_bounds": good, "rows": [{**asdict(r), "holds": r.holds} for r in rows]})
+    else:
+        from rich.table import Table
+
+        table = Table(
+            box=None, header_style="bold", title=f"{loaded.name}: largest distance from the reference", title_justify="left"
+        )
+        for heading in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
+            table.add_column(heading, justify="left" if heading in ("backend", "quantity") else "right")
+        for r in rows:
+            verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
+            table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
+        _console().print(table)
+        print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")
+    if not good:
+        raise typer.Exit(1)
+
+
+@app.command()
+def schema() -> None:
+    """Print the JSON Schema of task files, for editors."""
+    from stt_codegen.task import json_schema
+
+    print(json_schema(), end="")
+
+
+def main() -> None:
+    """Run the command line; every `SttError` becomes one message and its exit code."""
+    try:
+        app()
+    except SttError as error:
+        _say(f"stt-codegen: {error}")
+        sys.exit(error.exit_code)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception as error:
+        if os.environ.get("STT_CODEGEN_DEBUG"):
+            raise
+        _say(
+            f"stt-codegen: internal error: {type(error).__name__}: {error}; set STT_CODEGEN_DEBUG=1 for the traceback and report it"
+        )
+        sys.exit(5)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,113 @@
+"""Is what lies on disk what the tool writes? Compares both ways, and says whether numbers changed or only text."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from stt_codegen.emit.manifest import MANIFEST, read_manifest, record, recorded_tools, replay, tool_versions
+
+DIFF_LINES = 40  # of one file; the rest is counted
+_NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
+_TABLE = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One file that is missing, extra or other than the tool writes it."""
+
+    path: str
+    what: str
+    diff: tuple[str, ...] = ()
+    numbers: str = ""
+
+
+def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[Difference]:
+    """Replay the manifest in `root` and compare with the files there; empty when nothing differs."""
+    found: list[Difference] = []
+    known = {MANIFEST}
+    for entry, controller in replay(root, progress):
+        for name, data in controller.files.items():
+            path = f"{entry.folder}/{name}"
+            known.add(path)
+            found += _compare(root, path, data)
+            if hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
+                found.append(Difference(MANIFEST, f"records another hash of {path} than the tool makes now"))
+        for name in sorted(entry.sha256.keys() - controller.files.keys()):
+            found.append(Difference(MANIFEST, f"records {entry.folder}/{name}, which the tool does not make"))
+    on_disk = {p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()}
+    found += [Difference(path, "is not recorded in the manifest") for path in sorted(on_disk - known) if not _foreign(path)]
+    return found
+
+
+def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> int:
+    """Write every recorded folder as the tool makes it now, and the manifest. Returns the number of folders."""
+    done = [(entry, controller) for entry, controller in replay(root, progress)]
+    for entry, controller in done:
+        record(root, root / entry.task, controller, entry.uncertified)
+    return len(done)
+
+
+def changed_tools(root: Path) -> list[str]:
+    """Tools whose version differs from the recorded one, as "name 1.0 -> 1.1"."""
+    old, new = recorded_tools(root), tool_versions()
+    return [f"{k} {old.get(k, 'none')} -> {v}" for k, v in new.items() if old.get(k) != v]
+
+
+def folders(root: Path) -> int:
+    """How many folders the manifest records."""
+    return len(read_manifest(root))
+
+
+def _foreign(path: str) -> bool:
+    """Files that other commands or the system put beside the generated ones."""
+    return path == "lemmas.md" or path.endswith((".bounds.json", ".pyc")) or path.startswith(".") or "/." in path
+
+
+def _compare(root: Path, path: str, expected: bytes) -> list[Difference]:
+    file = root / path
+    if not file.is_file():
+        return [Difference(path, "is missing")]
+    actual = file.read_bytes()
+    if actual == expected:
+        return []
+    old, new = actual.decode(errors="replace"), expected.decode()
+    lines = list(
+        difflib.unified_diff(old.splitlines(), new.splitlines(), f"on disk: {path}", f"made now: {path}", lineterm="", n=2)
+    )
+    if len(lines) > DIFF_LINES:
+        lines = [*lines[:DIFF_LINES], f"... and {len(lines) - DIFF_LINES} more lines"]
+    return [
+        Difference(path, "differs", tuple(lines) or ("(only line ends or bytes that are no text)",), describe_numbers(old, new))
+    ]
+
+
+def describe_numbers(old: str, new: str) -> str:
+    """What a reviewer wants to know of two texts of one file: did numbers change, how many, by how much."""
+    before, after = _NUMBER.findall(old), _NUMBER.findall(new)
+    if _NUMBER.sub("#", old) != _NUMBER.sub("#", new):
+        if before == after:
+            return "the text changed, no number did"
+        return f"the structure changed ({len(before)} numbers before, {len(after)} now); compare it as new"
+    pairs = [(float(a.rstrip("F")), float(b.rstrip("F"))) for a, b in zip(before, after, strict=True)]
+    changed = [(a, b) for a, b in pairs if a != b]
+    if not changed:
+        return "no number changed"
+    a, b = max(changed, key=lambda p: abs(p[0] - p[1]) / max(abs(p[0]), abs(p[1])))
+    share = abs(a - b) / max(abs(a), abs(b))
+    text = f"{len(changed)} of {len(pairs)} numbers changed, the largest relative change is {share:.3g} ({a!r} -> {b!r})"
+    moved = _edge_movement(old, new)
+    return text if moved is None else f"{text}; the tube's edges move by at most {moved:.3g}"
+
+
+def _edge_movement(old: str, new: str) -> float | None:
+    """Bound on the movement of the tube between two C files: the weights are >= 0 and sum to 6."""
+    tables = [_TABLE.search(text) for text in (old, new)]
+    if not all(tables):
+        return None
+    before, after = ([float(v.rstrip("F")) for v in _NUMBER.findall(t.group(1))] for t in tables if t)
+    return 6 * max(abs(a - b) for a, b in zip(before, after, strict=True))
