@@ -61,7 +61,7 @@ def main() -> None:
 
     data = np.array(rows)
     print(
-        f"family {family.name}: {len(rows)} of {options.count} certified; feasible at {reach}: {free}; missed of these: {len(missed)}"
+        f"family {family.name}: {len(rows)} of {options.count} certified; {free} feasible at {reach}, {len(missed)} missed"
     )
     for name, column, scale, unit in (
         ("design", data[:, 0], 1e3, "ms"),

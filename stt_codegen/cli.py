@@ -252,7 +252,8 @@ def main() -> None:
         if os.environ.get("STT_CODEGEN_DEBUG"):
             raise
         _say(
-            f"stt-codegen: internal error: {type(error).__name__}: {error}; set STT_CODEGEN_DEBUG=1 for the traceback and report it"
+            f"stt-codegen: internal error: {type(error).__name__}: {error}; "
+            "please report it with the traceback that STT_CODEGEN_DEBUG=1 shows"
         )
         sys.exit(5)
 

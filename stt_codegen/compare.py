@@ -129,7 +129,7 @@ def _law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: float) -
         return np.clip(distance, share * width, (1 - share) * width)
 
     def h(a: Array, b: Array) -> Array:
-        return (1 / a + 1 / b) * np.log(a / b)
+        return np.asarray((1 / a + 1 / b) * np.log(a / b))
 
     width, a, b = high - low, x - low, high - x
     middle = h(clamped(a, width), clamped(b, width))

@@ -1,0 +1,38 @@
+"""Shared: the example tasks, controllers built once, and tools that may be absent."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from stt_codegen.pipeline import Controller, build
+
+ROOT = Path(__file__).parent.parent
+TASK_FILES = sorted((ROOT / "tasks").glob("*.toml"))
+NAMES = [p.stem for p in TASK_FILES]
+
+
+@cache
+def controller_of(name: str, scalar: str = "float") -> Controller:
+    """The controller of an example task, built once a process."""
+    return build(ROOT / "tasks" / f"{name}.toml", scalar=scalar)
+
+
+@pytest.fixture
+def tool() -> Callable[[str], str]:
+    """The path of a system tool: a visible skip without it, a failure in CI."""
+
+    def find(name: str) -> str:
+        found = shutil.which(name)
+        if found is None:
+            if os.environ.get("CI") == "true":
+                pytest.fail(f"{name} is missing; `.ci/tools test` should have installed it")
+            pytest.skip(f"{name} is not installed")
+        return found
+
+    return find
