@@ -60,9 +60,7 @@ def main() -> None:
             print(f"\r{seed + 1}/{options.count}", end="", file=sys.stderr)
 
     data = np.array(rows)
-    print(
-        f"family {family.name}: {len(rows)} of {options.count} certified; {free} feasible at {reach}, {len(missed)} missed"
-    )
+    print(f"family {family.name}: {len(rows)} of {options.count} certified; {free} feasible at {reach}, {len(missed)} missed")
     for name, column, scale, unit in (
         ("design", data[:, 0], 1e3, "ms"),
         ("certificate (with Program and P7)", data[:, 1], 1e3, "ms"),

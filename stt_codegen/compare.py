@@ -135,7 +135,7 @@ def _law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: float) -
     middle = h(clamped(a, width), clamped(b, width))
     most = h(clamped(a + delta, width + 2 * delta), clamped(b - delta, width - 2 * delta))
     least = h(clamped(a - delta, width - 2 * delta), clamped(b + delta, width + 2 * delta))
-    return np.maximum(most - middle, middle - least)
+    return np.asarray(np.maximum(most - middle, middle - least))
 
 
 def sample_points(controller: Controller, points: int, number: type) -> tuple[Array, Array]:

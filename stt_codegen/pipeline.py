@@ -50,7 +50,7 @@ def build_task(task: Task, uncertified: bool = False) -> Controller:
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds and not uncertified:
-        raise NotCertified("; ".join(f.refusal() for f in certificate.failures) + " (or --uncertified writes it with a banner)")
+        raise NotCertified(certificate.refusal() + " (or --uncertified writes it with a banner)")
     return Controller(task, design, program, certificate, render_files(task, design, program, certificate))
 
 

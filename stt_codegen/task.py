@@ -259,7 +259,9 @@ def parse_task(text: str, source: str = "task") -> Task:
     try:
         document = tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        raise BadInput(f"{source}: not valid TOML: {error}") from None
+        last = text.count("\n") + 1
+        where = str(error).replace("at end of document", f"at line {last}, the end of the file")
+        raise BadInput(f"{source}: not valid TOML: {where}") from None
     except (ValueError, ArithmeticError, RecursionError):
         raise BadInput(f"{source}: not valid TOML: a number is too long or the nesting is too deep") from None
     try:

@@ -78,6 +78,11 @@ class Certificate:
     def holds(self) -> bool:
         return all(f.holds for f in self.findings)
 
+    def refusal(self) -> str:
+        """All that fails, in one line. P7 is named only where the exact tube itself is sound."""
+        broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
+        return "; ".join(f.refusal() for f in broken or self.failures)
+
     @property
     def failures(self) -> tuple[Finding, ...]:
         return tuple(f for f in self.findings if not f.holds)

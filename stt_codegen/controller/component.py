@@ -82,8 +82,8 @@ def clamped_distances(block: Block, law: Law, lower_edge: Operand, upper_edge: O
     room = block.op("room", "sub", upper_edge, lower_edge)
     filled = block.op("filled", "lt", real(0), room)
     empty = block.op("empty", "not", filled)
-    wide = block.op("wide", "lt", room, real(LEAST_WIDTH))
-    width = block.select("width", wide, real(LEAST_WIDTH), room)
+    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
+    width = block.select("width", wide, room, real(LEAST_WIDTH))
     least = block.op("least", "mul", width, real(near_share))
     most = block.op("most", "mul", width, real(1 - near_share))
     a = _clamp(block, "a", block.op("to_lower", "sub", x, lower_edge), least, most)
@@ -99,8 +99,9 @@ def strictly_inside(block: Block, lower_edge: Operand, upper_edge: Operand, x: O
 
 
 def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
-    under = block.op(f"{name}_under", "lt", value, low)
-    raised = block.select(f"{name}_raised", under, low, value)
+    """Statements for value held within [low, high]; a NaN becomes `low`, so that no NaN reaches a division."""
+    over_low = block.op(f"{name}_above", "lt", low, value)
+    raised = block.select(f"{name}_raised", over_low, value, low)
     over = block.op(f"{name}_over", "lt", high, raised)
     return block.select(name, over, high, raised)
 

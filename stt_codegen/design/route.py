@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import heapq
 import itertools
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,11 +37,11 @@ class Route:
 def shortest_route(arena: Arena, start: Array, width: float) -> Route:
     """The route from the centre of the box `start` (shape (2, n)) to the target for a tube of that width.
 
-    Raises `NotCertified` when there is none, with the largest reach (clearance + half width) for which there is one.
+    Raises `NotCertified` when there is none, with the largest clearance (or width) for which there is one.
     """
     route = find_route(arena, start, width)
     if route is None:
-        raise NotCertified(_why_blocked(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2))
+        raise NotCertified(_why_blocked(arena, (start[0] + start[1]) / 2))
     return route
 
 
@@ -48,21 +50,30 @@ def find_route(arena: Arena, start: Array, width: float) -> Route | None:
     return _search(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
 
 
-def _why_blocked(arena: Arena, centre: Array, reach: float) -> str:
-    low, high = 0.0, reach
-    if _search(arena, centre, 0.0, 0.0) is None:
-        return (
-            "P4 avoid: no way leads from the initial set to the target set between the unsafe sets, whatever the clearance; "
-            "remove or shrink an unsafe set, or enlarge the state space"
-        )
-    for _ in range(20):
-        middle = (low + high) / 2
-        found = _search(arena, centre, middle, middle * (arena.min_width / 2) / reach) is not None
-        low, high = (middle, high) if found else (low, middle)
-    return (
-        "P4 avoid: no way leads from the initial set to the target set that keeps clearance + min_width / 2 = "
-        f"{reach:.4g} from every unsafe set; a way opens at {low:.4g}: lower tube.clearance or tube.min_width to that sum"
-    )
+def _why_blocked(arena: Arena, centre: Array) -> str:
+    """The refusal when there is no route: what the largest clearance, or else width, with a way would be."""
+
+    def way(clearance: float, width: float) -> bool:
+        return _search(arena, centre, clearance + width / 2, width / 2) is not None
+
+    def largest(holds: Callable[[float], bool], limit: float) -> float:
+        low, high = 0.0, limit
+        for _ in range(30):
+            middle = (low + high) / 2
+            low, high = (middle, high) if holds(middle) else (low, middle)
+        return math.floor(max(low - 2 * arena.allowance, 0.0) * 1e4) / 1e4
+
+    start = "P4 avoid: no way leads from the initial set to the target set between the unsafe sets"
+    if not way(0.0, 0.0):
+        return f"{start}, whatever the clearance; remove or shrink an unsafe set, or enlarge the state space"
+    width = arena.min_width - 2 * arena.allowance
+    if way(0.0, arena.min_width):
+        clearance = largest(lambda c: way(c, arena.min_width), arena.clearance)
+        asked = arena.clearance - arena.allowance
+        return f"{start} with a clearance of {asked:.6g}; a way opens at tube.clearance = {clearance:.4f}"
+    widest = largest(lambda w: way(0.0, w), arena.min_width)
+    wide = f"with tube.clearance = 0 a way opens at tube.min_width = {widest:.4f}"
+    return f"{start} for a tube of width {width:.6g}; {wide}"
 
 
 def _search(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:

@@ -47,6 +47,9 @@ _INFIX = {
 }
 
 
+LITERALS_A_LINE = 4
+
+
 class PythonPrinter:
     """Prints the parts of one program. Arrays come in as sequences and go out as tuples; nothing is changed in place."""
 
@@ -137,7 +140,8 @@ class PythonPrinter:
     def table(self, table: Table) -> list[str]:
         lines = [*(f"# {line}".rstrip() for line in table.doc), f"{table.name.upper()} = ("]
         for start in range(0, len(table.values), table.row):
-            lines.append("    " + " ".join(self.literal(Const(v)) + "," for v in table.values[start : start + table.row]))
+            row = [self.literal(Const(v)) for v in table.values[start : start + table.row]]
+            lines += ["    " + ", ".join(row[k : k + LITERALS_A_LINE]) + "," for k in range(0, len(row), LITERALS_A_LINE)]
         return [*lines, ")"]
 
     def kernel(self, kernel: Kernel) -> list[str]:

@@ -1,0 +1,120 @@
+"""The command line: exit codes, one message, one JSON document, and quick help."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+TASK = str(ROOT / "tasks" / "omni_s1.toml")
+
+
+def run(*arguments: str, cwd: Path = ROOT, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "stt_codegen.cli", *arguments]
+    return subprocess.run(command, cwd=cwd, env={**os.environ, **(env or {})}, capture_output=True, text=True, check=False)
+
+
+def test_help_imports_none_of_the_heavy_packages() -> None:
+    """Help within 0.3 s is a matter of imports, which is what can be tested exactly."""
+    code = (
+        "import sys; sys.argv = ['stt-codegen', '--help']\n"
+        "from stt_codegen.cli import main\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "heavy = {'casadi', 'numpy', 'matplotlib', 'highspy', 'sympy', 'control', 'pydantic', 'jinja2', 'scipy'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    for command in ("design", "generate", "check", "compare", "schema"):
+        assert command in result.stdout
+
+
+def one_message(result: subprocess.CompletedProcess[str]) -> str:
+    lines = result.stderr.strip().splitlines()
+    assert len(lines) == 1, result.stderr
+    assert lines[0].startswith("stt-codegen: ")
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    return lines[0]
+
+
+@pytest.mark.parametrize("command", ["design", "generate", "compare"])
+def test_bad_input_is_exit_code_2_and_one_line(command: str, tmp_path) -> None:
+    result = run(command, "none.toml", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "none.toml: cannot be read" in one_message(result)
+    (tmp_path / "odd.toml").write_text('name = "odd"\nprescribed_time = [')
+    result = run(command, "odd.toml", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "line 2" in one_message(result)
+    assert [p.name for p in tmp_path.iterdir()] == ["odd.toml"]
+
+
+@pytest.mark.parametrize("command", ["design", "generate", "compare"])
+def test_an_infeasible_task_is_exit_code_3_and_nothing_is_written(command: str, tmp_path) -> None:
+    wall = '\n[[unsafe]]\nname = "wall"\nlower = [2.0, 0.0]\nupper = [2.5, 3.0]\n'
+    (tmp_path / "walled.toml").write_text((ROOT / "tasks" / "empty.toml").read_text() + wall)
+    result = run(command, "walled.toml", cwd=tmp_path)
+    assert result.returncode == 3
+    assert "P4 avoid" in one_message(result)
+    assert [p.name for p in tmp_path.iterdir()] == ["walled.toml"]
+
+
+def test_without_a_compiler_compare_is_exit_code_4() -> None:
+    result = run("compare", TASK, "--points", "10", env={"PATH": "/nonexistent", "CC": ""})
+    assert result.returncode == 4
+    assert "install gcc or clang" in result.stderr.splitlines()[-1]
+
+
+def test_an_unknown_option_is_exit_code_2() -> None:
+    assert run("design", TASK, "--colour").returncode == 2
+    assert run("generate", TASK, "--scalar", "half").returncode == 2
+    assert run("generate", TASK, "--out", "a", "--record", "b").returncode == 2
+
+
+def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
+    from stt_codegen import cli
+
+    def broken() -> None:
+        raise RuntimeError("boom")
+
+    monkeypatch.setattr(cli, "app", broken)
+    monkeypatch.delenv("STT_CODEGEN_DEBUG", raising=False)
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    assert caught.value.code == 5
+    assert "internal error: RuntimeError: boom" in capsys.readouterr().err
+
+
+def test_every_command_speaks_one_json_document(tmp_path) -> None:
+    report = json.loads(run("design", TASK, "--json").stdout)
+    assert report["certified"] is True
+    assert [p["property"] for p in report["properties"]] == ["P1", "P2", "P2", "P3", "P4", "P5", "P6", "P7"]
+    assert report["cost"]["table_bytes"] == 35 * 2 * 2 * 4
+    written = json.loads(run("generate", TASK, "--out", str(tmp_path), "--json").stdout)["written"][0]
+    assert sorted(written["files"]) == sorted(p.name for p in tmp_path.iterdir())
+    rows = json.loads(run("compare", TASK, "--points", "50", "--json").stdout)
+    assert rows["within_bounds"] is True
+    assert json.loads(run("schema").stdout)["title"] == "stt_codegen task"
+    checked = json.loads(run("check", "generated", "--json").stdout)
+    assert checked["differences"] == []
+
+
+def test_design_shows_the_tube_and_draws_it(tmp_path) -> None:
+    result = run("design", TASK, "--picture", str(tmp_path / "new"))
+    assert result.returncode == 0
+    assert re.search(r"least width 0\.\d+", result.stdout)
+    assert "one control step: " in result.stdout
+    assert (tmp_path / "new" / "omni_s1.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_uncertified_flag_does_not_unsay_a_certificate_that_holds(tmp_path) -> None:
+    result = run("generate", TASK, "--uncertified", "--out", str(tmp_path))
+    assert result.returncode == 0
+    assert b"NOT CERTIFIED" not in (tmp_path / "omni_s1.c").read_bytes()

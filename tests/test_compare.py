@@ -1,0 +1,132 @@
+"""`compare` accepts the emitted code and finds small errors put into it; the reference itself is right."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from conftest import NAMES, controller_of
+
+from stt_codegen import reference
+from stt_codegen.backends import CompiledC, GeneratedPython
+from stt_codegen.compare import compare, compare_backend, sample_points
+from stt_codegen.pipeline import Controller
+
+QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "u", "status"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_backend_is_within_its_bounds_on_every_example_task(name: str, tool) -> None:
+    tool("cc")
+    rows = compare(controller_of(name).task, 10_000)
+    assert [r.backend for r in rows] == [b for b in ("CasADi", "Python", "C double", "C float") for _ in QUANTITIES]
+    assert [r.quantity for r in rows] == QUANTITIES * 4
+    assert min(r.points for r in rows) >= 10_000
+    assert not [r for r in rows if not r.holds]
+
+
+def test_the_bounds_are_not_idle() -> None:
+    """At least a twentieth of every bound is used, so an error of twenty times the usual is seen (status apart)."""
+    for row in compare(controller_of("omni_s2").task, 10_000):
+        assert row.quantity == "status" or row.share > 0.05
+
+
+def broken(controller: Controller, old: str, new: str) -> Controller:
+    text = controller.files["omni_s1.c"].decode()
+    assert old in text
+    return replace(controller, files={**controller.files, "omni_s1.c": text.replace(old, new, 1).encode()})
+
+
+def nudged_literal(controller: Controller) -> tuple[str, str]:
+    """The tenth coefficient of the table, changed by four units in the last place of its largest neighbour."""
+    text = controller.files["omni_s1.c"].decode()
+    values = re.search(r"_coefficients\[140\] = \{(.*?)\};", text, re.DOTALL).group(1).split(",")
+    old = values[41].strip()
+    step = 64 * np.spacing(np.float32(1))
+    return old, f"{float(np.float32(float(old.rstrip('F'))) + step):.9g}F"
+
+
+MUTATIONS = [
+    ("0.5F, xi", "0.50001F, xi", "u"),
+    ("1.0F + v0", "1.00001F + v0", "xi"),
+    ("logf(v0)", "log1pf(v0)", "epsilon"),
+    ("width, most", "width, most", ""),
+    ("const bool below = x_i < upper_edge", "const bool below = x_i < upper_edge + 0.001F", "status"),
+    ("3.0F * v4", "3.00002F * v4", "tube"),
+    ("v0 - s", "v0 + s", "tube rate"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "quantity"), [m for m in MUTATIONS if m[2]])
+def test_a_small_error_in_the_c_is_found_where_it_is(old: str, new: str, quantity: str) -> None:
+    controller = broken(controller_of("omni_s1"), old, new)
+    rows = compare_backend(controller, CompiledC(controller.task, controller.files, "float"), 3000)
+    assert quantity in [r.quantity for r in rows if not r.holds]
+
+
+def test_one_changed_coefficient_is_found() -> None:
+    good = controller_of("omni_s1")
+    controller = broken(good, *nudged_literal(good))
+    rows = compare_backend(controller, CompiledC(controller.task, controller.files, "float"), 3000)
+    assert not next(r for r in rows if r.quantity == "tube").holds
+
+
+def test_points_are_of_the_backends_type_and_include_the_edges() -> None:
+    controller = controller_of("omni_s1")
+    t, x = sample_points(controller, 10_000, np.float32)
+    assert t.dtype == x.dtype == np.float32
+    assert len(t) >= 10_000
+    assert {0.0, 9.0, float(np.nextafter(np.float32(9), np.float32(10)))} <= {float(v) for v in t}
+    assert t.min() < -1e20
+    low, high = reference.tube(controller.design.integers(), controller.design.unit, controller.design.prescribed_time, t)
+    outside = ~np.all((low < x) & (x < high), axis=1)
+    assert 0.1 < outside.mean() < 0.9
+    assert np.abs(x).max() > 1e20
+
+
+def test_the_reference_tube_is_the_spline_by_de_boors_recursion() -> None:
+    from test_certificate import exact_edges
+
+    design = controller_of("spacecraft").design
+    for k in (0, 7, design.segments - 1):
+        for s in (Fraction(0), Fraction(1, 3), Fraction(7, 8)):
+            t = (k + s) * design.prescribed_time / design.segments
+            low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, [float(t)])
+            for i, (a, b) in enumerate(exact_edges(design, k, s)):
+                # t itself is rounded to a double: an edge moves by its speed times that
+                assert abs(float(low[0, i]) - float(a)) < 1e-14
+                assert abs(float(high[0, i]) - float(b)) < 1e-14
+
+
+def test_the_reference_rate_is_the_derivative_of_the_reference_tube() -> None:
+    """Central differences; their error is h^2/6 times the third derivative, which is constant on a segment."""
+    design = controller_of("omni_s2").design
+    t = np.random.default_rng(5).uniform(0.01, 8.99, 500)
+    h = 1e-5
+    third = np.abs(np.diff(design.bezier(), n=3, axis=3)).max() * 6 * float(design.unit) * float(32 / design.prescribed_time) ** 3
+    before, after = (
+        np.stack(reference.tube(design.integers(), design.unit, design.prescribed_time, (t + s * h).astype(np.longdouble)))
+        for s in (-1, 1)
+    )
+    rate = np.stack(reference.tube_rate(design.integers(), design.unit, design.prescribed_time, t))
+    assert np.abs((after - before) / (2 * h) - rate).max() <= third * h * h + 1e-9  # C2, so also across knots
+
+
+def test_reference_imports_nothing_of_this_package() -> None:
+    from pathlib import Path
+
+    text = Path(reference.__file__).read_text()
+    imports = re.findall(r"^(?:from|import) (\S+)", text, re.M)
+    assert set(imports) == {"__future__", "fractions", "numpy", "numpy.typing"}
+
+
+def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
+    """Within P7's bound of the C float, although in double arithmetic."""
+    controller = controller_of("omni_s1", "float")
+    python, c = GeneratedPython(controller.task, controller.files), CompiledC(controller.task, controller.files, "float")
+    t = np.linspace(-1, 10, 500).astype(np.float32).astype(float)
+    bound = np.array([float(v) for v in controller.certificate.edge_error])
+    assert np.all(np.abs(np.stack(python.tube(t)) - np.stack(c.tube(t))) <= bound)

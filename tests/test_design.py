@@ -1,0 +1,190 @@
+"""The design: what it promises holds for tasks it has never seen, and what is infeasible is refused with the reason."""
+
+from __future__ import annotations
+
+import itertools
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from conftest import NAMES, ROOT, controller_of
+
+from stt_codegen.arenas import FAMILIES, arena_task, feasible
+from stt_codegen.design.arena import arena_of, starting_box
+from stt_codegen.design.refine import SPEED_ROOM
+from stt_codegen.design.route import shortest_route
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.pipeline import build_task, design_tube
+from stt_codegen.task import load_task, parse_task
+
+PAPER = FAMILIES["paper"]
+
+EMPTY = (ROOT / "tasks" / "empty.toml").read_text()
+
+
+def unsafe(name: str, lower: list[float], upper: list[float]) -> str:
+    return f'\n[[unsafe]]\nname = "{name}"\nlower = {lower}\nupper = {upper}\n'
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_example_task_is_certified(name: str) -> None:
+    controller = controller_of(name)
+    assert controller.certificate.holds
+    assert [f.code for f in controller.certificate.findings] == ["P1", "P2", "P2", "P3", "P4", "P5", "P6", "P7"]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_an_arena_is_certified_exactly_when_a_way_is_open(seed: int) -> None:
+    """Open at 0.1 by an exact flood fill: certified. Closed at the clearance alone: refused."""
+    task = arena_task(PAPER, seed)
+    if feasible(PAPER, seed, 0.1):
+        assert build_task(task).certificate.holds
+    elif not feasible(PAPER, seed, 0.03):
+        with pytest.raises(NotCertified, match="P4"):
+            build_task(task)
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+@pytest.mark.parametrize("family", ["dense12", "space3", "space6"])
+def test_other_families_are_certified(family: str, seed: int) -> None:
+    assert build_task(arena_task(FAMILIES[family], seed)).certificate.holds
+
+
+def test_the_same_task_gives_the_same_design() -> None:
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    assert design_tube(task) == design_tube(task)
+
+
+def test_float_and_double_share_one_tube_of_24_bit_coefficients() -> None:
+    for name in NAMES:
+        single, double = controller_of(name, "float"), controller_of(name, "double")
+        assert single.design == double.design
+        values = np.abs(single.design.integers())
+        assert values.max() < 2**24
+        assert all(float(np.float32(float(v * single.design.unit))) == v * single.design.unit for v in map(int, values.ravel()))
+
+
+def test_order_of_unsafe_sets_and_dimensions_does_not_decide_feasibility() -> None:
+    text = (ROOT / "tasks" / "omni_s3.toml").read_text()
+    head, *sets = text.split("[[unsafe]]")
+    *sets, last = sets
+    last, tail = last.split("[tube]")
+    for order in itertools.islice(itertools.permutations([*sets, last]), 0, 24, 7):
+        shuffled = "[[unsafe]]".join([head, *order]) + "[tube]" + tail
+        assert build_task(parse_task(shuffled)).certificate.holds
+
+
+def test_moving_and_scaling_the_world_keeps_the_certificate() -> None:
+    """Task coordinates times 3 plus 100: still certified, clearance and width scaled too."""
+    task = load_task(ROOT / "tasks" / "omni_s1.toml")
+
+    def moved(values):
+        return tuple(3 * v + 100 for v in values)
+
+    boxes = {
+        name: getattr(task, name).model_copy(
+            update={"lower": moved(getattr(task, name).lower), "upper": moved(getattr(task, name).upper)}
+        )
+        for name in ("state_space", "initial_set", "target_set")
+    }
+    sets = tuple(s.model_copy(update={"lower": moved(s.lower), "upper": moved(s.upper)}) for s in task.unsafe)
+    tube = task.tube.model_copy(update={"clearance": Fraction("0.09"), "min_width": Fraction("0.15")})
+    world = task.model_copy(update={**boxes, "unsafe": sets, "tube": tube, "initial_state": moved(task.initial_state)})
+    assert build_task(world).certificate.holds
+
+
+@pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "spacecraft"])
+def test_a_body_costs_room_and_is_respected(name: str) -> None:
+    """Half extents h: certified against sets grown by h; the plain task's certificate with clearance + h agrees."""
+    task = load_task(ROOT / "tasks" / f"{name}.toml")
+    h = Fraction("0.05")
+    n = task.dimension
+    inner = {
+        field: getattr(task, field).model_copy(
+            update={
+                "lower": tuple(max(v, s + h) for v, s in zip(getattr(task, field).lower, task.state_space.lower, strict=True)),
+                "upper": tuple(min(v, s - h) for v, s in zip(getattr(task, field).upper, task.state_space.upper, strict=True)),
+            }
+        )
+        for field in ("initial_set", "target_set")
+    }
+    bodied = task.model_copy(update={"body": (h,) * n, **inner})
+    controller = build_task(bodied)
+    low = controller.design.bezier()[:, :, 0].min(axis=(0, 2)) * float(controller.design.unit)
+    assert all(low >= [float(v + h) for v in task.state_space.lower])
+    wider = task.model_copy(update={"tube": task.tube.model_copy(update={"clearance": task.tube.clearance + h}), **inner})
+    from stt_codegen.certify.exact import certify_refined
+
+    again = certify_refined(wider, controller.design, controller.certificate.edge_error)
+    assert next(f for f in again.findings if f.code == "P4").holds
+
+
+@pytest.mark.parametrize("seed", range(0, 40, 8))
+def test_the_peak_speed_is_near_the_least_possible(seed: int) -> None:
+    """Design promise: at most SPEED_ROOM times the least peak speed found; that is within 1.5 of the route's bound, and
+    no tube is slower than the bound less what its own width gives (the centre may lag by half a width at both ends)."""
+    task = arena_task(PAPER, seed)
+    arena = arena_of(task)
+    least = shortest_route(arena, starting_box(arena), arena.min_width).length / arena.prescribed_time
+    speed = float(max(build_task(task).certificate.speed))
+    assert least - 0.5 / arena.prescribed_time <= speed <= SPEED_ROOM * 1.5 * least
+
+
+def test_max_speed_is_kept_or_refused_with_the_time_that_would_do() -> None:
+    slow = EMPTY + "\n[tube]\nmax_speed = 0.78\n"
+    assert max(build_task(parse_task(slow)).certificate.speed) <= Fraction("0.78")
+    with pytest.raises(NotCertified, match=r"P6 speed.*prescribed_time to (\d+\.\d+)") as caught:
+        build_task(parse_task(EMPTY + "\n[tube]\nmax_speed = 0.5\n"))
+    enough = float(str(caught.value).split("prescribed_time to ")[1].split()[0]) * 1.001
+    assert build_task(
+        parse_task(EMPTY.replace("prescribed_time = 4.0", f"prescribed_time = {enough}") + "\n[tube]\nmax_speed = 0.5\n")
+    )
+
+
+def test_segments_are_as_asked() -> None:
+    assert build_task(parse_task(EMPTY + "\n[tube]\nsegments = 12\n")).design.segments == 12
+
+
+@pytest.mark.parametrize(
+    ("added", "words"),
+    [
+        (unsafe("wall", [2.0, 0.0], [2.5, 3.0]), ["P4", "no way leads", "whatever the clearance"]),
+        (unsafe("wall", [2.0, 0.0], [2.5, 2.93]), ["P4", "a clearance of 0.03", "a way opens at tube.clearance = "]),
+        (unsafe("wall", [2.0, 0.0], [2.5, 2.97]), ["P4", "tube of width 0.05", "opens at tube.min_width = 0.02"]),
+        ("\n[tube]\nmin_width = 1.2\n", ["P1", "initial_set", "too narrow"]),
+        (unsafe("near", [0.4, 1.01], [0.6, 1.5]) + "[tube]\nmin_width = 0.99\n", ["P4 avoid at t = 0", "near", "lower tube.clearance"]),
+    ],
+)  # fmt: skip
+def test_an_infeasible_task_is_refused_with_the_reason(added: str, words: list[str]) -> None:
+    with pytest.raises(NotCertified) as caught:
+        build_task(parse_task(EMPTY + added))
+    assert caught.value.exit_code == 3
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_a_state_at_the_very_edge_of_the_initial_set_is_refused() -> None:
+    with pytest.raises(NotCertified, match="P2 start: initial_state"):
+        build_task(parse_task(EMPTY.replace("initial_state = [0.5, 0.5]", "initial_state = [0.5, 0.99999]")))
+
+
+def test_an_unsafe_set_beside_the_start_costs_a_part_of_the_start_and_says_so() -> None:
+    controller = build_task(parse_task(EMPTY + unsafe("near", [0.2, 1.01], [0.8, 1.6])))
+    assert not controller.certificate.whole_start
+    assert controller.certificate.start[1][1] <= Fraction("0.98")
+    assert controller_of("empty").certificate.whole_start
+
+
+def test_the_clearance_that_a_refusal_names_does() -> None:
+    blocked = EMPTY + unsafe("wall", [2.0, 0.0], [2.5, 2.93])
+    with pytest.raises(NotCertified, match="tube.clearance = ") as caught:
+        build_task(parse_task(blocked))
+    clearance = str(caught.value).rsplit(" ", 1)[1]
+    assert 0.015 < float(clearance) < 0.02
+    assert build_task(parse_task(f"{blocked}[tube]\nclearance = {clearance}\n")).certificate.holds
+
+
+@pytest.mark.parametrize("added", ['[tube]\ndesign = "adaptive"', '[emit]\nmath = "inline"', "[emit]\ntick_period = 0.001"])
+def test_an_option_of_the_format_that_cannot_be_honoured_yet_is_refused(added: str) -> None:
+    with pytest.raises(BadInput, match="not available"):
+        build_task(parse_task(EMPTY + f"\n{added}\n"))

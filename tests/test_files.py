@@ -1,0 +1,161 @@
+"""Files on disk: reproducible to the byte, recorded, compared both ways, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT, controller_of
+
+from stt_codegen.emit.check import check, describe_numbers
+from stt_codegen.emit.manifest import write_files
+from stt_codegen.errors import BadInput
+
+# What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy may use.
+SURROUNDINGS = [
+    {"PYTHONHASHSEED": "1", "TZ": "UTC", "LC_ALL": "C"},
+    {
+        "PYTHONHASHSEED": "4711",
+        "TZ": "Pacific/Kiritimati",
+        "LC_ALL": "C.UTF-8",
+        "NPY_DISABLE_CPU_FEATURES": "AVX2 FMA3 AVX512F AVX512_SKX",
+        "OPENBLAS_CORETYPE": "Nehalem",
+    },
+]
+
+
+def run(*arguments: str, cwd: Path, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-W", "ignore", "-m", "stt_codegen.cli", *arguments]
+    return subprocess.run(command, cwd=cwd, env={**os.environ, **(env or {})}, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
+def test_the_same_bytes_in_any_process_folder_and_surroundings(name: str, tmp_path) -> None:
+    made = []
+    for k, surroundings in enumerate(SURROUNDINGS):
+        folder = tmp_path / f"folder {k}" / ("deep" * k)
+        folder.mkdir(parents=True)
+        shutil.copy(ROOT / "tasks" / f"{name}.toml", folder / "copy.toml")
+        result = run("generate", "copy.toml", "--out", "out", cwd=folder, env=surroundings)
+        assert result.returncode == 0, result.stderr
+        made.append({p.name: p.read_bytes() for p in (folder / "out").iterdir()})
+    assert made[0] == made[1] == controller_of(name).files
+
+
+def test_the_committed_files_are_what_the_tool_writes() -> None:
+    assert check(ROOT / "generated") == []
+
+
+@pytest.fixture
+def recorded(tmp_path) -> Path:
+    """A small repository of a user: one task, recorded."""
+    (tmp_path / "tasks").mkdir()
+    shutil.copy(ROOT / "tasks" / "empty.toml", tmp_path / "tasks")
+    result = run("generate", "tasks/empty.toml", "--record", "generated", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    return tmp_path
+
+
+def test_check_is_content_with_what_was_recorded_and_works_from_any_folder(recorded) -> None:
+    assert run("check", cwd=recorded).returncode == 0
+    assert run("check", str(recorded / "generated"), cwd=Path("/")).returncode == 0
+    manifest = json.loads((recorded / "generated" / "MANIFEST.json").read_text())
+    assert manifest["folders"]["empty/refined/float"]["task"] == "../tasks/empty.toml"
+
+
+@pytest.mark.parametrize("name", ["empty.h", "empty.c", "empty.py", "empty.certificate.json"])
+@pytest.mark.parametrize("place", [0.0, 0.5, 1.0])
+def test_every_changed_byte_is_noticed(recorded, name: str, place: float) -> None:
+    file = recorded / "generated" / "empty" / "refined" / "float" / name
+    data = bytearray(file.read_bytes())
+    k = int(place * (len(data) - 1))
+    data[k] ^= 1
+    file.write_bytes(bytes(data))
+    result = run("check", cwd=recorded)
+    assert result.returncode == 1
+    assert f"empty/refined/float/{name}: differs" in result.stdout
+    assert result.stdout.rstrip().endswith("stt-codegen check generated --accept")
+    assert run("check", "generated", "--accept", cwd=recorded).returncode == 0
+    assert run("check", cwd=recorded).returncode == 0
+
+
+def test_missing_extra_and_line_end_changes_are_noticed(recorded) -> None:
+    folder = recorded / "generated" / "empty" / "refined" / "float"
+    (folder / "empty.h").unlink()
+    (folder / "extra.c").write_text("int x;\n")
+    (folder / "empty.c").write_bytes((folder / "empty.c").read_bytes().replace(b"\n", b"\r\n"))
+    found = {(d.path.rsplit("/", 1)[1], d.what) for d in check(recorded / "generated")}
+    assert ("empty.h", "is missing") in found
+    assert ("extra.c", "is not recorded in the manifest") in found
+    assert ("empty.c", "differs") in found
+
+
+def test_a_changed_task_is_noticed_with_the_size_of_the_change(recorded) -> None:
+    task = recorded / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace("upper = [1.0, 1.0]", "upper = [1.0, 0.99]"))
+    result = run("check", "--json", cwd=recorded)
+    assert result.returncode == 1
+    document = json.loads(result.stdout)
+    entry = next(d for d in document["differences"] if d["path"].endswith("empty.c"))
+    assert "numbers changed" in entry["numbers"]
+    moved = float(entry["numbers"].rsplit(" ", 1)[1])
+    assert 0.005 < moved < 1.0
+
+
+def test_a_manifest_that_is_damaged_or_absent_is_bad_input(recorded) -> None:
+    manifest = recorded / "generated" / "MANIFEST.json"
+    manifest.write_text("{}")
+    assert run("check", cwd=recorded).returncode == 2
+    manifest.unlink()
+    result = run("check", cwd=recorded)
+    assert result.returncode == 2
+    assert "--record" in result.stderr
+
+
+def test_describing_numbers_tells_text_from_numbers() -> None:
+    old = "static const float x[2] = {1.5F, -2.0F};\n/* 3 points */\n"
+    assert describe_numbers(old, old.replace("/* 3 points */", "/* 3 knots */")) == "the text changed, no number did"
+    assert describe_numbers(old, old.replace("-2.0F", "-2.5F")).startswith(
+        "1 of 4 numbers changed, the largest relative change is 0.2"
+    )
+    assert "structure changed" in describe_numbers(old, old.replace(", -2.0F", ""))
+
+
+def test_the_movement_of_the_tube_that_check_names_is_a_true_bound() -> None:
+    """Bend single coefficients: no edge moves by more than 6 times the change."""
+    import numpy as np
+
+    from stt_codegen import reference
+
+    design = controller_of("omni_s2").design
+    t = np.linspace(0, 9, 2000)
+    before = np.stack(reference.tube(design.integers(), design.unit, design.prescribed_time, t))
+    bent = design.integers()
+    bent[7, 0, 1] += 1000
+    bent[12, 1, 0] -= 700
+    after = np.stack(reference.tube(bent, design.unit, design.prescribed_time, t))
+    assert np.abs(after - before).max() <= 6 * 1000 * float(design.unit)
+
+
+def test_a_failed_write_leaves_the_old_files_whole(tmp_path, monkeypatch) -> None:
+    write_files(tmp_path, {"a.c": b"old a", "b.c": b"old b"})
+
+    def broken(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fdopen", broken)
+    with pytest.raises(BadInput, match="No space left"):
+        write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
+
+
+def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> None:
+    (tmp_path / "bad.toml").write_text("name = 1\n")
+    result = run("generate", str(ROOT / "tasks" / "empty.toml"), "bad.toml", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 2
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,60 @@
+"""The wheel carries all it needs; the project names no registry host."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+
+import pytest
+from conftest import ROOT, controller_of
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(ROOT)]
+    subprocess.run(command, check=True, capture_output=True)
+    return next(folder.glob("*.whl"))
+
+
+def test_an_installed_wheel_generates_the_same_bytes_far_from_the_checkout(wheel, tmp_path) -> None:
+    site = tmp_path / "site"
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    (tmp_path / "task.toml").write_bytes((ROOT / "tasks" / "omni_s3.toml").read_bytes())
+    code = (
+        "import sys, stt_codegen; assert stt_codegen.__file__.startswith(sys.path[0]), stt_codegen.__file__\n"
+        "from stt_codegen.cli import main; sys.argv = ['stt-codegen', 'generate', 'task.toml']; main()"
+    )
+    env = {**os.environ, "PYTHONPATH": str(site)}
+    code = code.replace("sys.path[0]", repr(str(site)))
+    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=env, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    for name, data in controller_of("omni_s3").files.items():
+        assert (tmp_path / name).read_bytes() == data
+
+
+def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        entry = next(n for n in names if n.endswith("entry_points.txt"))
+        assert "stt-codegen = stt_codegen.cli:main" in archive.read(entry).decode()
+    assert {f"stt_codegen/templates/controller.{kind}.j2" for kind in ("h", "c", "py")} <= set(names)
+    assert not [n for n in names if n.startswith(("tests/", "generated/", "benchmarks/"))]
+
+
+def test_the_lock_pins_every_package_with_a_hash_and_names_no_host() -> None:
+    text = (ROOT / "requirements.lock").read_text()
+    assert not re.search(r"https?://|index-url|find-links", text)
+    entries = re.split(r"\n(?=\S)", text.strip())
+    assert all("==" in e and "--hash=sha256:" in e for e in entries)
+    pinned = {e.split("==")[0] for e in entries}
+    project = (ROOT / "pyproject.toml").read_text()
+    named = re.findall(r'^\s+"([\w-]+)==([\w.]+)",$', project, re.M)
+    assert len(named) >= 15
+    for name, version in named:
+        assert name in pinned
+        assert re.search(rf"^{name}=={re.escape(version)}\b", text, re.M)
