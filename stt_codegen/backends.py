@@ -8,19 +8,21 @@ import os
 import shutil
 import subprocess
 import tempfile
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import MissingTool, SttError
-from stt_codegen.task import Task
+from stt_codegen.pipeline import Controller
 
-Array = npt.NDArray[np.float64]
+Array = npt.NDArray[Any]
 
 # What the emitted C must pass without a warning, with gcc and clang (docs/c.md).
 STRICT = tuple(
@@ -29,27 +31,38 @@ STRICT = tuple(
 )
 
 
-class Backend(Protocol):
-    """Points t of shape (P,), x of shape (P, n); results of shape (P, n), status of shape (P,)."""
+class Backend(ABC):
+    """A controller that takes arrays of points: scalars of shape (P,), arrays of shape (P, length)."""
 
     name: str
     scalar: str
 
-    def tube(self, t: Array) -> tuple[Array, Array]: ...
+    @abstractmethod
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        """A public function at every point: the status first where it returns one, then its outputs in order."""
 
-    def tube_rate(self, t: Array) -> tuple[Array, Array]: ...
+    def tube(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.call("tube", *inputs)
 
-    def transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, Array, Array]: ...
+    def tube_rate(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.call("tube_rate", *inputs)
 
-    def control(self, t: Array, x: Array) -> tuple[npt.NDArray[np.intp], Array]: ...
+    def transform(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.call("transform", *inputs)
+
+    def control(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.call("control", *inputs)
 
 
 def find_compiler() -> str:
     """The system's C compiler: $CC, or the first of cc, gcc, clang. Raises `MissingTool`."""
-    for candidate in (os.environ.get("CC", ""), "cc", "gcc", "clang"):
-        found = shutil.which(candidate) if candidate else None
+    own = os.environ.get("CC", "")
+    for candidate in (own,) if own else ("cc", "gcc", "clang"):
+        found = shutil.which(candidate)
         if found:
             return found
+    if own:
+        raise MissingTool(f"CC names {own!r}, which is not found; set it to the command of a C compiler")
     raise MissingTool("no C compiler found; install gcc or clang (Debian: apt-get install gcc libc6-dev), or set CC")
 
 
@@ -60,81 +73,65 @@ def run_compiler(arguments: Iterable[str]) -> None:
         raise SttError(f"the C compiler refused the emitted code:\n{result.stderr.strip()}")
 
 
-class CompiledC:
+class CompiledC(Backend):
     """The emitted C, compiled with the strict flags into a shared library."""
 
-    def __init__(self, task: Task, files: dict[str, bytes], scalar: str, compiler: str | None = None) -> None:
-        self.name = f"C {scalar}"
-        self.scalar = scalar
-        self.n = task.dimension
-        self.number = np.float32 if scalar == "float" else np.float64
-        self.real: Any = ctypes.c_float if scalar == "float" else ctypes.c_double
+    def __init__(self, controller: Controller, compiler: str | None = None) -> None:
+        self.program = controller.program
+        self.scalar = self.program.scalar
+        self.name = f"C {self.scalar}"
+        self.number = np.float32 if self.scalar == "float" else np.float64
+        self.real: Any = ctypes.c_float if self.scalar == "float" else ctypes.c_double
         with tempfile.TemporaryDirectory() as folder:
-            for name, data in files.items():
+            for name, data in controller.files.items():
                 Path(folder, name).write_bytes(data)
             library = str(Path(folder, "controller.so"))
-            source = str(Path(folder, f"{task.name}.c"))
+            source = str(Path(folder, f"{self.program.prefix}.c"))
             run_compiler([compiler or find_compiler(), *STRICT, "-shared", "-fPIC", "-o", library, source, "-lm"])
             self.library = ctypes.CDLL(library)
-        self.prefix = task.name
-        self.t_c = float(task.prescribed_time)
 
-    def _call(self, name: str, scalars: list[Array], arrays: list[Array], outputs: int) -> tuple[list[int], list[Any]]:
-        """Call `name` once for every point with its scalars, then its input arrays, then fresh output arrays."""
-        function = getattr(self.library, f"{self.prefix}_{name}")
-        function.restype = ctypes.c_int
-        function.argtypes = [self.real] * len(scalars) + [ctypes.c_void_p] * (len(arrays) + outputs)
-        count = len((scalars or arrays)[0])
-        inputs = [np.ascontiguousarray(a, dtype=self.number) for a in arrays]
-        results = [np.zeros((count, self.n), dtype=self.number) for _ in range(outputs)]
-        size = self.n * inputs[0].itemsize if inputs else self.n * results[0].itemsize
-        starts = [a.ctypes.data for a in inputs + results]
-        status = []
-        for p in range(count):
-            status.append(function(*[float(s[p]) for s in scalars], *[start + p * size for start in starts]))
-        return status, results
-
-    def tube(self, t: Array) -> tuple[Array, Array]:
-        lower, upper = self._call("tube", [t], [], 2)[1]
-        return lower, upper
-
-    def tube_rate(self, t: Array) -> tuple[Array, Array]:
-        lower, upper = self._call("tube_rate", [t], [], 2)[1]
-        return lower, upper
-
-    def transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, Array, Array]:
-        e, epsilon, xi = self._call("transform", [], [lower, upper, x], 3)[1]
-        return e, epsilon, xi
-
-    def control(self, t: Array, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        status, (u,) = self._call("control", [t], [x], 1)
-        return np.array(status), u
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        params = self.program.function(function).params
+        call = getattr(self.library, f"{self.program.prefix}_{function}")
+        call.restype = ctypes.c_int
+        call.argtypes = [self.real if p.length is None else ctypes.c_void_p for p in params]
+        count = len(inputs[0])
+        given = iter(inputs)
+        columns: list[list[Any]] = []
+        results = []
+        kept = []  # alive until the calls are done: the columns hold bare addresses
+        for p in params:
+            if p.length is None:
+                columns.append([float(v) for v in next(given)])
+                continue
+            if p.output and not p.inout:
+                array = np.zeros((count, p.length), dtype=self.number)
+            else:
+                array = np.array(next(given), dtype=self.number, order="C")
+            kept.append(array)
+            columns.append([array.ctypes.data + k * array.strides[0] for k in range(count)])
+            if p.output:
+                results.append(array)
+        status = [call(*row) for row in zip(*columns, strict=True)]
+        return (np.array(status), *results) if self.program.function(function).returns_status else tuple(results)
 
 
-class GeneratedPython:
+class GeneratedPython(Backend):
     """The emitted Python module, loaded from its text."""
 
     name = "Python"
     scalar = "double"
 
-    def __init__(self, task: Task, files: dict[str, bytes]) -> None:
-        self.module: Any = load_module(task.name, files[f"{task.name}.py"])
+    def __init__(self, controller: Controller) -> None:
+        self.program = controller.program
+        self.module: Any = load_module(self.program.prefix, controller.files[f"{self.program.prefix}.py"])
 
-    def tube(self, t: Array) -> tuple[Array, Array]:
-        lower, upper = zip(*(self.module.tube(v) for v in t), strict=True)
-        return np.array(lower), np.array(upper)
-
-    def tube_rate(self, t: Array) -> tuple[Array, Array]:
-        lower, upper = zip(*(self.module.tube_rate(v) for v in t), strict=True)
-        return np.array(lower), np.array(upper)
-
-    def transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, Array, Array]:
-        e, epsilon, xi = zip(*(self.module.transform(*p) for p in zip(lower, upper, x, strict=True)), strict=True)
-        return np.array(e), np.array(epsilon), np.array(xi)
-
-    def control(self, t: Array, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        status, u = zip(*(self.module.control(*p) for p in zip(t, x, strict=True)), strict=True)
-        return np.array(status), np.array(u)
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        call, described = getattr(self.module, function), self.program.function(function)
+        rows = [call(*point) for point in zip(*inputs, strict=True)]
+        if len(described.outputs) == 1 and not described.returns_status:
+            return (np.array(rows),)
+        return tuple(np.array(column) for column in zip(*rows, strict=True))
 
 
 def load_module(name: str, text: bytes) -> ModuleType:
@@ -144,19 +141,62 @@ def load_module(name: str, text: bytes) -> ModuleType:
     return module
 
 
-class CasadiKernels:
-    """The kernels as CasADi evaluates them, with the frame (segment, clamp, status) in NumPy."""
+class _CasadiLaw(Backend):
+    """Section IV as CasADi evaluates its kernels, with the clamp and the status in NumPy."""
 
     name = "CasADi"
     scalar = "double"
 
-    def __init__(self, task: Task, design: RefinedDesign) -> None:
-        from stt_codegen.paper import control_law, refined_tube
+    def __init__(self, controller: Controller) -> None:
+        from stt_codegen.paper import control_law
 
-        self.task, self.design = task, design
-        self.basis, self.basis_rate, self.blend = refined_tube.basis(), refined_tube.basis_rate(), refined_tube.blend()
+        self.task = controller.task
         self.normalized, self.transformed = control_law.normalized_error(), control_law.transformed_error()
         self.law = control_law.law()
+
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        return tuple(getattr(self, f"_{function}")(*inputs))
+
+    def _transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, ...]:
+        e_max = self.task.control.e_max
+        share = float((1 - e_max) / 2)
+        width = upper - lower
+        a = np.clip(x - lower, share * width, float((1 + e_max) / 2) * width)
+        b = np.clip(upper - x, share * width, float((1 + e_max) / 2) * width)
+        e = np.clip(_over(self.normalized, a, b, width)[0], -float(e_max), float(e_max))
+        return e, *_over(self.transformed, a, b)
+
+    def _control(self, *inputs: Array) -> tuple[Array, ...]:
+        *at, x = inputs
+        lower, upper = self.call("tube", *at)
+        _, epsilon, xi = self.call("transform", lower, upper, x)
+        (u,) = _over(self.law, float(self.task.control.gain), xi, epsilon)
+        if self.task.control.u_max is not None:
+            bound = np.array([float(v) for v in self.task.control.u_max])
+            u = np.clip(u, -bound, bound)
+        inside = np.all((lower < x) & (x < upper), axis=1)
+        return np.where(inside, 0, 1), u
+
+
+def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
+    """A CasADi function of scalars over arrays of one shape (numbers are repeated); its outputs in that shape."""
+    shape = np.broadcast_shapes(*(np.shape(v) for v in inputs))
+    rows = [np.broadcast_to(v, shape).reshape(1, -1) for v in inputs]
+    results = function(*rows)
+    results = results if isinstance(results, tuple) else (results,)
+    return tuple(np.array(r).reshape(shape) for r in results)
+
+
+class CasadiRefined(_CasadiLaw):
+    """A refined tube by its CasADi kernels; time, segment and table in NumPy."""
+
+    def __init__(self, controller: Controller) -> None:
+        from stt_codegen.paper import refined_tube
+
+        super().__init__(controller)
+        assert isinstance(controller.design, RefinedDesign)
+        self.design = controller.design
+        self.basis, self.basis_rate, self.blend = refined_tube.basis(), refined_tube.basis_rate(), refined_tube.blend()
 
     def _edges(self, t: Array, weights: Any) -> tuple[Array, Array]:
         design = self.design
@@ -171,36 +211,93 @@ class CasadiKernels:
                 edges[:, i, side] = np.array(self.blend(w, np.stack([q[segment + j, i, side] for j in range(4)])))
         return edges[:, :, 0], edges[:, :, 1]
 
-    def tube(self, t: Array) -> tuple[Array, Array]:
+    def _tube(self, t: Array) -> tuple[Array, ...]:
         return self._edges(t, lambda s: self.basis(s[None]))
 
-    def tube_rate(self, t: Array) -> tuple[Array, Array]:
+    def _tube_rate(self, t: Array) -> tuple[Array, ...]:
         lower, upper = self._edges(t, lambda s: self.basis_rate(s[None]))
         design = self.design
         scale = np.where(t < float(design.prescribed_time), float(design.segments / design.prescribed_time), 0.0)[:, None]
         return lower * scale, upper * scale
 
-    def transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, Array, Array]:
-        e_max = self.task.control.e_max
-        share = float((1 - e_max) / 2)
-        width = upper - lower
-        a = np.clip(x - lower, share * width, float((1 + e_max) / 2) * width)
-        b = np.clip(upper - x, share * width, float((1 + e_max) / 2) * width)
-        e, epsilon, xi = np.empty_like(a), np.empty_like(a), np.empty_like(a)
-        for i in range(a.shape[1]):
-            row = [v[:, i][None] for v in (a, b, width)]
-            e[:, i] = np.array(self.normalized(*row)).ravel()
-            both = self.transformed(*row[:2])
-            epsilon[:, i], xi[:, i] = np.array(both[0]).ravel(), np.array(both[1]).ravel()
-        return np.clip(e, -float(e_max), float(e_max)), epsilon, xi
 
-    def control(self, t: Array, x: Array) -> tuple[npt.NDArray[np.intp], Array]:
-        lower, upper = self.tube(t)
-        _, epsilon, xi = self.transform(lower, upper, x)
-        gain = np.full((1, len(t)), float(self.task.control.gain))
-        u = np.stack([np.array(self.law(gain, xi[:, i][None], epsilon[:, i][None])).ravel() for i in range(x.shape[1])], axis=1)
-        if self.task.control.u_max is not None:
-            bound = np.array([float(v) for v in self.task.control.u_max])
-            u = np.clip(u, -bound, bound)
-        inside = np.all((lower < x) & (x < upper), axis=1)
-        return np.where(inside, 0, 1), u
+class CasadiAdapted(_CasadiLaw):
+    """An adaptive or literal tube by its CasADi kernels; loops over dimensions and circumvent functions in NumPy.
+
+    alpha is laid out as in the emitted code: alpha_L by dimension, then alpha_U.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        super().__init__(controller)
+        assert isinstance(controller.design, AdaptiveDesign)
+        self.design = d = controller.design
+        self.update = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma)]
+
+    def _lines(self, t: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """sigma (P,), and rho, beta, their rates, of shape (P, 2 n)."""
+        from stt_codegen.paper import circumvent, reach_tube
+
+        d, n = self.design, self.design.dimension
+        held = np.clip(t, 0, float(d.prescribed_time))
+        sigma, sigma_rate = _over(reach_tube.profile(True), held, float(d.prescribed_time))
+        edges = [(float(d.start[i][s]), float(d.target[i][s])) for s in (0, 1) for i in range(n)]
+        rho = np.stack([_over(reach_tube.reach_edge(), a, b, sigma)[0] for a, b in edges], axis=1)
+        rho_rate = np.stack([_over(reach_tube.reach_rate(), a, b, sigma_rate)[0] for a, b in edges], axis=1)
+        beta, beta_rate = np.empty_like(rho), np.empty_like(rho)
+        for side in (0, 1):
+            for i in range(n):
+                total, slope = np.zeros_like(held), np.zeros_like(held)
+                for b in d.of(i, side):
+                    shape = [float(v) for v in (b.height, b.steepness, b.middle, b.radius, circumvent.CUT["double"])]
+                    bump, bump_rate = _over(circumvent.circumvent(True), held, *shape)
+                    total, slope = _over(circumvent.join(True), total, bump, slope, bump_rate, float(d.nu))
+                beta[:, i + n * side] = float(d.walls[i][side]) + (1 - 2 * side) * total
+                beta_rate[:, i + n * side] = (1 - 2 * side) * slope
+        return sigma, rho, beta, rho_rate, beta_rate
+
+    def _psi(self, rho: Array, beta: Array) -> Array:
+        n = self.design.dimension
+        return np.hstack([beta[:, n:] - rho[:, :n], rho[:, n:] - beta[:, :n]])
+
+    def _probe(self, t: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        sigma, rho, beta, _, _ = self._lines(t)
+        psi = self._psi(rho, beta)
+        theta0, _, mu, varsigma = self.update
+        (theta,) = _over(adaptive_tube.theta(), psi, theta0, mu, varsigma)
+        return sigma[:, None], rho, beta, psi, theta
+
+    def _alpha_rate(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        _, rho, beta, _, _ = self._lines(t)
+        return _over(adaptive_tube.update_rate(), self._psi(rho, beta), alpha, *self.update)
+
+    def _alpha_step(self, t: Array, dt: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        _, rho, beta, _, _ = self._lines(t + dt)
+        step = adaptive_tube.implicit_step_function()
+        return _over(step, self._psi(rho, beta), alpha, np.repeat(dt[:, None], alpha.shape[1], axis=1), *self.update)
+
+    def _tube(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        n, nu = self.design.dimension, float(self.design.nu)
+        _, rho, beta, _, _ = self._lines(t)
+        (low,) = _over(adaptive_tube.lower_edge(), rho[:, :n], alpha[:, :n], beta[:, :n], nu)
+        (high,) = _over(adaptive_tube.upper_edge(), rho[:, n:], alpha[:, n:], beta[:, n:], nu)
+        return low, high
+
+    def _tube_rate(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        n, nu = self.design.dimension, float(self.design.nu)
+        _, rho, beta, rho_rate, beta_rate = self._lines(t)
+        rate, _ = self._alpha_rate(t, alpha)
+        results = []
+        for kernel, own in ((adaptive_tube.lower_edge(True), slice(0, n)), (adaptive_tube.upper_edge(True), slice(n, None))):
+            data = [rho[:, own], alpha[:, own], beta[:, own], nu, rho_rate[:, own], rate[:, own], beta_rate[:, own]]
+            results.append(_over(kernel, *data)[1])
+        return tuple(results)

@@ -9,7 +9,10 @@ from __future__ import annotations
 import json
 import os
 import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -22,6 +25,7 @@ app = typer.Typer(
     help="Certified prescribed-time reach-avoid-stay controllers in C and Python, from one TOML file.",
     rich_markup_mode=None,
     add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
@@ -31,7 +35,7 @@ TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task f
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
 ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
-Uncertified = Annotated[bool, typer.Option("--uncertified", help="go on when the certificate fails; every file says so")]
+Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
 
 
 def _say(text: str) -> None:
@@ -41,6 +45,46 @@ def _say(text: str) -> None:
 
 def _print_json(document: Any) -> None:
     print(json.dumps(document, indent=2))
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+@contextmanager
+def _patience(what: str) -> Iterator[None]:
+    """A line on stderr every two seconds while something takes longer."""
+    done = threading.Event()
+    begin = time.perf_counter()
+
+    def tell() -> None:
+        while not done.wait(2.0):
+            _say(f"  {what}: {time.perf_counter() - begin:.0f} s ...")
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from stt_codegen import __version__
+
+        print(f"stt-codegen {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and leave")
+    ] = False,
+) -> None:
+    pass
 
 
 @app.command()
@@ -57,7 +101,8 @@ def design(
     from stt_codegen.report import design_report
 
     begin = time.perf_counter()
-    controller = build(task, design, scalar, uncertified)
+    with _patience(f"designing {task}"):
+        controller = build(task, design, scalar, uncertified)
     report = design_report(controller, time.perf_counter() - begin)
     if picture is not None:
         from stt_codegen.picture import draw
@@ -86,10 +131,12 @@ def _show_design(report: dict[str, Any]) -> None:
     console.print(f"[bold]{report['task']}[/bold]: {report['design']} tube, {verdict}, {report['seconds']} s")
     speed = ", ".join(f"{v:.4g}" for v in report["speed_bound"])
     console.print(
-        f"  {report['segments']} segments over {report['prescribed_time']:g} s; least width {report['least_width']:.4g}; "
+        f"  {report['parameters']} over {report['prescribed_time']:g} s; least width {report['least_width']:.4g}; "
         f"speed of an edge at most {speed} by dimension"
     )
-    if not report["covers_initial_set"]:
+    if report["method"] == "sampled":
+        console.print("  [yellow]note[/yellow]: checked at samples only, which proves nothing between them")
+    elif not report["covers_initial_set"]:
         console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
     table = Table(box=None, pad_edge=True, header_style="bold")
     for heading in ("", "property", "holds", "to spare", "least at"):
@@ -127,10 +174,14 @@ def generate(
 
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
-    made = [(task, build(task, design, scalar, uncertified)) for task in tasks]  # all of them, before any is written
+    made = []
+    for task in tasks:  # all of them, before any is written
+        with _patience(f"designing {task}"):
+            made.append((task, build(task, design, scalar, uncertified)))
     names = [controller.task.name for _, controller in made]
+    lowered = [name.lower() for name in names]
     for name in names:
-        if names.count(name) > 1:
+        if lowered.count(name.lower()) > 1:
             raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
     written = []
     for task, controller in made:
@@ -166,7 +217,7 @@ def check(
     progress = (lambda name: _say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
     if accept:
         count = checks.accept(folder, progress)
-        _print_json({"accepted": count}) if json else print(f"{folder}: {count} folders written")
+        _print_json({"accepted": count}) if json else print(f"{folder}: {_count(count, 'folder')} written")
         return
     found = checks.check(folder, progress)
     tools = checks.changed_tools(folder)
@@ -185,9 +236,11 @@ def check(
         for line in tools:
             print(f"note: other version than recorded: {line}")
         if found:
-            print(f"\n{len(found)} differences. To accept what the tool makes now:  stt-codegen check {folder} --accept")
+            print(
+                f"\n{_count(len(found), 'difference')}. To accept what the tool makes now:  stt-codegen check {folder} --accept"
+            )
         else:
-            print(f"{folder}: {checks.folders(folder)} folders, no difference")
+            print(f"{folder}: {_count(checks.folders(folder), 'folder')}, no difference")
     if found:
         raise typer.Exit(1)
 
@@ -229,7 +282,7 @@ def compare(
 
 
 @app.command()
-def schema() -> None:
+def schema(json: Json = True) -> None:
     """Print the JSON Schema of task files, for editors."""
     from stt_codegen.task import json_schema
 
@@ -237,15 +290,21 @@ def schema() -> None:
 
 
 def main() -> None:
-    """Run the command line; every `SttError` becomes one message and its exit code."""
+    """Run the command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
     try:
         app()
+        sys.stdout.flush()
     except SttError as error:
         _say(f"stt-codegen: {error}")
+        if "--json" in sys.argv:
+            _print_json({"error": str(error), "exit_code": error.exit_code})
         sys.exit(error.exit_code)
-    except BrokenPipeError:
+    except BrokenPipeError:  # the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        sys.exit(0)
+    except OSError as error:
+        _say(f"stt-codegen: the output cannot be written ({error.strerror})")
+        sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(130)
     except Exception as error:

@@ -3,30 +3,39 @@
 eps is half a unit in the last place of 1 in the backend's scalar (2^-24 or 2^-53). delta is property P7's bound on an
 emitted edge. The bounds, first-order terms rounded up:
 
-    tube, tube rate   `certify.arithmetic`: delta, and its like for the rate
+    tube, tube rate   refined: `certify.arithmetic`, delta and its like for the rate
     e                 8 eps           a, b, width: 3 roundings each; difference, quotient, clamp
     epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place
     xi                12 eps xi       a/b, 1 + a/b, division by a
-    u                 h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
+    u                 refined: h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
                       more than to the two corners (a +- delta, b -+ delta) clamped in a width changed by 2 delta; plus
                       |k| xi (8 + 4 |epsilon|) eps + 16 eps |u| for the arithmetic of the law
     status            may differ only where x is within delta (plus rounding) of an edge
+
+Everything of the adaptive and literal designs that depends on t and alpha (and their u) is bounded by `program.running`: a
+forward error analysis of every statement of the very program, at every point. Newton's iterates in alpha_step count as
+settled: Newton's map has slope zero at the root, so the error of one iterate enters the next squared.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
-from stt_codegen.backends import Backend, CasadiKernels, CompiledC, GeneratedPython
+from stt_codegen.backends import Backend, CasadiAdapted, CasadiRefined, CompiledC, GeneratedPython
 from stt_codegen.certify.arithmetic import edge_error, rate_error
-from stt_codegen.pipeline import Controller, build_program, build_task
+from stt_codegen.certify.sampled import parameters_of, sample_tube
+from stt_codegen.controller.adapted import probe_program
+from stt_codegen.design.adapted import AdaptiveDesign
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.pipeline import Controller, build_program, build_task, render_files
 from stt_codegen.program.number import FORMATS
+from stt_codegen.program.running import Runner
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -53,72 +62,191 @@ class Row:
 def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = lambda _: None) -> list[Row]:
     """Compare CasADi, the emitted Python, and the emitted C in both precisions with the reference."""
     rows: list[Row] = []
-    for controller, backend in _backends(task):
-        progress(f"{task.name}: {backend.name}")
-        rows += compare_backend(controller, backend, points)
+    known: dict[str, _Truth] = {}
+    for controller, make in _backends(task):
+        backend = make(controller)
+        progress(f"comparing {task.name}: {backend.name}")
+        rows += compare_backend(controller, make, points, known)
     return rows
 
 
-def _backends(task: Task) -> Iterator[tuple[Controller, Backend]]:
+Maker = Callable[[Controller], Backend]
+
+
+def _backends(task: Task) -> Iterator[tuple[Controller, Maker]]:
     double, single = (build_task(task.with_options(scalar=s), uncertified=True) for s in ("double", "float"))
-    yield double, CasadiKernels(task, double.design)
-    yield double, GeneratedPython(task, double.files)
-    yield double, CompiledC(task, double.files, "double")
-    yield single, CompiledC(task, single.files, "float")
+    yield double, CasadiRefined if isinstance(double.design, RefinedDesign) else CasadiAdapted
+    yield double, GeneratedPython
+    yield double, CompiledC
+    yield single, CompiledC
 
 
-def compare_backend(controller: Controller, backend: Backend, points: int = POINTS) -> list[Row]:
-    """The rows of one backend.
+def compare_backend(
+    controller: Controller, make: Maker, points: int = POINTS, known: dict[str, _Truth] | None = None
+) -> list[Row]:
+    """The rows of one backend, made by `make`. `known` keeps the reference's values by scalar type between backends."""
+    backend = make(controller)
+    task = controller.task.with_options(scalar=backend.scalar)
+    controller = replace(controller, task=task, program=build_program(task, controller.design))
+    rows = _Rows(backend.name, float(FORMATS[backend.scalar].roundoff))
+    if isinstance(controller.design, RefinedDesign):
+        _refined_rows(rows, controller, controller.design, backend, points)
+    else:
+        known = {} if known is None else known
+        if backend.scalar not in known:
+            known[backend.scalar] = _adapted_truth(controller, controller.design, points)
+        _adapted_rows(rows, controller, controller.design, make, known[backend.scalar])
+    return rows.rows
+
+
+class _Rows:
+    """Collects the rows of one backend; eps is half a unit in the last place of 1 in its scalar.
 
     Units in the last place are those of the largest edge (tube), the largest rate, 1 (e), max(1, |epsilon|), xi, and
     |k| xi max(1, |epsilon|) for u: the sizes whose rounding each quantity inherits.
     """
-    task, design = controller.task, controller.design
-    number = np.float32 if backend.scalar == "float" else np.float64
-    eps = float(FORMATS[backend.scalar].roundoff)
-    plan = build_program(task.with_options(scalar=backend.scalar), design)
-    delta = np.array([float(v) for v in edge_error(design, plan)])
-    rate_bound = np.array([float(v) for v in rate_error(design, plan)])
-    t, x = sample_points(controller, points, number)
-    table, unit, t_c = design.integers(), design.unit, design.prescribed_time
-    k, e_max = task.control.gain, task.control.e_max
 
-    low, high = reference.tube(table, unit, t_c, t)
-    rows = []
+    def __init__(self, backend: str, eps: float) -> None:
+        self.backend, self.eps = backend, eps
+        self.rows: list[Row] = []
 
-    def row(quantity: str, got: npt.ArrayLike, want: npt.ArrayLike, bound: npt.ArrayLike, scale: npt.ArrayLike) -> None:
+    def add(self, quantity: str, got: npt.ArrayLike, want: npt.ArrayLike, bound: npt.ArrayLike, scale: npt.ArrayLike) -> None:
         truth = np.asarray(want, dtype=np.longdouble)
         error = np.abs(np.asarray(got, dtype=np.longdouble) - truth)
         error = np.where(np.isnan(error), np.inf, error)
-        ulp = 2 * eps * np.exp2(np.floor(np.log2(np.maximum(np.asarray(scale, dtype=float), 1e-300))))
-        share = error / np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
-        rows.append(Row(backend.name, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size))
+        ulp = 2 * self.eps * np.exp2(np.floor(np.log2(np.maximum(np.asarray(scale, dtype=float), 1e-300))))
+        limit = np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
+        share = np.where(np.isnan(limit), np.inf, error / limit)
+        self.rows.append(
+            Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
+        )
+
+    def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
+        """e, epsilon and xi for the same boxes and states."""
+        e, epsilon, xi = reference.transform(lower, upper, x, controller.task.control.e_max)
+        got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
+        self.add("e", got_e, e, 8 * self.eps, 1.0)
+        size = np.maximum(1.0, np.abs(epsilon))
+        self.add("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * self.eps, size)
+        self.add("xi", got_xi, xi, 12 * self.eps * xi, xi)
+
+    def status(self, got: Array, want: Array, distance: Array) -> None:
+        """Statuses; `distance` (P, n): how much farther x is from each edge than the arithmetic can move it."""
+        wrong = (got != want) & (distance.min(axis=1) > 0)
+        self.rows.append(
+            Row(self.backend, "status", float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
+        )
+
+
+def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
+    task, eps = controller.task, rows.eps
+    delta = np.array([float(v) for v in edge_error(design, controller.program)])
+    rate_bound = np.array([float(v) for v in rate_error(design, controller.program)])
+    table, unit, t_c = design.integers(), design.unit, design.prescribed_time
+    t = sample_times(task, np.linspace(0, float(t_c), design.segments + 1), points, backend.scalar)
+    low, high = reference.tube(table, unit, t_c, t)
+    x = sample_states(task, low, high, backend.scalar)
 
     lower, upper = backend.tube(t)
     largest = max(float(np.abs(low).max()), float(np.abs(high).max()))
-    row("tube", np.stack([lower, upper]), np.stack([low, high]), delta[None, None], largest)
+    rows.add("tube", np.stack([lower, upper]), np.stack([low, high]), delta[None, None], largest)
     rates = reference.tube_rate(table, unit, t_c, t)
     fastest = max(float(np.abs(rates[0]).max()), float(np.abs(rates[1]).max()), 1e-30)
-    row("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
+    rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
+    rows.transform(controller, backend, lower, upper, x)
 
-    e, epsilon, xi = reference.transform(lower, upper, x, e_max)
-    got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
-    size = np.maximum(1.0, np.abs(epsilon))
-    row("e", got_e, e, 8 * eps, 1.0)
-    row("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * eps, size)
-    row("xi", got_xi, xi, 12 * eps * xi, xi)
-
+    k, e_max = task.control.gain, task.control.e_max
     status, u = reference.control(low, high, x, k, e_max, task.control.u_max)
     got_status, got_u = backend.control(t, x)
     _, epsilon, xi = reference.transform(low, high, x, e_max)
     gain = abs(float(k))
     spread = _law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(e_max))
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + 16 * eps * np.abs(u)
-    row("u", got_u, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
-    distance = np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x)
-    wrong = (status != got_status) & (distance.min(axis=1) > 0)
-    rows.append(Row(backend.name, "status", float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(t)))
-    return rows
+    rows.add("u", got_u, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
+    rows.status(got_status, status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x))
+
+
+@dataclass(frozen=True)
+class _Truth:
+    """Points and, for every quantity of an adaptive or literal design there, the reference's value and the bound."""
+
+    t: Array
+    dt: Array
+    alpha: Array
+    x: Array
+    status: Array
+    distance: Array
+    values: dict[str, tuple[Array, Array]]
+
+
+def _adapted_truth(controller: Controller, design: AdaptiveDesign, points: int) -> _Truth:
+    """All that the reference and the error analysis say; the same for every backend of one scalar type."""
+    task, n, scalar = controller.task, design.dimension, controller.program.scalar
+    p = parameters_of(design)
+    windows = [float(v) for b in design.bumps for v in (b.middle - b.radius, b.middle, b.middle + b.radius)]
+    t = sample_times(task, np.array([0.0, float(design.prescribed_time), *windows]), points, scalar)
+    alpha, dt = sample_alpha(design, t, scalar)
+    both = np.stack([alpha[:, :n], alpha[:, n:]], axis=2)
+    now = reference.lines(p, t)
+    gamma, rates = reference.adaptive_tube(p, now, both)
+    low, high = gamma[:, :, 0], gamma[:, :, 1]
+    x = sample_states(task, low, high, scalar)
+    rate, jacobian = reference.alpha_rate(p, now.psi, now.theta, both)
+    control = task.control
+    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
+
+    probed = Runner(probe_program(task, design)).run("probe", {"t": t})
+    run = Runner(controller.program, settled=("low_z", "high_z")).run
+    tube = run("tube", {"t": t, "alpha": alpha})
+    tube_rate = run("tube_rate", {"t": t, "alpha": alpha})
+    update = run("alpha_rate", {"t": t, "alpha": alpha})
+    step = run("alpha_step", {"t": t, "dt": dt, "alpha": alpha})
+    law = run("control", {"t": t, "alpha": alpha, "x": x})
+
+    def flat(values: Array) -> Array:
+        return np.hstack([values[:, :, 0], values[:, :, 1]])
+
+    moved = np.hstack([tube["lower"].error, tube["upper"].error])
+    values = {
+        "sigma": (now.sigma[:, None], probed["sigma"].error[:, :1]),
+        "rho": (flat(now.rho), probed["rho"].error),
+        "beta": (flat(now.beta), probed["beta"].error),
+        "psi": (flat(now.psi), probed["psi"].error),
+        "theta": (flat(now.theta), probed["theta"].error),
+        "alpha rate": (flat(rate), update["rate"].error),
+        "jacobian": (flat(jacobian), update["jacobian"].error),
+        "alpha step": (flat(reference.alpha_steps(p, t, dt, both)), step["alpha"].error),
+        "tube": (flat(gamma), moved),
+        "tube rate": (flat(rates), np.hstack([tube_rate["lower_rate"].error, tube_rate["upper_rate"].error])),
+        "u": (u, law["u"].error),
+    }
+    mu = float(design.mu)
+    held = 4e-35 * float(design.theta0) * (1 + mu**-2 + 2 * mu**-3)  # y in theta is held at 40, where psi + alpha > mu
+    own = {name: 2.0**-60 * float(np.abs(want).max()) for name, (want, _) in values.items()}  # the reference's rounding
+    values = {name: (want, bound + held + own[name]) for name, (want, bound) in values.items()}
+    room = np.minimum(np.abs(x - low), np.abs(high - x)) - np.maximum(moved[:, :n], moved[:, n:])
+    eps = float(FORMATS[scalar].roundoff)
+    return _Truth(t, dt, alpha, x, status, room - 2 * eps * np.abs(x), values)
+
+
+def _adapted_rows(rows: _Rows, controller: Controller, design: AdaptiveDesign, make: Maker, truth: _Truth) -> None:
+    """(4)-(11) from the probe, then what the public functions return."""
+    backend = make(controller)
+    probe = probe_program(controller.task, design)
+    probed = make(replace(controller, program=probe, files=render_files(controller.task, design, probe, controller.certificate)))
+    t, alpha = truth.t, truth.alpha
+    got = dict(zip(("sigma", "rho", "beta", "psi", "theta"), probed.call("probe", t), strict=True))
+    got["alpha rate"], got["jacobian"] = backend.call("alpha_rate", t, alpha)
+    (got["alpha step"],) = backend.call("alpha_step", t, truth.dt, alpha)
+    lower, upper = backend.tube(t, alpha)
+    got["tube"] = np.hstack([lower, upper])
+    got["tube rate"] = np.hstack(backend.tube_rate(t, alpha))
+    status, got["u"] = backend.control(t, alpha, truth.x)
+    for name, (want, bound) in truth.values.items():
+        if name == "u":
+            rows.transform(controller, backend, lower, upper, truth.x)
+        rows.add(name, got[name][:, : want.shape[1]], want, bound, float(np.abs(want).max()))
+    rows.status(status, truth.status, truth.distance)
 
 
 def _law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: float) -> Array:
@@ -138,29 +266,52 @@ def _law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: float) -
     return np.asarray(np.maximum(most - middle, middle - least))
 
 
-def sample_points(controller: Controller, points: int, number: type) -> tuple[Array, Array]:
-    """Times and states, all numbers of the backend's type: random ones in the tube and around it, and the edges.
+def _number(scalar: str) -> type:
+    return np.float32 if scalar == "float" else np.float64
 
-    Edges: t at, just before and just after 0, every knot and t_c, far outside [0, t_c]; x on the tube's edges, just
-    inside and outside, at the clamp, and very far away.
-    """
-    task, design = controller.task, controller.design
+
+def sample_times(task: Task, special: Array, points: int, scalar: str) -> Array:
+    """Times, all numbers of the backend's type: random ones from before 0 to after t_c, each of `special` with its
+    neighbours (8 times each, for different states), and times far outside."""
+    number = _number(scalar)
     random = np.random.default_rng(20240)
-    t_c, n = float(task.prescribed_time), task.dimension
-    knots = np.linspace(0, t_c, design.segments + 1)
-    near = [number(v) for v in knots]
-    special = [*near, *(np.nextafter(v, number(np.inf)) for v in near), *(np.nextafter(v, number(-np.inf)) for v in near)]
-    special += [number(v) for v in (-1.0, -1e30, 1e-30, 2 * t_c, 1e30, -0.0)]
-    t = np.concatenate([np.repeat(np.array(special, dtype=number), 8), random.uniform(-0.02 * t_c, 1.02 * t_c, points)])
-    t = t.astype(number)
-    low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
-    width = high - low
-    count = len(t)
-    e = random.uniform(-1, 1, (count, n))
-    kind = random.integers(0, 10, (count, n))
-    e_max = float(task.control.e_max)
-    tail = np.sign(e) * (1 - 10.0 ** -random.uniform(0, 7, (count, n)))
-    e = np.select([kind == 0, kind == 1, kind == 2, kind == 3], [np.sign(e), np.sign(e) * e_max, tail, 1.5 * e], e)
-    x: Array = np.asarray((high + low + width * e) / 2, dtype=number)
-    x[kind == 4] = (random.choice([-1.0, 1.0], (count, n)) * 10.0 ** random.uniform(0, 30, (count, n))).astype(number)[kind == 4]
-    return t, x
+    t_c = float(task.prescribed_time)
+    near = [number(v) for v in special]
+    edges = [*near, *(np.nextafter(v, number(np.inf)) for v in near), *(np.nextafter(v, number(-np.inf)) for v in near)]
+    edges += [number(v) for v in (-1.0, -1e30, 1e-30, 2 * t_c, 1e30, -0.0)]
+    t = np.concatenate([np.repeat(np.array(edges, dtype=number), 8), random.uniform(-0.02 * t_c, 1.02 * t_c, points)])
+    return np.asarray(t, dtype=number)
+
+
+def sample_states(task: Task, low: Array, high: Array, scalar: str) -> Array:
+    """States for tubes with these edges (P, n), numbers of the backend's type: in the tube, on its edges, just inside and
+    outside, at the clamp, outside, and very far away (1 in 10 each)."""
+    number = _number(scalar)
+    random = np.random.default_rng(20241)
+    shape = low.shape
+    e = random.uniform(-1, 1, shape)
+    kind = random.integers(0, 10, shape)
+    tail = np.sign(e) * (1 - 10.0 ** -random.uniform(0, 7, shape))
+    at_clamp = np.sign(e) * float(task.control.e_max)
+    e = np.select([kind == 0, kind == 1, kind == 2, kind == 3], [np.sign(e), at_clamp, tail, 1.5 * e], e)
+    x: Array = np.asarray((high + low + (high - low) * e) / 2, dtype=number)
+    far: Array = (random.choice([-1.0, 1.0], shape) * 10.0 ** random.uniform(0, 30, shape)).astype(number)
+    return np.where(kind == 4, far, x)
+
+
+def sample_alpha(design: AdaptiveDesign, t: Array, scalar: str) -> tuple[Array, Array]:
+    """alpha (P, 2 n) near what the update equation has at those times, and step lengths up to 20 ms (P,).
+
+    psi + alpha is one implicit step's, changed by up to a tenth, so that it is positive, where (11) is defined.
+    """
+    number = _number(scalar)
+    random = np.random.default_rng(20242)
+    p = parameters_of(design)
+    times, alpha, _, _ = sample_tube(design, 2000)
+    held = np.clip(t.astype(float), 0, float(design.prescribed_time))
+    h = float(design.prescribed_time) / 2000
+    k = np.clip(np.searchsorted(times, held - h), 0, len(times) - 1)
+    stepped = reference.alpha_steps(p, held - h, np.full(len(t), h), alpha[k])
+    psi = reference.lines(p, held).psi
+    near = np.maximum((psi + stepped) * random.uniform(0.9, 1.1, (len(t), 1, 1)) - psi, 0)
+    return np.hstack([near[:, :, 0], near[:, :, 1]]).astype(number), random.uniform(1e-5, 0.02, len(t)).astype(number)

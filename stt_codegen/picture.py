@@ -16,6 +16,8 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import Rectangle
 
 from stt_codegen import reference
+from stt_codegen.certify.sampled import sample_tube
+from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.task import Box
@@ -28,7 +30,7 @@ BOXES = 46  # tube boxes drawn over the arena
 def draw(controller: Controller, path: Path) -> None:
     """Save one PNG: on the left the arena in the first two dimensions, on the right every dimension over time."""
     task, n = controller.task, controller.task.dimension
-    t = np.linspace(0.0, float(task.prescribed_time), 901)
+    t = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller, t)
     figure, axes = plt.subplot_mosaic(
         [["arena", f"x{i + 1}"] for i in range(n)],
@@ -54,10 +56,13 @@ def draw(controller: Controller, path: Path) -> None:
 
 
 def tube_at(controller: Controller, t: Array) -> tuple[Array, Array]:
-    """Edges of the exact tube at times t, shape (P, n) each."""
+    """Edges of the tube at equally spaced times t from 0 to t_c, shape (P, n) each."""
     design = controller.design
-    low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
-    return low.astype(float), high.astype(float)
+    if isinstance(design, RefinedDesign):
+        low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
+        return low.astype(float), high.astype(float)
+    _, _, gamma, _ = sample_tube(design, len(t) - 1)
+    return gamma[:, :, 0], gamma[:, :, 1]
 
 
 def _patch(box: Box, colour: str, **style: Any) -> Rectangle:

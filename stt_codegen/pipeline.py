@@ -1,9 +1,10 @@
 """The map: a task file becomes a certified controller in five calls.
 
     load_task       task.toml -> Task                      task.py
-    design_tube     Task -> RefinedDesign                  design/   route, sides, linear programs, rounding
-    build_program   Task, design -> Program                paper/ (equations in CasADi), controller/ (frames), program/
-    certify         Task, design, Program -> Certificate   certify/  exact P1-P6, rounding bound P7
+    design_tube     Task -> Design                         design/   refined: route, sides, linear programs, rounding;
+                                                                     adaptive: search; literal: the paper's rule
+    build_program   Task, Design -> Program                paper/ (equations in CasADi), controller/ (frames), program/
+    certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else samples
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
 
 Each stage is a plain function from frozen data to frozen data; none reaches back. `reference.py` writes the same
@@ -17,10 +18,13 @@ from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
-from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.errors import BadInput, NotCertified, SttError
 from stt_codegen.program.program import Program
 from stt_codegen.task import Task, load_task
+
+Design = RefinedDesign | AdaptiveDesign
 
 
 @dataclass(frozen=True)
@@ -28,7 +32,7 @@ class Controller:
     """Everything that the pipeline makes of one task."""
 
     task: Task
-    design: RefinedDesign
+    design: Design
     program: Program
     certificate: Certificate
     files: dict[str, bytes]
@@ -40,7 +44,11 @@ def build(path: str | Path, design: str | None = None, scalar: str | None = None
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
     """
-    return build_task(load_task(path).with_options(design, scalar), uncertified)
+    task = load_task(path).with_options(design, scalar)
+    try:
+        return build_task(task, uncertified)
+    except SttError as error:
+        raise type(error)(f"{path}: {error}") from None
 
 
 def build_task(task: Task, uncertified: bool = False) -> Controller:
@@ -56,30 +64,44 @@ def build_task(task: Task, uncertified: bool = False) -> Controller:
 
 def require_supported(task: Task) -> None:
     """Refuse what the task format knows and this version cannot do yet, rather than leave it out silently."""
-    if task.tube.design != "refined":
-        raise BadInput(f'{task.name}: tube.design = "{task.tube.design}" is not available in this version; use "refined"')
     if task.emit.math != "libm":
-        raise BadInput(f'{task.name}: emit.math = "{task.emit.math}" is not available in this version; use "libm"')
+        raise BadInput(f'emit.math: "{task.emit.math}" is not available in this version; use "libm"')
     if task.emit.tick_period is not None:
-        raise BadInput(f"{task.name}: emit.tick_period is not available in this version; leave it out")
+        raise BadInput("emit.tick_period: is not available in this version; leave it out")
 
 
-def design_tube(task: Task) -> RefinedDesign:
-    """Choose the numbers that fix a tube."""
-    from stt_codegen.design.refine import refine
+def design_tube(task: Task) -> Design:
+    """Choose the numbers that fix a tube, as `tube.design` says."""
+    if task.tube.design == "refined":
+        from stt_codegen.design.refine import refine
 
-    return refine(task)
+        return refine(task)
+    if task.tube.design == "adaptive":
+        from stt_codegen.design.adaptive import adaptive
+
+        return adaptive(task)
+    from stt_codegen.design.literal import literal
+
+    return literal(task)
 
 
-def build_program(task: Task, design: RefinedDesign) -> Program:
+def build_program(task: Task, design: Design) -> Program:
     """The controller as typed single assignments, which every printer and prover reads."""
-    from stt_codegen.controller.refined import refined_program
+    if isinstance(design, RefinedDesign):
+        from stt_codegen.controller.refined import refined_program
 
-    return refined_program(task, design)
+        return refined_program(task, design)
+    from stt_codegen.controller.adapted import adapted_program
+
+    return adapted_program(task, design)
 
 
-def certify(task: Task, design: RefinedDesign, program: Program) -> Certificate:
+def certify(task: Task, design: Design, program: Program) -> Certificate:
     """P1 to P7 with their margins; the certificate may fail, `build` decides what that means."""
+    if not isinstance(design, RefinedDesign):
+        from stt_codegen.certify.sampled import certify_sampled
+
+        return certify_sampled(task, design)
     from stt_codegen.certify.arithmetic import edge_error
     from stt_codegen.certify.exact import certify_refined
 
@@ -97,7 +119,7 @@ def certify(task: Task, design: RefinedDesign, program: Program) -> Certificate:
     return replace(certificate, findings=(*certificate.findings, seventh))
 
 
-def render_files(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, bytes]:
+def render_files(task: Task, design: Design, program: Program, certificate: Certificate) -> dict[str, bytes]:
     """The text of the emitted files, by name."""
     from stt_codegen.emit.render import render
 

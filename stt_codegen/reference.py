@@ -6,6 +6,7 @@ Imports neither CasADi nor anything of this package; works on the plain data of 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -97,3 +98,118 @@ def control(
     inside = np.all((low < state) & (state < high), axis=1)
     u = np.where(bad[:, None], 0, u)
     return np.where(bad, BAD_INPUT, np.where(inside, OK, OUTSIDE_TUBE)), u
+
+
+# -------------------------------------------------------------------------- the paper's tube (4)-(11)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """The numbers of an adaptive or literal design, as arrays in extended precision.
+
+    start, target, walls: (n, 2), lower and upper. bumps: (dimension, side, B, k, m, r) with side 0 for beta_L.
+    """
+
+    t_c: np.longdouble
+    start: Array
+    target: Array
+    walls: Array
+    bumps: tuple[tuple[int, int, np.longdouble, np.longdouble, np.longdouble, np.longdouble], ...]
+    theta0: np.longdouble
+    kappa: np.longdouble
+    mu: np.longdouble
+    varsigma: np.longdouble
+    nu: np.longdouble
+
+
+@dataclass(frozen=True)
+class Lines:
+    """sigma (P,), and rho, beta, psi, theta of shape (P, n, 2), [lower, upper], with rates of sigma, rho, beta in time."""
+
+    sigma: Array
+    rho: Array
+    beta: Array
+    psi: Array
+    theta: Array
+    sigma_rate: Array
+    rho_rate: Array
+    beta_rate: Array
+
+
+def lines(p: Parameters, t: npt.ArrayLike) -> Lines:
+    """Everything in (4)-(11) that depends on time alone, at times t (held within [0, t_c])."""
+    time = np.clip(np.asarray(t, dtype=np.longdouble), 0, p.t_c)
+    with np.errstate(all="ignore"):
+        s = np.where(time < p.t_c, time / (p.t_c - time), 0)
+        sigma = np.where(time < p.t_c, np.tanh(s), 1)
+        sech = 1 / np.cosh(np.minimum(s, 5000))
+        sigma_rate = np.where(time < p.t_c, ((1 + s) * sech) ** 2 / p.t_c, 0)
+    span = p.target - p.start
+    rho = p.start + span * sigma[:, None, None]
+    heights = np.zeros(rho.shape, dtype=np.longdouble)
+    slopes = np.zeros(rho.shape, dtype=np.longdouble)
+    for i in range(p.start.shape[0]):
+        for side in (0, 1):
+            own = [_bump(time, *b[2:]) for b in p.bumps if b[:2] == (i, side)]
+            if own:
+                heights[:, i, side], slopes[:, i, side] = _joined(own, p.nu)
+    sign = np.array([1, -1], dtype=np.longdouble)
+    beta = p.walls + sign * heights
+    psi = np.stack([beta[:, :, 1] - rho[:, :, 0], rho[:, :, 1] - beta[:, :, 0]], axis=2)
+    theta = p.theta0 * (1 - np.tanh(p.varsigma * (psi - p.mu)))
+    return Lines(sigma, rho, beta, psi, theta, sigma_rate, span * sigma_rate[:, None, None], sign * slopes)
+
+
+def _bump(t: Array, b: np.longdouble, k: np.longdouble, m: np.longdouble, r: np.longdouble) -> tuple[Array, Array]:
+    """(7) above its rest level, and its derivative."""
+    inside = np.abs(t - m) < r
+    d = np.where(inside, t - m, 0)
+    rest = np.where(inside, r**2 - (t - m) ** 2, 1)
+    value = np.where(inside, b * np.exp(-k * d**2 / rest), 0)
+    return value, np.where(inside, value * -2 * k * d * r**2 / rest**2, 0)
+
+
+def _joined(bumps: list[tuple[Array, Array]], nu: np.longdouble) -> tuple[Array, Array]:
+    """ln(1 + sum(exp(nu b) - 1)) / nu in place of (9)'s max, and its derivative."""
+    values, slopes = (np.stack(v) for v in zip(*bumps, strict=True))
+    top = values.max(axis=0)
+    terms = np.exp(nu * (values - top))
+    rest = np.exp(-nu * top)
+    total = rest + (terms - rest).sum(axis=0)
+    return top + np.log(total) / nu, (terms * slopes).sum(axis=0) / total
+
+
+def alpha_rate(p: Parameters, psi: npt.ArrayLike, theta: npt.ArrayLike, alpha: npt.ArrayLike) -> tuple[Array, Array]:
+    """alphadot (11) and its derivative in alpha; all arguments of one shape."""
+    z = np.asarray(psi, dtype=np.longdouble) + np.asarray(alpha, dtype=np.longdouble)
+    force = np.asarray(theta, dtype=np.longdouble)
+    return force / z**2 - p.kappa * np.asarray(alpha, dtype=np.longdouble), -2 * force / z**3 - p.kappa
+
+
+def alpha_steps(p: Parameters, t: npt.ArrayLike, dt: npt.ArrayLike, alpha: npt.ArrayLike) -> Array:
+    """Backward Euler steps of (11) from t to t + dt (shape (P,)): alpha there, shape (P, n, 2), by bisection of the cubic."""
+    h = np.asarray(dt, dtype=np.longdouble)[:, None, None]
+    now = lines(p, np.asarray(t, dtype=np.longdouble) + np.asarray(dt, dtype=np.longdouble))
+    rest = np.asarray(alpha, dtype=np.longdouble) / (1 + h * p.kappa)
+    shift, force = now.psi + rest, h * now.theta / (1 + h * p.kappa)
+    low = np.maximum(shift, 0)
+    high = low + np.cbrt(force) + np.longdouble(1e-30)
+    for _ in range(100):
+        middle = (low + high) / 2
+        above = (middle - shift) * middle**2 > force
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return np.asarray(rest + force / ((low + high) / 2) ** 2)
+
+
+def adaptive_tube(p: Parameters, now: Lines, alpha: npt.ArrayLike) -> tuple[Array, Array]:
+    """gamma of (10) and its total rate along (11), shape (P, n, 2), for alpha of that shape."""
+    a = np.asarray(alpha, dtype=np.longdouble)
+    sign = np.array([-1, 1], dtype=np.longdouble)
+    adapted = now.rho + sign * a
+    rate, _ = alpha_rate(p, now.psi, now.theta, a)
+    adapted_rate = now.rho_rate + sign * rate
+    gap = np.abs(adapted - now.beta)
+    best = np.where(sign < 0, np.maximum(adapted, now.beta), np.minimum(adapted, now.beta))
+    gamma = best - sign * np.log1p(np.exp(-p.nu * gap)) / p.nu
+    weight = 1 / (1 + np.exp(np.clip(sign * p.nu * (adapted - now.beta), -10000, 10000)))  # of `adapted`
+    return gamma, weight * adapted_rate + (1 - weight) * now.beta_rate

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.backends import STRICT, find_compiler
+from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import Controller
 from stt_codegen.program.cost import KINDS, cost_of, table_bytes
@@ -23,7 +24,10 @@ def design_report(controller: Controller, seconds: float) -> dict[str, Any]:
         "certified": certificate.holds,
         "seconds": round(seconds, 3),
         "prescribed_time": float(task.prescribed_time),
-        "segments": design.segments,
+        "parameters": f"{design.segments} segments"
+        if isinstance(design, RefinedDesign)
+        else f"{len(design.bumps)} circumvent functions",
+        "method": certificate.method,
         "least_width": float(certificate.least_width),
         "speed_bound": [float(v) for v in certificate.speed],
         "covers_initial_set": certificate.whole_start,

@@ -150,7 +150,7 @@ class TubeOptions(_Table):
     min_width: NotNegative = Field(default=Fraction(5, 100), description="least width of the tube in each dimension")
     max_speed: NotNegative | None = Field(default=None, description="bound on the speed of every edge of the tube")
     segments: Annotated[int, BeforeValidator(_integer)] | None = Field(
-        default=None, ge=4, le=4096, description="spline segments; chosen when absent"
+        default=None, ge=4, le=1024, description="spline segments; chosen when absent"
     )
     seed: Annotated[int, BeforeValidator(_integer)] = Field(default=0, ge=0, description="literal design: the random sides")
     adaptive: AdaptiveOptions = AdaptiveOptions()
@@ -245,7 +245,7 @@ def load_task(path: str | Path) -> Task:
     """Read and check a task file. Raises `BadInput`; never returns a task that section 7 of the contract refuses."""
     path = Path(path)
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = path.read_bytes().decode("utf-8-sig")
     except OSError as error:
         raise BadInput(f"{path}: cannot be read ({error.strerror}); give the path of a task file") from None
     except UnicodeDecodeError as error:

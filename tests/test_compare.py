@@ -12,7 +12,7 @@ from conftest import NAMES, controller_of
 
 from stt_codegen import reference
 from stt_codegen.backends import CompiledC, GeneratedPython
-from stt_codegen.compare import compare, compare_backend, sample_points
+from stt_codegen.compare import compare, compare_backend, sample_states, sample_times
 from stt_codegen.pipeline import Controller
 
 QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "u", "status"]
@@ -63,25 +63,27 @@ MUTATIONS = [
 @pytest.mark.parametrize(("old", "new", "quantity"), [m for m in MUTATIONS if m[2]])
 def test_a_small_error_in_the_c_is_found_where_it_is(old: str, new: str, quantity: str) -> None:
     controller = broken(controller_of("omni_s1"), old, new)
-    rows = compare_backend(controller, CompiledC(controller.task, controller.files, "float"), 3000)
+    rows = compare_backend(controller, CompiledC, 3000)
     assert quantity in [r.quantity for r in rows if not r.holds]
 
 
 def test_one_changed_coefficient_is_found() -> None:
     good = controller_of("omni_s1")
     controller = broken(good, *nudged_literal(good))
-    rows = compare_backend(controller, CompiledC(controller.task, controller.files, "float"), 3000)
+    rows = compare_backend(controller, CompiledC, 3000)
     assert not next(r for r in rows if r.quantity == "tube").holds
 
 
 def test_points_are_of_the_backends_type_and_include_the_edges() -> None:
     controller = controller_of("omni_s1")
-    t, x = sample_points(controller, 10_000, np.float32)
+    design = controller.design
+    t = sample_times(controller.task, np.linspace(0, 9, 33), 10_000, "float")
+    low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
+    x = sample_states(controller.task, low, high, "float")
     assert t.dtype == x.dtype == np.float32
     assert len(t) >= 10_000
     assert {0.0, 9.0, float(np.nextafter(np.float32(9), np.float32(10)))} <= {float(v) for v in t}
     assert t.min() < -1e20
-    low, high = reference.tube(controller.design.integers(), controller.design.unit, controller.design.prescribed_time, t)
     outside = ~np.all((low < x) & (x < high), axis=1)
     assert 0.1 < outside.mean() < 0.9
     assert np.abs(x).max() > 1e20
@@ -120,13 +122,13 @@ def test_reference_imports_nothing_of_this_package() -> None:
 
     text = Path(reference.__file__).read_text()
     imports = re.findall(r"^(?:from|import) (\S+)", text, re.M)
-    assert set(imports) == {"__future__", "fractions", "numpy", "numpy.typing"}
+    assert set(imports) == {"__future__", "dataclasses", "fractions", "numpy", "numpy.typing"}
 
 
 def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
     """Within P7's bound of the C float, although in double arithmetic."""
     controller = controller_of("omni_s1", "float")
-    python, c = GeneratedPython(controller.task, controller.files), CompiledC(controller.task, controller.files, "float")
+    python, c = GeneratedPython(controller), CompiledC(controller)
     t = np.linspace(-1, 10, 500).astype(np.float32).astype(float)
     bound = np.array([float(v) for v in controller.certificate.edge_error])
     assert np.all(np.abs(np.stack(python.tube(t)) - np.stack(c.tube(t))) <= bound)

@@ -32,13 +32,13 @@ CORTEX_M4F = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d
 @pytest.fixture(scope="module")
 def c_float() -> CompiledC:
     controller = controller_of("omni_s2", "float")
-    return CompiledC(controller.task, controller.files, "float")
+    return CompiledC(controller)
 
 
 @pytest.fixture(scope="module")
 def backends(c_float) -> list:
     double = controller_of("omni_s2", "double")
-    return [c_float, CompiledC(double.task, double.files, "double"), GeneratedPython(double.task, double.files)]
+    return [c_float, CompiledC(double), GeneratedPython(double)]
 
 
 def write(folder: Path, controller: Controller) -> Path:
@@ -258,8 +258,8 @@ def test_a_negative_gain_turns_u_around() -> None:
     plus = build_task(parse_task(text))
     minus = build_task(parse_task(text.replace("gain = 0.5", "gain = -0.5")))
     points = np.linspace(0, 9, 40), np.random.default_rng(0).uniform(0, 5, (40, 2))
-    a = CompiledC(plus.task, plus.files, "float").control(*points)
-    b = CompiledC(minus.task, minus.files, "float").control(*points)
+    a = CompiledC(plus).control(*points)
+    b = CompiledC(minus).control(*points)
     assert np.array_equal(a[0], b[0])
     assert np.array_equal(a[1], -b[1])
 
@@ -269,7 +269,7 @@ def test_u_max_saturates_u_and_changes_nothing_below() -> None:
     free = build_task(parse_task(text))
     held = build_task(parse_task(text.replace("gain = 0.5", "gain = 0.5\nu_max = [1.5, 0.75]")))
     points = np.linspace(-1, 10, 200), np.random.default_rng(1).uniform(-1, 6, (200, 2))
-    for kind in (lambda c: CompiledC(c.task, c.files, "float"), lambda c: GeneratedPython(c.task, c.files)):
+    for kind in (lambda c: CompiledC(c), lambda c: GeneratedPython(c)):
         a, b = kind(free).control(*points), kind(held).control(*points)
         assert np.array_equal(a[0], b[0])
         assert np.array_equal(b[1], np.clip(a[1], [-1.5, -0.75], [1.5, 0.75]).astype(b[1].dtype))
@@ -279,7 +279,7 @@ def test_u_max_saturates_u_and_changes_nothing_below() -> None:
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_u_may_be_the_array_x_itself(scalar: str) -> None:
     controller = controller_of("spacecraft", scalar)
-    backend = CompiledC(controller.task, controller.files, scalar)
+    backend = CompiledC(controller)
     real = ctypes.c_float if scalar == "float" else ctypes.c_double
     control = backend.library.spacecraft_control
     control.argtypes = [real, ctypes.c_void_p, ctypes.c_void_p]
@@ -326,7 +326,7 @@ _COMPILED: dict[int, CompiledC] = {}
 
 def _compiled_once(controller: Controller) -> CompiledC:
     if id(controller) not in _COMPILED:
-        _COMPILED[id(controller)] = CompiledC(controller.task, controller.files, controller.program.scalar)
+        _COMPILED[id(controller)] = CompiledC(controller)
     return _COMPILED[id(controller)]
 
 
@@ -336,7 +336,7 @@ def test_transform_never_fails_and_is_clamped_whatever_the_numbers(numbers: list
     """The same in Python, which must not raise, and in C; |e| <= e_max."""
     low, high, x = (v * scale if math.isfinite(v) else v for v in numbers)
     controller = controller_of("omni_s2", "float")
-    python = GeneratedPython(controller.task, controller.files)
+    python = GeneratedPython(controller)
     arrays = [np.array([[v, 0.0]], dtype=np.float32) for v in (low, high, x)]
     for backend in (python, _compiled_once(controller)):
         e, epsilon, xi = (v[0, 0] for v in backend.transform(*arrays))
@@ -351,7 +351,7 @@ def test_transform_never_fails_and_is_clamped_whatever_the_numbers(numbers: list
 
 
 def test_python_refuses_a_vector_of_the_wrong_length() -> None:
-    module = GeneratedPython(controller_of("omni_s2").task, controller_of("omni_s2").files).module
+    module = GeneratedPython(controller_of("omni_s2")).module
     with pytest.raises(ValueError, match="x has 3 entries, 2 are needed"):
         module.control(0.0, [1.0, 2.0, 3.0])
 
@@ -366,7 +366,7 @@ def test_an_empty_tube_gives_zero_and_outside(monkeypatch) -> None:
     task = load_task(ROOT / "tasks" / "empty.toml")
     for scalar in ("float", "double"):
         controller = build_task(task.with_options(scalar=scalar), uncertified=True)
-        for backend in (CompiledC(controller.task, controller.files, scalar), GeneratedPython(controller.task, controller.files)):
+        for backend in (CompiledC(controller), GeneratedPython(controller)):
             for x in ((0.5, 0.5), (100.0, -100.0)):
                 status, u = backend.control(*at(1.0, *x))
                 assert status[0] == OUTSIDE

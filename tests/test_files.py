@@ -91,7 +91,7 @@ def test_missing_extra_and_line_end_changes_are_noticed(recorded) -> None:
     (folder / "empty.c").write_bytes((folder / "empty.c").read_bytes().replace(b"\n", b"\r\n"))
     found = {(d.path.rsplit("/", 1)[1], d.what) for d in check(recorded / "generated")}
     assert ("empty.h", "is missing") in found
-    assert ("extra.c", "is not recorded in the manifest") in found
+    assert ("extra.c", "is not recorded in the manifest; delete it (--accept leaves it alone)") in found
     assert ("empty.c", "differs") in found
 
 

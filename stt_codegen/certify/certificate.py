@@ -63,6 +63,7 @@ class Certificate:
     """The findings for one tube, and the numbers that go with them.
 
     edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension.
+    method: "exact", or "sampled", which finds faults and proves nothing.
     speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound).
     start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set less rounding room.
     """
@@ -73,13 +74,16 @@ class Certificate:
     least_width: Fraction
     start: tuple[tuple[Fraction, Fraction], ...]
     whole_start: bool
+    method: str = "exact"
 
     @property
     def holds(self) -> bool:
-        return all(f.holds for f in self.findings)
+        return self.method == "exact" and all(f.holds for f in self.findings)
 
     def refusal(self) -> str:
         """All that fails, in one line. P7 is named only where the exact tube itself is sound."""
+        if self.method != "exact" and not self.failures:
+            return 'P1 to P6 hold at the samples, but this design is not proved between them; use tube.design = "refined"'
         broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
         return "; ".join(f.refusal() for f in broken or self.failures)
 

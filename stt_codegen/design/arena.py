@@ -74,7 +74,11 @@ def arena_of(task: Task) -> Arena:
                 raise NotCertified(
                     f"P1 width: {field} is {decimal(width)} wide in dimension {i + 1}, too narrow for a tube of "
                     f"min_width {decimal(task.tube.min_width)} (plus {decimal(6 * allowance)} for rounding); "
-                    "lower tube.min_width or widen the set"
+                    + (
+                        "the coordinates are too large for single precision: move the origin near the task"
+                        if width > task.tube.min_width
+                        else "lower tube.min_width or widen the set"
+                    )
                 )
     inset = 2 * allowance
 

@@ -24,7 +24,7 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task
 
 SEGMENTS = (32, 48, 64, 96, 128)  # tried in this order when the task names no number
-SPEED_ROOM = 1.25  # speed given up for width, times the least peak speed
+SPEED_ROOM = 1.25  # peak speed given up for width, times the least
 WIDE_ROUTES = (1.0, 0.5)  # widths to find a route for before the least width, relative to start and target
 DETOUR = 1.1  # how much longer than the shortest such a route may be
 ROUNDS = 4  # of choosing sides anew
@@ -40,20 +40,22 @@ class Timing:
     """The polyline tube of least time: route parameters of its vertices and the share of time of each stretch.
 
     length: sum of the stretches' lengths (largest movement of any edge), a distance; length / t_c bounds the peak
-    speed of any tube with these sides from below.
+    speed of any tube with these sides from below. narrowest: the least width of start and target in any dimension.
     """
 
     vertices: tuple[float, ...]
     shares: tuple[float, ...]
     length: float
+    narrowest: float
 
 
 @dataclass(frozen=True)
 class Shape:
-    """Control points of shape (2, n, K + 3) [edge, dimension, point], their peak speed, relative width by dimension."""
+    """Control points of shape (2, n, K + 3) [edge, dimension, point], their pace (most movement of an edge in one
+    segment's time), relative width by dimension."""
 
     points: Array
-    speed: float
+    pace: float
     widths: Array
 
     @property
@@ -149,7 +151,8 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timin
     durations = [max(float(d), 0.0) for d in solution[duration]]
     length = float(np.cumsum(durations)[-1])
     shares = tuple(d / length for d in durations) if length > 0 else (1.0 / m,) * m
-    return Timing(vertices, shares, length)
+    widths = np.minimum(start[1] - start[0], arena.target[1] - arena.target[0])
+    return Timing(vertices, shares, length, float(widths.min()))
 
 
 def _time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
@@ -189,70 +192,71 @@ def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Tim
     best = _solve_all(arena, start, bounds, segments)
     if best is None:
         return None
-    floor = timing.length / arena.prescribed_time
+    floor = timing.length / segments
     for _ in range(ROUNDS):
-        if best.speed <= 1.03 * floor:
+        if best.pace <= 1.03 * floor:
             break
         trial_bounds = _sides_of(arena, best, segments)
         trial = _solve_all(arena, start, trial_bounds, segments)
-        if trial is None or trial.speed * GAIN > best.speed:
+        if trial is None or trial.pace * GAIN > best.pace:
             break
         best, bounds = trial, trial_bounds
-    speed = min(SPEED_ROOM * best.speed, arena.max_speed - arena.allowance * segments / arena.prescribed_time)
-    if best.speed > speed:
+    per_segment = arena.prescribed_time / segments
+    pace = min(max(SPEED_ROOM * best.pace, timing.narrowest / segments), arena.max_speed * per_segment - arena.allowance)
+    if best.pace > pace:
+        needed = (best.pace + arena.allowance) / per_segment * 1.00001  # so that the printed digits are enough
         raise NotCertified(
-            f"P6 speed: the slowest tube found needs {best.speed:.6g}, above tube.max_speed {arena.max_speed:.6g}; "
-            f"raise tube.max_speed, or prescribed_time to {arena.prescribed_time * best.speed / speed:.6g} s"
+            f"P6 speed: the slowest tube found needs {needed:.6g}, above tube.max_speed {arena.max_speed:.6g}; "
+            f"raise tube.max_speed to that, or prescribed_time to {arena.prescribed_time * needed / arena.max_speed:.6g} s"
         )
-    widest = _solve_all(arena, start, bounds, segments, speed=speed)
+    widest = _solve_all(arena, start, bounds, segments, pace)
     if widest is None:
         return best
     for _ in range(ROUNDS):
         if widest.width >= 1.0:
             break
         trial_bounds = _sides_of(arena, widest, segments)
-        trial = _solve_all(arena, start, trial_bounds, segments, speed=speed)
+        trial = _solve_all(arena, start, trial_bounds, segments, pace)
         if trial is None or trial.width < GAIN * widest.width:
             break
         widest, bounds = trial, trial_bounds
-    calm = _solve_all(arena, start, bounds, segments, speed=speed, widths=widest.widths)
+    calm = _solve_all(arena, start, bounds, segments, pace, widest.widths)
     return calm or widest
 
 
 def _solve_all(
-    arena: Arena, start: Array, bounds: Array, segments: int, speed: float | None = None, widths: Array | None = None
+    arena: Arena, start: Array, bounds: Array, segments: int, pace: float | None = None, widths: Array | None = None
 ) -> Shape | None:
     """Every dimension by itself (with the sides fixed, nothing couples them); None when one has no tube."""
     solved = []
     for i in range(arena.dimension):
         keep = None if widths is None else float(widths[i])
-        one = solve_dimension(arena, start[:, i], bounds[:, :, i], i, segments, speed, keep)
+        one = solve_dimension(arena, start[:, i], bounds[:, :, i], i, segments, pace, keep)
         if one is None:
             return None
         solved.append(one)
     return Shape(
         points=np.stack([points for points, _, _ in solved], axis=1),
-        speed=max(v for _, v, _ in solved),
+        pace=max(v for _, v, _ in solved),
         widths=np.array([w for _, _, w in solved]),
     )
 
 
 def solve_dimension(
-    arena: Arena, start: Array, bounds: Array, i: int, segments: int, speed: float | None, width: float | None
+    arena: Arena, start: Array, bounds: Array, i: int, segments: int, pace: float | None, width: float | None
 ) -> tuple[Array, float, float] | None:
-    """The tube of dimension i by one linear program: control points of shape (2, K + 3), peak speed, relative width.
+    """The tube of dimension i by one linear program: control points of shape (2, K + 3), pace, relative width.
 
-    speed None: least peak speed. speed given, width None: greatest width at that speed. Both given: least peak speed
-    at that width. Widths are relative to the narrower of start and target, so 1 fills it. start: the edges at t = 0.
-    bounds: shape (K, 2), from `bounds_by_stretch`. Constraints are on Bezier coefficients (hull property); the last
-    control point equals the last but two, which makes the slope at t_c zero exactly.
+    Pace is the most that an edge moves in one segment's time. pace None: least pace. pace given, width None: greatest
+    width at that pace. Both given: least pace at that width. Widths are relative to the narrower of start and target,
+    so 1 fills it. start: the edges at t = 0. bounds: shape (K, 2), from `bounds_by_stretch`. Constraints are on Bezier
+    coefficients (hull property); the last control point equals the last but two: zero slope at t_c, exactly.
     """
     points = segments + 2  # the point K + 2 is the point K
     column = np.arange(2 * points).reshape(2, points)
     column = np.concatenate([column, column[:, segments : segments + 1]], axis=1)
-    width_column, speed_column = 2 * points, 2 * points + 1
+    width_column, pace_column = 2 * points, 2 * points + 1
     program = LinearProgram(2 * points + 2)
-    step = arena.prescribed_time / segments
     relative = float(min(start[1] - start[0], arena.target[1, i] - arena.target[0, i]))
     ends = ((segments, segments + 1),)
 
@@ -278,17 +282,17 @@ def solve_dimension(
         # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
         pairs = np.concatenate([np.stack([c[2:], c[1:-1]], axis=1), c[None, [2, 0]]])
         share = np.concatenate([np.full(segments + 1, 1.0), [0.5]])[:, None]
-        shared = np.hstack([pairs, np.full((len(pairs), 1), speed_column)])
-        ones = np.full((len(pairs), 1), step)
+        shared = np.hstack([pairs, np.full((len(pairs), 1), pace_column)])
+        ones = np.ones((len(pairs), 1))
         program.rows(shared, np.hstack([share, -share, -ones]), -np.inf, 0.0)
         program.rows(shared, np.hstack([share, -share, ones]), 0.0, np.inf)
     inner, outer = column[LOWER, :points], column[UPPER, :points]
     pairs = np.stack([outer, inner], axis=1)
     program.rows(pairs, [1, -1], arena.min_width, np.inf)
     program.lower[width_column], program.upper[width_column] = 0.0, 1.0
-    program.lower[speed_column], program.upper[speed_column] = 0.0, np.inf if speed is None else speed
-    if speed is None:
-        program.cost[speed_column] = 1.0
+    program.lower[pace_column], program.upper[pace_column] = 0.0, np.inf if pace is None else pace
+    if pace is None:
+        program.cost[pace_column] = 1.0
         program.upper[width_column] = 0.0
     else:
         program.rows(np.hstack([pairs, np.full((points, 1), width_column)]), [1, -1, -relative], 0.0, np.inf)
@@ -298,11 +302,11 @@ def solve_dimension(
             program.cost[width_column] = -1.0
         else:
             program.lower[width_column] = width * KEEP
-            program.cost[speed_column] = 1.0 / speed
+            program.cost[pace_column] = 1.0 / pace
     solution = program.solve()
     if solution is None:
         return None
-    return solution[column], float(solution[speed_column]), float(solution[width_column])
+    return solution[column], float(solution[pace_column]), float(solution[width_column])
 
 
 def _sides_of(arena: Arena, shape: Shape, segments: int) -> Array:

@@ -64,14 +64,14 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         return math.floor(max(low - 2 * arena.allowance, 0.0) * 1e4) / 1e4
 
     start = "P4 avoid: no way leads from the initial set to the target set between the unsafe sets"
-    if not way(0.0, 0.0):
+    if not way(arena.allowance, 2 * arena.allowance):
         return f"{start}, whatever the clearance; remove or shrink an unsafe set, or enlarge the state space"
     width = arena.min_width - 2 * arena.allowance
-    if way(0.0, arena.min_width):
+    if way(arena.allowance, arena.min_width):
         clearance = largest(lambda c: way(c, arena.min_width), arena.clearance)
         asked = arena.clearance - arena.allowance
         return f"{start} with a clearance of {asked:.6g}; a way opens at tube.clearance = {clearance:.4f}"
-    widest = largest(lambda w: way(0.0, w), arena.min_width)
+    widest = largest(lambda w: way(arena.allowance, w), arena.min_width)
     wide = f"with tube.clearance = 0 a way opens at tube.min_width = {widest:.4f}"
     return f"{start} for a tube of width {width:.6g}; {wide}"
 

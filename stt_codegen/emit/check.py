@@ -9,10 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from stt_codegen.emit.manifest import MANIFEST, read_manifest, record, recorded_tools, replay, tool_versions
+from stt_codegen.emit.manifest import MANIFEST, folder_of, forget, make, read_manifest, record, recorded_tools, tool_versions
 
 DIFF_LINES = 40  # of one file; the rest is counted
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
+_HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
 _TABLE = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
 
 
@@ -30,26 +31,43 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
     """Replay the manifest in `root` and compare with the files there; empty when nothing differs."""
     found: list[Difference] = []
     known = {MANIFEST}
-    for entry, controller in replay(root, progress):
+    for entry in read_manifest(root):
+        progress(entry.folder)
+        controller = make(root, entry)
+        known |= {f"{entry.folder}/{name}" for name in entry.sha256}
+        if controller is None:
+            found.append(Difference(entry.folder, f"its task file {entry.task} is gone; --accept drops the folder"))
+            continue
+        if folder_of(controller) != entry.folder:
+            found.append(Difference(entry.folder, f"its task is now called {controller.task.name!r}; --accept moves the folder"))
+            continue
         for name, data in controller.files.items():
             path = f"{entry.folder}/{name}"
             known.add(path)
-            found += _compare(root, path, data)
-            if hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
-                found.append(Difference(MANIFEST, f"records another hash of {path} than the tool makes now"))
-        for name in sorted(entry.sha256.keys() - controller.files.keys()):
-            found.append(Difference(MANIFEST, f"records {entry.folder}/{name}, which the tool does not make"))
+            differences = _compare(root, path, data)
+            found += differences
+            if not differences and hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
+                found.append(Difference(MANIFEST, f"records another hash of {path} than its content has"))
     on_disk = {p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()}
-    found += [Difference(path, "is not recorded in the manifest") for path in sorted(on_disk - known) if not _foreign(path)]
+    extra = "is not recorded in the manifest; delete it (--accept leaves it alone)"
+    found += [Difference(path, extra) for path in sorted(on_disk - known) if not _foreign(path)]
     return found
 
 
 def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> int:
-    """Write every recorded folder as the tool makes it now, and the manifest. Returns the number of folders."""
-    done = [(entry, controller) for entry, controller in replay(root, progress)]
-    for entry, controller in done:
-        record(root, root / entry.task, controller, entry.uncertified)
-    return len(done)
+    """Write every recorded folder as the tool makes it now, and the manifest; folders whose task is gone or renamed are
+    removed. Returns the number of folders written."""
+    made = []
+    for entry in read_manifest(root):
+        progress(entry.folder)
+        made.append((entry, make(root, entry)))
+    for entry, controller in made:
+        if controller is None or folder_of(controller) != entry.folder:
+            forget(root, entry.folder)
+    for entry, controller in made:
+        if controller is not None:
+            record(root, root / entry.task, controller, entry.uncertified)
+    return sum(controller is not None for _, controller in made)
 
 
 def changed_tools(root: Path) -> list[str]:
@@ -88,6 +106,7 @@ def _compare(root: Path, path: str, expected: bytes) -> list[Difference]:
 
 def describe_numbers(old: str, new: str) -> str:
     """What a reviewer wants to know of two texts of one file: did numbers change, how many, by how much."""
+    old, new = (_HASH.sub("", text) for text in (old, new))  # hashes follow from the rest
     before, after = _NUMBER.findall(old), _NUMBER.findall(new)
     if _NUMBER.sub("#", old) != _NUMBER.sub("#", new):
         if before == after:

@@ -12,7 +12,6 @@ import json
 import os
 import platform
 import tempfile
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,17 +60,21 @@ def write_files(folder: Path, files: dict[str, bytes]) -> None:
             for temporary, _ in finished:
                 os.unlink(temporary)
     except OSError as error:
-        raise BadInput(f"{folder}: cannot be written ({error.strerror}); choose another --out") from None
+        raise BadInput(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
 
 
 def record(root: Path, task_file: Path, controller: Controller, uncertified: bool) -> Path:
     """Write a controller to root/<task>/<design>/<scalar>/ and note it in root/MANIFEST.json. Returns the folder."""
     task = controller.task
-    name = f"{task.name}/{controller.design.kind}/{controller.program.scalar}"
+    name = folder_of(controller)
     entries = {e.folder: e for e in read_manifest(root)} if (root / MANIFEST).exists() else {}
+    source = Path(os.path.relpath(task_file, root)).as_posix()
+    for entry in entries.values():
+        if entry.folder.split("/")[0].lower() == task.name.lower() and entry.task != source:
+            raise BadInput(f"{task_file}: the name {task.name!r} is recorded for {entry.task} already; choose another name")
     entries[name] = Entry(
         folder=name,
-        task=Path(os.path.relpath(task_file, root)).as_posix(),
+        task=source,
         design=controller.design.kind,
         scalar=controller.program.scalar,
         uncertified=uncertified,
@@ -130,8 +133,25 @@ def recorded_tools(root: Path) -> dict[str, str]:
     return {str(k): str(v) for k, v in tools.items()}
 
 
-def replay(root: Path, progress: Callable[[str], None] = lambda _: None) -> Iterator[tuple[Entry, Controller]]:
-    """Make every recorded folder again, from its task file and options."""
-    for entry in read_manifest(root):
-        progress(entry.folder)
-        yield entry, build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
+def forget(root: Path, folder: str) -> None:
+    """Remove a recorded folder's files and its record; other files in it stay."""
+    entries = {e.folder: e for e in read_manifest(root)}
+    for name in entries.pop(folder).sha256:
+        (root / folder / name).unlink(missing_ok=True)
+    for path in (root / folder, *(root / folder).parents):
+        if path == root or not path.is_dir() or any(path.iterdir()):
+            break
+        path.rmdir()
+    write_files(root, {MANIFEST: _manifest_text(entries)})
+
+
+def make(root: Path, entry: Entry) -> Controller | None:
+    """A recorded controller again, from its task file and options; None when its task file is gone."""
+    if not (root / entry.task).exists():
+        return None
+    return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
+
+
+def folder_of(controller: Controller) -> str:
+    """Where a controller is recorded, relative to the manifest's folder."""
+    return f"{controller.task.name}/{controller.design.kind}/{controller.program.scalar}"

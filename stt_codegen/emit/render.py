@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import math
@@ -13,7 +14,8 @@ from typing import Any
 import jinja2
 
 from stt_codegen.certify.certificate import Certificate, Finding
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.design.adapted import AdaptiveDesign
+from stt_codegen.design.tube import LOWER, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names
 from stt_codegen.program.c import CPrinter
 from stt_codegen.program.number import round_to
@@ -25,7 +27,7 @@ Files = dict[str, bytes]
 CERTIFICATE_FORMAT = 1
 
 
-def render(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> Files:
+def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate) -> Files:
     """The emitted files by name: header, C, Python, certificate. UTF-8 with LF line ends; no date, version or path."""
     check_names(program)
     header, source, module, proof = file_names(task.name)
@@ -41,8 +43,6 @@ def render(task: Task, design: RefinedDesign, program: Program, certificate: Cer
         "kind": design.kind,
         "hash": design_hash(task, design),
         "notice": _notice(task, certificate),
-        "t_c": decimal(task.prescribed_time),
-        "segments": design.segments,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     files = {
@@ -57,33 +57,26 @@ def render(task: Task, design: RefinedDesign, program: Program, certificate: Cer
     return encoded
 
 
-def design_hash(task: Task, design: RefinedDesign) -> str:
+def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
-    data = {
-        "task": task.digest,
-        "design": design.kind,
-        "scalar": task.emit.scalar,
-        "segments": design.segments,
-        "bits": design.bits,
-        "table": design.table,
-    }
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+    data = {"task": task.digest, "scalar": task.emit.scalar, "design": dataclasses.asdict(design)}
+    return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
 def certificate_document(
-    task: Task, design: RefinedDesign, program: Program, certificate: Certificate, digests: dict[str, str]
+    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, digests: dict[str, str]
 ) -> dict[str, Any]:
     """The certificate as JSON data. Margins are rounded down, bounds up; `exact` fields are fractions."""
     return {
         "format": CERTIFICATE_FORMAT,
         "task": task.name,
         "certified": certificate.holds,
+        "method": certificate.method,
         "design": design.kind,
         "scalar": program.scalar,
         "dimension": design.dimension,
         "prescribed_time": str(design.prescribed_time),
-        "segments": design.segments,
-        "coefficient_bits": design.bits,
+        "parameters": _parameters(design),
         "clearance": str(task.tube.clearance),
         "min_width": str(task.tube.min_width),
         "start": {
@@ -97,6 +90,24 @@ def certificate_document(
         "properties": [_finding(f) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
+
+
+def _parameters(design: RefinedDesign | AdaptiveDesign) -> dict[str, Any]:
+    """What the certificate tells of the design itself; a refined design's coefficients stand in the C file."""
+    if isinstance(design, RefinedDesign):
+        return {"segments": design.segments, "coefficient_bits": design.bits}
+    names = ("theta0", "kappa", "mu", "varsigma", "nu")
+    bumps = [
+        {
+            "unsafe_set": b.unsafe,
+            "dimension": b.dimension + 1,
+            "side": "lower" if b.side == LOWER else "upper",
+            **{name: _nearest(getattr(b, name)) for name in ("height", "steepness", "middle", "radius")},
+        }
+        for b in design.bumps
+    ]
+    seed = {} if design.seed is None else {"seed": design.seed}
+    return {**{name: _nearest(getattr(design, name)) for name in names}, **seed, "circumvent_functions": bumps}
 
 
 def _finding(finding: Finding) -> dict[str, Any]:
@@ -152,6 +163,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
         "This controller was written with --uncertified. Do not run it on a machine. What fails:",
         *(f"  {f.code} {f.title}{' at ' + f.place() if f.place() else ''}" for f in certificate.failures),
+        *(["  nothing at the samples, but between them nothing is proved"] if not certificate.failures else []),
     ]
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 
 
@@ -71,10 +72,12 @@ def shortest(value: Fraction, scalar: str) -> str:
         text = f"{as_double:.{digits}g}"
         if round_to(Fraction(text), scalar) == exact:
             break
-    mantissa, _, exponent = text.partition("e")
-    if exponent:
-        return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent)}"
-    return text if "." in text else text + ".0"
+    plain = Decimal(text)
+    if -6 < plain.adjusted() < 8:
+        text = f"{plain:f}"
+        return text if "." in text else text + ".0"
+    mantissa, _, exponent = f"{plain:e}".partition("e")
+    return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent)}"
 
 
 def ulps_between(a: float, b: float, scalar: str) -> float:

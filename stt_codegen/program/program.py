@@ -228,11 +228,13 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Param:
-    """A parameter of a public function: a scalar (`length` None, input only) or an array of n reals, in or out."""
+    """A parameter of a public function: a scalar (`length` None, input only) or an array of reals: read, written
+    (`output`), or read and changed in place (`output` and `inout`)."""
 
     name: str
     length: int | None
     output: bool = False
+    inout: bool = False
 
 
 @dataclass(frozen=True)
@@ -245,7 +247,7 @@ class Function:
 
     @property
     def inputs(self) -> tuple[Param, ...]:
-        return tuple(p for p in self.params if not p.output)
+        return tuple(p for p in self.params if not p.output or p.inout)
 
     @property
     def outputs(self) -> tuple[Param, ...]:

@@ -162,7 +162,7 @@ class PythonPrinter:
                 if p.length is None
                 else f'    {p.name} = _vector("{p.name}", {p.name}, {p.length})'
             )
-        lines += [f"    {p.name} = [0.0] * {p.length}" for p in function.outputs]
+        lines += [f"    {p.name} = [0.0] * {p.length}" for p in function.outputs if not p.inout]
         return [*lines, *self.statements(function.body, function)]
 
     def docstring(self, doc: tuple[str, ...]) -> list[str]:

@@ -12,7 +12,7 @@ import math
 
 N = 3
 T_C = 9.0  # prescribed time, seconds
-DESIGN_HASH = "f0e4848e1f1a0a7f"
+DESIGN_HASH = "14f8cd1f79ec22b6"
 
 OK = 0
 OUTSIDE_TUBE = 1

@@ -12,7 +12,7 @@ import math
 
 N = 3
 T_C = 15.0  # prescribed time, seconds
-DESIGN_HASH = "114a404b843f17ad"
+DESIGN_HASH = "6bf3c50a25322a10"
 
 OK = 0
 OUTSIDE_TUBE = 1

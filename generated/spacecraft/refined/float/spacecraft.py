@@ -12,7 +12,7 @@ import math
 
 N = 3
 T_C = 15.0  # prescribed time, seconds
-DESIGN_HASH = "bbe815fca765bcfa"
+DESIGN_HASH = "d5974d0d5371718e"
 
 OK = 0
 OUTSIDE_TUBE = 1

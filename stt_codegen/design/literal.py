@@ -1,0 +1,66 @@
+"""The literal design: the paper's rule, with arithmetic that works, so that it can be compared. It is not sound.
+
+Dimension by (6): of the dimension whose window opens last and the one whose window closes first, the one with the shorter
+window. Side at random, unless the unsafe set touches a wall. Window of the bump: exactly the conflict (5).
+"""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+from stt_codegen.design.adapted import AdaptiveDesign, Bump
+from stt_codegen.design.tube import LOWER, UPPER
+from stt_codegen.design.windows import conflict_in_sigma, time_of_sigma
+from stt_codegen.task import Task
+
+# The case study's numbers (section V); nu, varsigma are not in the paper. k is printed without its index j.
+OVERSHOOT, STEEPNESS = Fraction("0.2"), Fraction("0.01")
+THETA0, KAPPA, MU, VARSIGMA, NU = Fraction("0.01"), Fraction(5), Fraction(1), Fraction(100), Fraction(100)
+GRID = 1 << 20  # times are rounded to this fraction of a second
+
+
+def literal(task: Task) -> AdaptiveDesign:
+    """The tube that (2)-(11) give as printed: X0hat = X0, That = T, sides drawn with the task's seed."""
+    options = task.tube.adaptive
+    space = task.free_space
+    t_c = task.prescribed_time
+    start = tuple(zip(task.initial_set.lower, task.initial_set.upper, strict=True))
+    target = tuple(zip(task.target_set.lower, task.target_set.upper, strict=True))
+    walls = tuple(zip(space.lower, space.upper, strict=True))
+    overshoot = options.overshoot or OVERSHOOT
+    draw = random.Random(task.tube.seed)
+    bumps = []
+    for unsafe in task.grown_unsafe:
+        sides = tuple(zip(unsafe.lower, unsafe.upper, strict=True))
+        windows = [conflict_in_sigma(start[i], target[i], sides[i]) for i in range(task.dimension)]
+        upward = draw.random() < 0.5  # drawn for every set, so that one set does not shift the luck of the next
+        times = [(time_of_sigma(w[0], t_c), time_of_sigma(w[1], t_c)) for w in windows if w is not None]
+        if len(times) < task.dimension:
+            continue
+        opens, closes = max(a for a, _ in times), min(b for _, b in times)
+        if opens >= closes:
+            continue
+        last, first = [a for a, _ in times].index(opens), [b for _, b in times].index(closes)
+        i = min((last, first), key=lambda k: times[k][1] - times[k][0])
+        (low, high), (floor, ceiling) = sides[i], walls[i]
+        if low <= floor:
+            upward = True
+        elif high >= ceiling:
+            upward = False
+        height = high - floor + overshoot if upward else ceiling - low + overshoot
+        bumps.append(
+            Bump(
+                i, LOWER if upward else UPPER, height, options.bump_steepness or STEEPNESS,
+                _on_grid((opens + closes) / 2), _on_grid((closes - opens) / 2), unsafe.name,
+            )
+        )  # fmt: skip
+    return AdaptiveDesign(
+        "literal", t_c, start, target, walls, tuple(bumps),
+        options.theta0 or THETA0, options.kappa or KAPPA, options.mu or MU, options.varsigma or VARSIGMA,
+        options.nu or NU, task.tube.seed,
+    )  # fmt: skip
+
+
+def _on_grid(seconds: float) -> Fraction:
+    return Fraction(round(seconds * GRID), GRID)

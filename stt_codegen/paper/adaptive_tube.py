@@ -1,0 +1,126 @@
+"""Section III-C: the adaptive tube (10) and its update function (11), for one dimension and one side at a time.
+
+gamma_L = smooth max(rho_L - alpha_L, beta_L),  gamma_U = smooth min(rho_U + alpha_U, beta_U)
+psi_L = beta_U - rho_L,  psi_U = rho_U - beta_L
+alphadot = theta / (psi + alpha)^2 - kappa alpha,  alpha(0) = 0,  theta = theta0 (1 - tanh(varsigma (psi - mu)))
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import casadi as ca
+
+from stt_codegen.paper.smooth import smooth_max, smooth_min
+
+NAMES = ["theta0", "kappa", "mu", "varsigma"]
+HELD = 40.0  # exp(80) is finite in binary32
+NEWTON = 11  # iterates fall to the root within 6 for p >= 0 and 11 for p < 0
+LEAST_GAP = 2.0**-30  # psi + alpha is held above this in divisions: it never gets there where psi(0) > 0
+
+
+def trigger(psi: ca.SX, theta0: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
+    """theta of (11), the sign function smoothed by tanh: 2 theta0 in conflict, 0 away from it.
+
+    1 - tanh(y) = 2 / (1 + exp(2 y)), accurate where it is small; y is held below 40, where this is below 4e-35.
+    """
+    y = ca.fmin(varsigma * (psi - mu), HELD)
+    return 2 * theta0 / (1 + ca.exp(2 * y))
+
+
+def theta() -> ca.Function:
+    """psi, theta0, mu, varsigma -> theta of (11)."""
+    psi, theta0, mu, varsigma = symbols = [ca.SX.sym(n) for n in ("psi", "theta0", "mu", "varsigma")]
+    return ca.Function("theta", symbols, [trigger(psi, theta0, mu, varsigma)], ["psi", "theta0", "mu", "varsigma"], ["theta"])
+
+
+def update_rate() -> ca.Function:
+    """psi, alpha, parameters -> alphadot (11) and d alphadot / d alpha, by differentiation."""
+    psi, alpha = ca.SX.sym("psi"), ca.SX.sym("alpha")
+    theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
+    z = ca.fmax(psi + alpha, LEAST_GAP)
+    rate = trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
+    inputs = [psi, alpha, theta0, kappa, mu, varsigma]
+    return ca.Function(
+        "update_rate", inputs, [rate, ca.jacobian(rate, alpha)], ["psi", "alpha", *NAMES], ["alpha_rate", "jacobian"]
+    )
+
+
+def update_time_jacobian() -> ca.Function:
+    """psi, psi_rate, alpha, parameters -> d alphadot / d t = (d alphadot / d psi) psidot, by differentiation."""
+    psi, psi_rate, alpha = (ca.SX.sym(n) for n in ("psi", "psi_rate", "alpha"))
+    theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
+    z = ca.fmax(psi + alpha, LEAST_GAP)
+    rate = trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
+    inputs = [psi, psi_rate, alpha, theta0, kappa, mu, varsigma]
+    names = ["psi", "psi_rate", "alpha", *NAMES]
+    return ca.Function("update_time_jacobian", inputs, [ca.jacobian(rate, psi) * psi_rate], names, ["time_jacobian"])
+
+
+def implicit_start() -> ca.Function:
+    """psi and theta's parameters at t + h, alpha at t, h -> p, q, rest and the first iterate z of the implicit step.
+
+    Backward Euler alpha' = alpha + h (theta / (psi + alpha')^2 - kappa alpha') is, with z = psi + alpha',
+    rest = alpha / (1 + h kappa), p = psi + rest and q = h theta / (1 + h kappa), the cubic (z - p) z^2 = q. It has one root with
+    z > 0, z > p; Newton's iterates fall to it from z = max(p, 0) + q^(1/3).
+    """
+    psi, alpha, h = (ca.SX.sym(n) for n in ("psi", "alpha", "h"))
+    theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
+    damping = 1 + h * kappa
+    rest = alpha / damping
+    p = psi + rest
+    q = h * trigger(psi, theta0, mu, varsigma) / damping
+    z = ca.fmax(p, 0) + ca.fmax(ca.power(q, 1 / 3), LEAST_GAP)
+    inputs = [psi, alpha, h, theta0, kappa, mu, varsigma]
+    return ca.Function("implicit_start", inputs, [p, q, rest, z], ["psi", "alpha", "h", *NAMES], ["p", "q", "rest", "z"])
+
+
+def newton() -> ca.Function:
+    """p, q, z -> the next Newton iterate for (z - p) z^2 = q, with the exact derivative."""
+    p, q, z = (ca.SX.sym(n) for n in ("p", "q", "z"))
+    residual = (z - p) * z * z - q
+    return ca.Function(
+        "newton", [p, q, z], [ca.fmax(z - residual / ca.jacobian(residual, z), LEAST_GAP)], ["p", "q", "z"], ["next"]
+    )
+
+
+def implicit_end() -> ca.Function:
+    """q, rest, z -> alpha at t + h, as rest + q / z^2: no cancellation, and never negative."""
+    q, rest, z = (ca.SX.sym(n) for n in ("q", "rest", "z"))
+    return ca.Function("implicit_end", [q, rest, z], [rest + q / (z * z)], ["q", "rest", "z"], ["alpha"])
+
+
+def lower_edge(rate: bool = False) -> ca.Function:
+    """rho_L, alpha_L, beta_L, nu -> gamma_L (10); with `rate`, their rates too -> its total rate, by differentiation."""
+    return _edge("lower_edge", lambda rho, alpha, beta, nu: smooth_max(rho - alpha, beta, nu), rate)
+
+
+def upper_edge(rate: bool = False) -> ca.Function:
+    """rho_U, alpha_U, beta_U, nu -> gamma_U (10); with `rate`, their rates too -> its total rate, by differentiation."""
+    return _edge("upper_edge", lambda rho, alpha, beta, nu: smooth_min(rho + alpha, beta, nu), rate)
+
+
+def _edge(name: str, expression: Callable[..., ca.SX], rate: bool) -> ca.Function:
+    names = ["rho", "alpha", "beta", "nu"]
+    rho, alpha, beta, _ = symbols = [ca.SX.sym(n) for n in names]
+    gamma = expression(*symbols)
+    if not rate:
+        return ca.Function(name, symbols, [gamma], names, ["gamma"])
+    rates = [ca.SX.sym(n) for n in ("rho_rate", "alpha_rate", "beta_rate")]
+    total = ca.jtimes(gamma, ca.vertcat(rho, alpha, beta), ca.vertcat(*rates))
+    inputs, labels = [*symbols, *rates], [*names, "rho_rate", "alpha_rate", "beta_rate"]
+    return ca.Function(f"{name}_rate", inputs, [gamma, total], labels, ["gamma", "gamma_rate"])
+
+
+def implicit_step(psi: ca.SX, alpha: ca.SX, h: ca.SX, theta0: ca.SX, kappa: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
+    """alpha at t + h by the implicit step as one expression: what the emitted loop does, for use in CasADi."""
+    p, q, rest, z = implicit_start()(psi, alpha, h, theta0, kappa, mu, varsigma)
+    for _ in range(NEWTON):
+        z = newton()(p, q, z)
+    return implicit_end()(q, rest, z)
+
+
+def implicit_step_function() -> ca.Function:
+    """psi at t + h, alpha at t, h, parameters -> alpha at t + h."""
+    symbols = [ca.SX.sym(n) for n in ("psi", "alpha", "h", *NAMES)]
+    return ca.Function("implicit_step", symbols, [implicit_step(*symbols)], ["psi", "alpha", "h", *NAMES], ["after"])

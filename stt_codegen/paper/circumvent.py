@@ -1,0 +1,45 @@
+"""Section III-B: circumvent functions (7)-(9).
+
+    bump(t) = B exp(-k (t - m)^2 / (r^2 - (t - m)^2)) for |t - m| < r, and 0 elsewhere;  all derivatives vanish at +-r.
+
+As printed the window is exactly the conflict, where the bump is 0 at both ends: it must be wider (`widened_radius`).
+r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k r^2 cut, cut = 1/104 (float) or 1/745 (double): the
+exponent is then below -104 (-745) and the exponential 0. Nothing branches around a division by zero.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import casadi as ca
+
+from stt_codegen.paper.smooth import smooth_join
+
+CUT = {"float": Fraction(1, 104), "double": Fraction(1, 745)}  # exp(-104) is 0 in binary32, exp(-745.2) in binary64
+
+
+def bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX, cut: ca.SX) -> ca.SX:
+    """One circumvent function above its rest level, (7) and (8) less X_i."""
+    d = t - middle
+    rest = (radius - ca.fabs(d)) * (radius + ca.fabs(d))
+    return height * ca.exp(-steepness * (d * d) / ca.fmax(rest, steepness * radius * radius * cut))
+
+
+def circumvent(rate: bool = False) -> ca.Function:
+    """t, B, k, m, r, cut -> bump; with `rate` also its derivative in t, by differentiation."""
+    names = ["t", "height", "steepness", "middle", "radius", "cut"]
+    symbols = [ca.SX.sym(name) for name in names]
+    value = bump(*symbols)
+    if not rate:
+        return ca.Function("circumvent", symbols, [value], names, ["bump"])
+    return ca.Function("circumvent_rate", symbols, [value, ca.jacobian(value, symbols[0])], names, ["bump", "bump_rate"])
+
+
+def join(rate: bool = False) -> ca.Function:
+    """Two bumps (or joined bumps), nu -> their smooth joining in place of (9)'s max; with `rate`, rates to rate too."""
+    a, b, da, db, nu = (ca.SX.sym(name) for name in ("a", "b", "da", "db", "nu"))
+    value = smooth_join(a, b, nu)
+    if not rate:
+        return ca.Function("join", [a, b, nu], [value], ["a", "b", "nu"], ["joined"])
+    slope = ca.jtimes(value, ca.vertcat(a, b), ca.vertcat(da, db))
+    return ca.Function("join_rate", [a, b, da, db, nu], [value, slope], ["a", "b", "da", "db", "nu"], ["joined", "joined_rate"])

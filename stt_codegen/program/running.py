@@ -1,0 +1,273 @@
+"""A reader that runs a Program on many points at once and carries, with every value, a bound on its error.
+
+Values are what exact arithmetic on the exact constants gives (in extended precision); errors bound how far the emitted
+arithmetic may be from them: half a unit in the last place for + - * / and sqrt, 2 units for every other function of the
+C library, the rounding of constants and tables, all propagated through each statement. `compare` uses the bounds.
+
+Table indices must not depend on data (they do not in adaptive and literal programs).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.program import (
+    INT,
+    Assign,
+    Call,
+    Const,
+    Expression,
+    For,
+    IsFinite,
+    Kernel,
+    Load,
+    Op,
+    Operand,
+    Program,
+    Return,
+    Select,
+    Statement,
+    Store,
+    Var,
+)
+
+Array = npt.NDArray[Any]
+LIBRARY_ULPS = 2  # of a function of the C library
+
+
+@dataclass(frozen=True)
+class Real:
+    """Values of shape (P,) and how far the emitted numbers may be from them."""
+
+    value: Array
+    error: Array
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Comparison results of shape (P,), and where the errors leave them undecided."""
+
+    value: Array
+    undecided: Array
+
+
+Value = Real | Truth | int
+
+
+def exact(value: Fraction | int) -> np.longdouble:
+    """A fraction in extended precision."""
+    fraction = Fraction(value)
+    return np.longdouble(fraction.numerator) / np.longdouble(fraction.denominator)
+
+
+# Functions of one argument that rise or fall throughout: their error is the larger change to either side.
+_MONOTONE: dict[str, tuple[Callable[[Array], Array], float]] = {
+    "exp": (np.exp, -np.inf),
+    "expm1": (np.expm1, -np.inf),
+    "log": (np.log, 0.0),
+    "log1p": (np.log1p, -1.0),
+    "sqrt": (np.sqrt, 0.0),
+    "tanh": (np.tanh, -np.inf),
+}
+
+
+class Runner:
+    """Runs the functions of one program. `settled` names carried values whose error is not propagated from one turn of
+    their loop to the next: Newton iterates, since Newton's map has slope zero at the root and their error enters squared."""
+
+    def __init__(self, program: Program, settled: Iterable[str] = ()) -> None:
+        self.program = program
+        self.settled = frozenset(settled)
+        form = FORMATS[program.scalar]
+        self.half_ulp, self.tiny = float(form.roundoff), float(form.tiny) or 5e-324
+
+    def run(self, function: str, inputs: Mapping[str, Array]) -> dict[str, Real]:
+        """Outputs of shape (P, length) for inputs of shape (P,) or (P, length), taken as exact and finite."""
+        f = self.program.function(function)
+        points = len(next(iter(inputs.values())))
+        zero = np.zeros(points)
+        state: dict[str, Value] = {}
+        self.arrays: dict[str, dict[int, Real]] = {}
+        for p in f.inputs:
+            data = np.asarray(inputs[p.name], dtype=np.longdouble)
+            if p.length is None:
+                state[p.name] = Real(data, zero)
+            else:
+                self.arrays[p.name] = {k: Real(data[:, k], zero) for k in range(p.length)}
+        for p in f.outputs:
+            self.arrays.setdefault(p.name, {})
+        self._statements(f.body, state)
+        results = {}
+        for p in f.outputs:
+            stored = self.arrays[p.name]
+            cells = [stored.get(k, Real(zero, zero)) for k in range(p.length or 0)]
+            results[p.name] = Real(
+                np.stack([np.broadcast_to(c.value, points) for c in cells], axis=1),
+                np.stack([np.broadcast_to(c.error, points) for c in cells], axis=1),
+            )
+        return results
+
+    def _statements(self, body: Iterable[Statement], state: dict[str, Value]) -> None:
+        for statement in body:
+            match statement:
+                case Assign(var=var, value=value):
+                    state[var.name] = self._expression(value, state)
+                case Call(results=results, kernel=name, args=args):
+                    outputs = self._kernel(self.program.kernel(name), [self._operand(a, state) for a in args])
+                    state.update({r.name: v for r, v in zip(results, outputs, strict=True)})
+                case Store(array=array, index=index, value=value):
+                    where, what = self._operand(index, state), self._operand(value, state)
+                    assert isinstance(where, int)
+                    assert isinstance(what, Real)
+                    self.arrays[array][where] = what
+                case For(index=index, count=count, body=inner, carries=carries):
+                    for c in carries:
+                        state[c.var.name] = self._operand(c.initial, state)
+                    for k in range(count):
+                        state[index.name] = k
+                        for c in carries:
+                            held = state[c.var.name]
+                            if c.var.name in self.settled and isinstance(held, Real):
+                                state[c.var.name] = Real(held.value, np.zeros_like(held.error))
+                        self._statements(inner, state)
+                        state.update({c.var.name: self._operand(c.next, state) for c in carries})
+                case Return():
+                    pass  # inputs are finite, so no early leave is taken; the status is not a number
+
+    def _kernel(self, kernel: Kernel, args: list[Value]) -> list[Value]:
+        state: dict[str, Value] = dict(zip((v.name for v in kernel.inputs), args, strict=True))
+        self._statements(kernel.body, state)
+        return [self._operand(o, state) for o in kernel.outputs]
+
+    def _operand(self, operand: Operand, state: Mapping[str, Value]) -> Value:
+        if isinstance(operand, Var):
+            return state[operand.name]
+        return self._constant(operand)
+
+    def _constant(self, constant: Const) -> Value:
+        value = constant.value
+        if constant.type is INT:
+            assert isinstance(value, int)
+            return value
+        if isinstance(value, bool):
+            return Truth(np.array(value), np.array(False))
+        if not isinstance(value, Fraction):
+            return Real(np.array(np.nan), np.array(0.0))
+        error = abs(round_to(value, self.program.scalar) - value)
+        return Real(np.array(exact(value)), np.array(float(error)))
+
+    def _expression(self, value: Expression, state: Mapping[str, Value]) -> Value:
+        match value:
+            case Var() | Const():
+                return self._operand(value, state)
+            case Op(name=name, args=args):
+                return self._operation(name, [self._operand(a, state) for a in args])
+            case Select(condition=c, then=a, other=b):
+                return self._select(self._operand(c, state), self._operand(a, state), self._operand(b, state))
+            case IsFinite():
+                return Truth(np.array(True), np.array(False))
+            case Load(array=array, index=index):
+                where = self._operand(index, state)
+                assert isinstance(where, int)
+                if any(t.name == array for t in self.program.tables):
+                    return self._constant(Const(self.program.table(array).values[where]))
+                return self.arrays[array][where]
+        raise NotImplementedError(f"no error bound for {type(value).__name__}")
+
+    def _select(self, condition: Value, then: Value, other: Value) -> Value:
+        """The chosen branch; where the condition is undecided, its error reaches to the other one."""
+        if isinstance(then, Truth) and isinstance(other, Truth) and isinstance(condition, Truth):
+            return Truth(
+                np.where(condition.value, then.value, other.value), condition.undecided | then.undecided | other.undecided
+            )
+        assert isinstance(condition, Truth)
+        assert isinstance(then, Real)
+        assert isinstance(other, Real)
+        value = np.where(condition.value, then.value, other.value)
+        error = np.where(condition.value, then.error, other.error)
+        reach = np.abs(then.value - other.value).astype(float) + np.maximum(then.error, other.error)
+        return Real(value, np.where(condition.undecided, reach, error))
+
+    def _operation(self, name: str, args: list[Value]) -> Value:
+        if name in ("iadd", "imul"):
+            a, b = args
+            assert isinstance(a, int)
+            assert isinstance(b, int)
+            return a + b if name == "iadd" else a * b
+        if name in ("and", "or", "not"):
+            return _logic(name, [a for a in args if isinstance(a, Truth)])
+        reals = [a for a in args if isinstance(a, Real)]
+        if name in ("lt", "le", "eq", "ne"):
+            a, b = reals
+            compare = {"lt": np.less, "le": np.less_equal, "eq": np.equal, "ne": np.not_equal}[name]
+            near = np.abs(a.value - b.value).astype(float) <= a.error + b.error
+            return Truth(compare(a.value, b.value), near & (a.error + b.error > 0))
+        return self._arithmetic(name, reals)
+
+    def _arithmetic(self, name: str, args: list[Real]) -> Real:
+        a = args[0]
+        with np.errstate(all="ignore"):
+            match name:
+                case "neg":
+                    return Real(-a.value, a.error)
+                case "fabs":
+                    return Real(np.abs(a.value), a.error)
+                case "add" | "sub":
+                    b = args[1]
+                    value = a.value + b.value if name == "add" else a.value - b.value
+                    return self._rounded(value, a.error + b.error, 0.5)
+                case "mul":
+                    b = args[1]
+                    spread = np.abs(a.value) * b.error + np.abs(b.value) * a.error + a.error * b.error
+                    return self._rounded(a.value * b.value, spread, 0.5)
+                case "div":
+                    b = args[1]
+                    least = np.abs(b.value) - b.error
+                    quotient = a.value / b.value
+                    spread = np.where(least > 0, (a.error + np.abs(quotient) * b.error) / least, np.inf)
+                    return self._rounded(quotient, spread, 0.5)
+                case "pow":  # a positive base and a constant exponent
+                    b = args[1]
+                    value = np.power(a.value, b.value)
+                    spread = _change(partial(_power, exponent=b.value), a, 0.0)
+                    spread = spread + np.abs(value * np.log(np.maximum(a.value, 1e-300))) * b.error
+                    return self._rounded(value, spread, LIBRARY_ULPS)
+                case _ if name in _MONOTONE:
+                    f, floor = _MONOTONE[name]
+                    return self._rounded(f(a.value), _change(f, a, floor), 0.5 if name == "sqrt" else LIBRARY_ULPS)
+        raise NotImplementedError(f"no error bound for operation {name!r}")
+
+    def _rounded(self, value: Array, spread: Array, ulps: float) -> Real:
+        """A result with the error of its arguments and its own rounding, so many units in the last place."""
+        own = (np.abs(value) + spread) * (2 * ulps * self.half_ulp) + 2 * ulps * self.tiny
+        return Real(value, np.asarray(spread + own, dtype=float))
+
+
+def _power(base: Array, exponent: Array) -> Array:
+    return np.asarray(np.power(base, exponent))
+
+
+def _change(f: Callable[[Array], Array], a: Real, floor: float) -> Array:
+    """The largest change of a monotone f, defined above `floor`, within the error of its argument; infinite where the
+    argument may reach a pole at `floor`."""
+    value = f(a.value)
+    down = np.abs(value - f(np.maximum(a.value - a.error, floor)))
+    up = np.abs(f(a.value + a.error) - value)
+    return np.where(a.error == 0, 0.0, np.maximum(down, up))
+
+
+def _logic(name: str, args: list[Truth]) -> Truth:
+    undecided = args[0].undecided
+    for other in args[1:]:
+        undecided = undecided | other.undecided
+    if name == "not":
+        return Truth(~args[0].value, undecided)
+    return Truth(args[0].value & args[1].value if name == "and" else args[0].value | args[1].value, undecided)
