@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
-from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.certificate import Certificate, Finding, above
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified, SttError
@@ -111,7 +111,7 @@ def certify(task: Task, design: Design, program: Program) -> Certificate:
     bound = max(error)
     seventh = Finding(
         "P7",
-        f"{program.scalar} arithmetic moves no edge by more than {float(bound):.2g}",
+        f"{program.scalar} arithmetic moves no edge by more than {above(bound, 2):g}",
         least,
         Fraction(0),
         advice='the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin',

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -32,6 +33,7 @@ from stt_codegen.words import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 
 MAX_DIMENSION = 64
 MAX_NAME = 20
+MAX_LABEL = 40
 LARGEST, SMALLEST = Fraction(10) ** 9, Fraction(1, 10**9)  # keeps every derived float32 constant normal
 MAX_DIGITS = 40
 
@@ -73,24 +75,19 @@ def _not_negative(value: Fraction) -> Fraction:
 
 
 def decimal(value: Fraction) -> str:
-    """An exact fraction as a short decimal for messages (at most 9 significant digits)."""
-    return f"{float(value):.9g}"
-
-
-def _after(check: Any) -> Any:
-    from pydantic import AfterValidator
-
-    return AfterValidator(check)
+    """A fraction as a decimal: exact where that takes at most 15 digits, else nearest with 9."""
+    short = f"{float(value):.15g}"
+    return short if Fraction(short) == value else f"{float(value):.9g}"
 
 
 Number = Annotated[
     Fraction,
     BeforeValidator(_number),
-    PlainSerializer(str),
+    PlainSerializer(float, return_type=float),
     WithJsonSchema({"type": "number"}),
 ]
-Positive = Annotated[Number, _after(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
-NotNegative = Annotated[Number, _after(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})]
+Positive = Annotated[Number, AfterValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
+NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})]
 
 
 def _vector(value: object) -> object:
@@ -109,6 +106,8 @@ Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
 def _integer(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"is {_kind(value)}; a whole number is needed")
+    if value.bit_length() > 63:
+        raise ValueError("is out of range; use a whole number below 2^63")
     return value
 
 
@@ -126,7 +125,7 @@ class Box(_Table):
 class UnsafeSet(Box):
     """One unsafe set U_j; unnamed sets are called U1, U2, ... in the order of the file."""
 
-    name: str = ""
+    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
 
 
 class AdaptiveOptions(_Table):
@@ -311,6 +310,8 @@ def _kind(value: object) -> str:
         return "a list"
     if isinstance(value, dict):
         return "a table"
+    if isinstance(value, int) and value.bit_length() > 63:
+        return "a very large number"
     if isinstance(value, int | float | Decimal | Fraction):
         return f"the number {value!s:.40}"
     return f"a {type(value).__name__}"
@@ -332,6 +333,10 @@ def _explain(error: ValidationError) -> str:
     if kind == "value_error":
         return f"{where}: {first['ctx']['error']}"
     if kind in ("string_pattern_mismatch", "string_too_long"):
+        if first["loc"][0] == "unsafe":
+            return (
+                f"{where}: {value!r:.40} is no name; use letters, digits, spaces or . _ ( ) # + -, at most {MAX_LABEL} characters"
+            )
         return f"{where}: {value!r:.40} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
     if kind == "literal_error":
         return f"{where}: is {_kind(value)}; use one of {first['ctx']['expected']}"
@@ -350,7 +355,8 @@ def _explain(error: ValidationError) -> str:
 def _field(location: tuple[int | str, ...]) -> str:
     text = ""
     for part in location:
-        text += f"[{part}]" if isinstance(part, int) else f".{part}" if text else str(part)
+        shown = part if isinstance(part, int) or part.isidentifier() else f"{part!r:.40}"
+        text += f"[{part}]" if isinstance(part, int) else f".{shown}" if text else str(shown)
     return text or "the file"
 
 

@@ -184,7 +184,75 @@ def test_the_clearance_that_a_refusal_names_does() -> None:
     assert build_task(parse_task(f"{blocked}[tube]\nclearance = {clearance}\n")).certificate.holds
 
 
-@pytest.mark.parametrize("added", ['[tube]\ndesign = "adaptive"', '[emit]\nmath = "inline"', "[emit]\ntick_period = 0.001"])
+@pytest.mark.parametrize("added", ['[emit]\nmath = "inline"', "[emit]\ntick_period = 0.001"])
 def test_an_option_of_the_format_that_cannot_be_honoured_yet_is_refused(added: str) -> None:
     with pytest.raises(BadInput, match="not available"):
         build_task(parse_task(EMPTY + f"\n{added}\n"))
+
+
+@pytest.mark.parametrize("target", ["[0.0, 0.0]\nupper = [1.0, 1.0]", "[0.0, 0.0]\nupper = [1.0, 2.0]"])
+def test_a_task_that_need_not_move_is_certified(target: str) -> None:
+    text = EMPTY.replace("[3.0, 2.0]\nupper = [4.0, 3.0]", target)
+    assert text != EMPTY
+    assert build_task(parse_task(text)).certificate.holds
+
+
+@pytest.mark.parametrize("seed", [34, 98, 134])
+def test_a_wide_route_that_is_too_fast_does_not_hide_a_slower_one(seed: int) -> None:
+    """The speed limit is one that the shortest route keeps; wide routes are longer."""
+    free = build_task(arena_task(PAPER, seed))
+    with pytest.raises(NotCertified, match="raise tube.max_speed to that") as caught:
+        build_task(limited(free.task, Fraction("0.1")))
+    needed = Fraction(str(caught.value).split("needs ")[1].split(",")[0])
+    assert build_task(limited(free.task, needed)).certificate.holds
+
+
+def limited(task, speed: Fraction):
+    return task.model_copy(update={"tube": task.tube.model_copy(update={"max_speed": speed})})
+
+
+@pytest.mark.parametrize("exponent", [-10, 10, 17])
+def test_a_power_of_two_as_unit_of_length_changes_nothing_but_the_unit(exponent: int) -> None:
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    scale = Fraction(2) ** exponent
+
+    def scaled(box):
+        return box.model_copy(update={"lower": tuple(v * scale for v in box.lower), "upper": tuple(v * scale for v in box.upper)})
+
+    tube = task.tube.model_copy(update={"clearance": task.tube.clearance * scale, "min_width": task.tube.min_width * scale})
+    changed = task.model_copy(
+        update={
+            **{name: scaled(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")},
+            "unsafe": tuple(scaled(s) for s in task.unsafe),
+            "initial_state": tuple(v * scale for v in task.initial_state),
+            "tube": tube,
+        }
+    )
+    assert design_tube(changed).table == design_tube(task).table
+
+
+@pytest.mark.parametrize("t_c", ["1e-8", "9e8"])
+def test_the_prescribed_time_is_only_a_unit(t_c: str) -> None:
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    assert design_tube(task.model_copy(update={"prescribed_time": Fraction(t_c)})).table == design_tube(task).table
+
+
+def test_lengths_below_the_least_width_of_the_law_are_refused() -> None:
+    """omni_s2 in units of 10,000 km: the emitted law would not be (13) any more."""
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    tiny = Fraction(1, 10**7)
+
+    def scaled(box):
+        return box.model_copy(update={"lower": tuple(v * tiny for v in box.lower), "upper": tuple(v * tiny for v in box.upper)})
+
+    boxes = {name: scaled(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")}
+    small = task.model_copy(
+        update={
+            **boxes,
+            "unsafe": tuple(scaled(s) for s in task.unsafe),
+            "initial_state": tuple(v * tiny for v in task.initial_state),
+            "tube": task.tube.model_copy(update={"clearance": Fraction(0), "min_width": Fraction(0)}),
+        }
+    )
+    with pytest.raises(NotCertified, match="P1"):
+        build_task(small)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
-
-import numpy as np
 import pytest
 import sympy as sp
 from hypothesis import given
@@ -97,12 +94,6 @@ def test_the_law_is_minus_k_xi_epsilon() -> None:
     assert sp.expand(u + s["k"] * s["xi"] * s["epsilon"]) == 0
 
 
-def test_a_wrong_sign_would_be_seen() -> None:
-    symbols, weights = symbolic(lower(refined_tube.basis()))
-    s = symbols["s"]
-    assert sp.expand(weights[1] - (3 * s**3 + 6 * s**2 + 4)) != 0
-
-
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 @given(data=st.data())
 def test_xi_by_ad_equals_the_emitted_xi_in_numbers(scale: float, data) -> None:
@@ -119,7 +110,6 @@ def test_xi_by_ad_equals_the_emitted_xi_in_numbers(scale: float, data) -> None:
 
 
 def test_the_law_is_exactly_zero_on_the_centre_line() -> None:
-    epsilon, _ = (float(v) for v in control_law.transformed_error()(0.125, 0.125))
-    assert epsilon == 0.0
-    assert np.signbit(float(control_law.law()(0.5, 16.0, epsilon))) or float(control_law.law()(0.5, 16.0, epsilon)) == 0
-    assert Fraction(0) == Fraction(float(control_law.law()(0.5, 16.0, 0.0)))
+    epsilon, xi = (float(v) for v in control_law.transformed_error()(0.125, 0.125))
+    assert (epsilon, xi) == (0.0, 16.0)
+    assert float(control_law.law()(0.5, xi, epsilon)) == 0.0

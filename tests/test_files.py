@@ -159,3 +159,65 @@ def test_nothing_is_written_when_one_of_several_tasks_is_refused(tmp_path) -> No
     result = run("generate", str(ROOT / "tasks" / "empty.toml"), "bad.toml", "--out", "out", cwd=tmp_path)
     assert result.returncode == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_a_renamed_task_is_noticed_and_accept_moves_its_folder(recorded) -> None:
+    task = recorded / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace('name = "empty"', 'name = "wagon"'))
+    result = run("check", cwd=recorded)
+    assert result.returncode == 1
+    assert "now called 'wagon'" in result.stdout
+    assert run("check", "--accept", cwd=recorded).returncode == 0
+    assert run("check", cwd=recorded).returncode == 0
+    assert not (recorded / "generated" / "empty").exists()
+
+
+def test_a_task_that_is_gone_is_noticed_and_accept_drops_its_folder(recorded) -> None:
+    (recorded / "tasks" / "empty.toml").unlink()
+    result = run("check", cwd=recorded)
+    assert result.returncode == 1
+    assert "task file ../tasks/empty.toml is gone" in result.stdout
+    assert run("check", "--accept", cwd=recorded).returncode == 0
+    assert run("check", cwd=recorded).returncode == 0
+
+
+def test_another_task_file_cannot_take_over_a_recorded_name(recorded) -> None:
+    text = (recorded / "tasks" / "empty.toml").read_text()
+    (recorded / "tasks" / "other.toml").write_text(text.replace('name = "empty"', 'name = "Empty"'))
+    result = run("generate", "tasks/other.toml", "--record", "generated", cwd=recorded)
+    assert result.returncode == 2
+    assert "is recorded for ../tasks/empty.toml already" in result.stderr
+
+
+def test_a_refusal_of_one_of_several_tasks_names_its_file(tmp_path) -> None:
+    wall = '\n[[unsafe]]\nname = "wall"\nlower = [2.0, 0.0]\nupper = [2.5, 3.0]\n'
+    (tmp_path / "walled.toml").write_text((ROOT / "tasks" / "empty.toml").read_text() + wall)
+    result = run("generate", str(ROOT / "tasks" / "omni_s3.toml"), "walled.toml", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 3
+    assert "walled.toml: P4" in result.stderr
+
+
+def test_a_replacement_that_fails_half_way_puts_the_old_files_back(tmp_path, monkeypatch) -> None:
+    write_files(tmp_path, {"a.c": b"old a", "b.c": b"old b"})
+    replace = os.replace
+    calls = []
+
+    def second_fails(source, target) -> None:
+        calls.append(target)
+        if len(calls) == 2:
+            raise OSError(5, "Input/output error")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", second_fails)
+    with pytest.raises(BadInput, match="Input/output"):
+        write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
+
+
+def test_a_change_of_time_scale_is_not_called_a_small_movement_of_edges(recorded) -> None:
+    task = recorded / "tasks" / "empty.toml"
+    task.write_text(task.read_text().replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
+    result = run("check", "--json", cwd=recorded)
+    entry = next(d for d in json.loads(result.stdout)["differences"] if d["path"].endswith("empty.c"))
+    assert "numbers changed" in entry["numbers"]
+    assert "edges move" not in entry["numbers"]

@@ -215,3 +215,25 @@ def test_the_committed_schema_is_the_exported_one_and_accepts_the_example_tasks(
         jsonschema.validate(tomllib.loads(path.read_text()), schema)
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({"name": "robot"}, schema)
+
+
+HUGE = "0x" + "f" * 5000
+
+
+@pytest.mark.parametrize("line", [f"[tube]\nseed = {HUGE}", f"[tube]\nsegments = {HUGE}", f"[emit]\nscalar = {HUGE}"])
+def test_huge_hexadecimal_integers_are_refused_shortly(line: str) -> None:
+    assert len(refusal(f"{GOOD}{line}\n")) < 200
+
+
+@pytest.mark.parametrize("name", ["[/x]", "a*/b", "line\\nbreak", "$\\\\frac$", "x" * 41])
+def test_names_of_unsafe_sets_that_could_break_text_are_refused(name: str) -> None:
+    assert "unsafe[0].name" in refusal(GOOD.replace('name = "O1"', f'name = "{name}"'))
+
+
+def test_an_unknown_key_is_quoted_when_it_is_no_word() -> None:
+    assert "'a\\nb'" in refusal(f'"a\\nb" = 1\n{GOOD}')
+
+
+def test_a_byte_order_mark_does_no_harm(tmp_path) -> None:
+    (tmp_path / "bom.toml").write_bytes(b"\xef\xbb\xbf" + GOOD.encode())
+    assert load_task(tmp_path / "bom.toml").name == "robot"

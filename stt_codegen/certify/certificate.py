@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -20,8 +22,9 @@ TITLES = {
 
 @dataclass(frozen=True)
 class Finding:
-    """One property: `margin` is a proved lower bound on the slack beyond what is required (task's units; negative when
-    the property fails), attained in the time interval `time` (seconds), `dimension` (from 1) and at `obstacle`."""
+    """One property. It holds when `margin` >= `required` (task's units); then `margin` is a proved lower bound on the slack,
+    least in the time interval `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place
+    are those of one place where it fails, not necessarily the worst."""
 
     code: str
     statement: str
@@ -64,8 +67,9 @@ class Certificate:
 
     edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension.
     method: "exact", or "sampled", which finds faults and proves nothing.
-    speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound).
-    start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set less rounding room.
+    speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
+    start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set but for
+    a thousandth of its width at each edge.
     """
 
     findings: tuple[Finding, ...]
@@ -90,3 +94,20 @@ class Certificate:
     @property
     def failures(self) -> tuple[Finding, ...]:
         return tuple(f for f in self.findings if not f.holds)
+
+
+def below(value: Fraction, digits: int = 6) -> float:
+    """The largest decimal of so many digits that is not above `value`."""
+    return _toward(value, digits, math.floor)
+
+
+def above(value: Fraction, digits: int = 6) -> float:
+    """The smallest decimal of so many digits that is not below `value`."""
+    return _toward(value, digits, math.ceil)
+
+
+def _toward(value: Fraction, digits: int, direction: Callable[[Fraction], int]) -> float:
+    if value == 0:
+        return 0.0
+    power = digits - 1 - math.floor(math.log10(abs(value)))
+    return float(Fraction(direction(value * Fraction(10) ** power)) / Fraction(10) ** power)

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.certificate import Certificate, Finding, above
+from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.task import Task, decimal
 
@@ -44,7 +45,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
 
     The tube is cubic on K segments and constant after t_c, so P1-P6 are finitely many comparisons.
     """
-    unit, n = design.unit, task.dimension
+    unit = design.unit
     bezier = design.bezier()
     space, unsafe = task.free_space, task.grown_unsafe
     clearance, error = task.tube.clearance, max(edge_error)
@@ -58,11 +59,12 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
             "obstacle": None if least.obstacle is None else unsafe[least.obstacle].name,
         }
 
-    width = _least(bezier, _width_measure(_up(task.tube.min_width, unit)), 2 * units)
+    least = max(task.tube.min_width, LEAST_WIDTH)  # below LEAST_WIDTH the emitted law is another
+    width = _least(bezier, _width_measure(_up(least, unit)), 2 * units)
     findings = [
         Finding(
             "P1",
-            f"width >= {decimal(task.tube.min_width)} in every dimension",
+            f"width >= {decimal(least)} in every dimension",
             width.slack * unit,
             2 * error,
             **place(width),
@@ -103,16 +105,15 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     speed = _speed(design, bezier)
     findings.append(_smooth(task, design, speed))
     start = tuple((int(a) * unit, int(b) * unit) for a, b in bezier[0, :, :, 0])
-    largest = max(abs(v) for v in task.state_space.lower + task.state_space.upper)
-    room = largest / 2**16 + 8 * unit  # what `design.arena` leaves for rounding, and the rounding itself
     return Certificate(
         findings=tuple(findings),
         edge_error=tuple(edge_error),
         speed=speed,
-        least_width=width.slack * unit + task.tube.min_width,
+        least_width=width.slack * unit + least,
         start=start,
         whole_start=all(
-            start[i][0] - task.initial_set.lower[i] <= room and task.initial_set.upper[i] - start[i][1] <= room for i in range(n)
+            1000 * max(start[i][0] - a, b - start[i][1]) <= b - a
+            for i, (a, b) in enumerate(zip(task.initial_set.lower, task.initial_set.upper, strict=True))
         ),
     )
 
@@ -169,7 +170,7 @@ def _smooth(task: Task, design: RefinedDesign, speed: tuple[Fraction, ...]) -> F
             "P6", "gamma is C2 up to t_c and C1 there", -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None,
             "the last control point must equal the last but two",
         )  # fmt: skip
-    bound = ", ".join(f"{float(v):.4g}" for v in speed)
+    bound = ", ".join(f"{above(v, 4):g}" for v in speed)
     statement = f"gamma is C2, C1 at t_c; |gammadot| <= {bound}"
     if task.tube.max_speed is None:
         return Finding("P6", statement, Fraction(0), Fraction(0))
@@ -241,7 +242,8 @@ def _least(bezier: npt.NDArray[np.int64], measure: Measure, required: Fraction) 
 
 
 def _halve(piece: Pieces, interval: tuple[Fraction, Fraction], measure: Measure, required: Fraction, depth: int) -> _Least:
-    """Least slack of one piece (shape (n, 2, 4)) by halving until the hull shows `required` or `depth` is used up."""
+    """Least slack of one piece (shape (n, 2, 4)) by halving until the hull shows `required` or `depth` is used up; the
+    slack at one failing point as soon as one is met."""
     slack, dimension, obstacle = measure(piece[None])
     if slack[0] >= required or depth == 0:
         return _least_of(slack[0], interval, dimension[0], obstacle[0])

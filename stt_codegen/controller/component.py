@@ -12,7 +12,7 @@ from fractions import Fraction
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
 from stt_codegen.program.lower import lower
-from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.program.program import NAN, Block, Function, IsFinite, Kernel, Load, Operand, Param, Var, real
 from stt_codegen.task import Task
 
@@ -46,8 +46,12 @@ def control_law_of(task: Task) -> Law:
             f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
             "lower control.gain or control.e_max"
         )
-    if not 0 < round_to(e_max, scalar) < 1:
-        raise BadInput(f'control.e_max: {float(e_max):.12g} rounds to 1 in a {scalar}; lower it or use emit.scalar = "double"')
+    coarse = (1 - e_max) / FORMATS[scalar].roundoff < 8 or e_max / FORMATS[scalar].roundoff < 1 << 12
+    if coarse:
+        side = "1" if e_max > Fraction(1, 2) else "0"
+        raise BadInput(
+            f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
+        )
     return Law(
         normalized_error=lower(
             control_law.normalized_error(),
@@ -60,7 +64,7 @@ def control_law_of(task: Task) -> Law:
         law=lower(control_law.law(), ("Control law (13): u = -k xi epsilon.",)),
         gain=gain,
         e_max=e_max,
-        u_max=task.control.u_max,
+        u_max=None if task.control.u_max is None else tuple(round_down(v, scalar) for v in task.control.u_max),
     )
 
 
@@ -146,6 +150,7 @@ def transform_function(law: Law, n: int) -> Function:
             "  e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]",
             "  epsilon = ln((1 + e) / (1 - e))",
             "  xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx",
-            "0 in a component with upper <= lower, NaN where an edge or x is not finite.",
+            "0 in a component with upper <= lower; a width below 2^-20 counts as that.",
+            "NaN where an edge, x or upper - lower is not finite.",
         ),
     )

@@ -8,12 +8,13 @@ machine, and so is what the solver makes of them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task, decimal
 
@@ -25,7 +26,8 @@ class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n); index 0 lower, 1 upper.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. allowance: what rounding of the
-    coefficients and of the emitted arithmetic may move an edge by, see `arithmetic_allowance`.
+    coefficients and of the emitted arithmetic may move an edge by, see `arithmetic_allowance`. length_unit, time_unit:
+    what lengths and times here must be multiplied by to be the task's.
     """
 
     names: tuple[str, ...]
@@ -39,6 +41,8 @@ class Arena:
     min_width: float
     max_speed: float
     allowance: float
+    length_unit: float = 1.0
+    time_unit: float = 1.0
 
     @property
     def dimension(self) -> int:
@@ -66,17 +70,18 @@ def arena_of(task: Task) -> Arena:
     space, unsafe = task.free_space, task.grown_unsafe
     n = task.dimension
     allowance = arithmetic_allowance(task)
-    wide = task.tube.min_width + 2 * allowance
+    least = max(task.tube.min_width, LEAST_WIDTH)
+    wide = least + 2 * allowance
     for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
         for i in range(n):
             width = box.upper[i] - box.lower[i]
             if width < wide + 4 * allowance:
                 raise NotCertified(
                     f"P1 width: {field} is {decimal(width)} wide in dimension {i + 1}, too narrow for a tube of "
-                    f"min_width {decimal(task.tube.min_width)} (plus {decimal(6 * allowance)} for rounding); "
+                    f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
                         "the coordinates are too large for single precision: move the origin near the task"
-                        if width > task.tube.min_width
+                        if width > least
                         else "lower tube.min_width or widen the set"
                     )
                 )
@@ -102,6 +107,27 @@ def arena_of(task: Task) -> Arena:
     )
 
 
+def normalised(arena: Arena, exponent: int) -> Arena:
+    """The same arena with lengths in units of 2**exponent (exactly) and t_c as unit of time, so that tolerances of the
+    search and of the solver mean the same for every task."""
+    unit = 2.0**exponent
+    return replace(
+        arena,
+        space=arena.space / unit,
+        start=arena.start / unit,
+        target=arena.target / unit,
+        unsafe=arena.unsafe / unit,
+        initial_state=arena.initial_state / unit,
+        prescribed_time=1.0,
+        clearance=arena.clearance / unit,
+        min_width=arena.min_width / unit,
+        max_speed=arena.max_speed * arena.prescribed_time / unit,
+        allowance=arena.allowance / unit,
+        length_unit=unit,
+        time_unit=arena.prescribed_time,
+    )
+
+
 def starting_box(arena: Arena) -> Array:
     """gamma(0): the initial set less the allowance, cut back where an unsafe set is nearer than the clearance.
 
@@ -122,15 +148,17 @@ def starting_box(arena: Arena) -> Array:
             box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
         x = arena.initial_state[i]
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
+            size = arena.length_unit
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(float(gap[i]), 0.0):.6g} from the initial set in dimension {i + 1}, "
-                f"nearer than the clearance {arena.clearance:.6g}, and x(0)[{i}] = {x:.6g} leaves no room to start elsewhere; "
-                "lower tube.clearance, or move the initial set or x(0) away from it"
+                f"P4 avoid at t = 0: {name} is {max(float(gap[i]), 0.0) * size:.6g} from the initial set in dimension {i + 1}, "
+                f"nearer than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {x * size:.6g} there "
+                "leaves no room to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
             )
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:
             raise NotCertified(
-                f"P2 start: initial_state[{i}] = {x:.9g} is nearer than {4 * arena.allowance:.3g} (the room for rounding) "
+                f"P2 start: initial_state[{i}] = {x * arena.length_unit:.9g} is nearer than "
+                f"{4 * arena.allowance * arena.length_unit:.3g} (the room for rounding) "
                 "to the edge of the initial set; move it inside"
             )
     return box

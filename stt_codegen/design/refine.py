@@ -11,11 +11,12 @@ Nothing here is trusted: the exact certificate is computed from the rounded coef
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena, Array, arena_of, magnitude, starting_box
+from stt_codegen.design.arena import Arena, Array, arena_of, magnitude, normalised, starting_box
 from stt_codegen.design.route import Route, find_route, shortest_route
 from stt_codegen.design.sides import ABOVE, BELOW, Stay, bounds_by_stretch, choose_sides
 from stt_codegen.design.solver import LinearProgram
@@ -65,14 +66,18 @@ class Shape:
 
 def refine(task: Task) -> RefinedDesign:
     """Design a refined tube. Raises `NotCertified` with the reason when none is found."""
-    arena = arena_of(task)
+    arena = normalised(arena_of(task), magnitude(task))
     start = starting_box(arena)
     ladder = (task.tube.segments,) if task.tube.segments else SEGMENTS
     *wide, shortest = candidate_routes(arena, start)
-    for route, tries in [*((r, ladder[:1]) for r in wide), (shortest, ladder)]:
-        shape = _follow(arena, start, route, tries)
-        if shape is not None:
-            return round_design(task, shape)
+    for route in wide:
+        with suppress(NotCertified):  # too fast along this one; the shortest may do
+            shape = _follow(arena, start, route, ladder[:1])
+            if shape is not None:
+                return round_design(task, shape)
+    shape = _follow(arena, start, shortest, ladder)
+    if shape is not None:
+        return round_design(task, shape)
     raise NotCertified(
         "P4 avoid: no spline tube keeps the clearance with "
         + (f"{task.tube.segments} segments" if task.tube.segments else f"up to {SEGMENTS[-1]} segments")
@@ -205,9 +210,10 @@ def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Tim
     pace = min(max(SPEED_ROOM * best.pace, timing.narrowest / segments), arena.max_speed * per_segment - arena.allowance)
     if best.pace > pace:
         needed = (best.pace + arena.allowance) / per_segment * 1.00001  # so that the printed digits are enough
+        speed = arena.length_unit / arena.time_unit
         raise NotCertified(
-            f"P6 speed: the slowest tube found needs {needed:.6g}, above tube.max_speed {arena.max_speed:.6g}; "
-            f"raise tube.max_speed to that, or prescribed_time to {arena.prescribed_time * needed / arena.max_speed:.6g} s"
+            f"P6 speed: the slowest tube found needs {needed * speed:.6g}, above tube.max_speed {arena.max_speed * speed:.6g}; "
+            f"raise tube.max_speed to that, or prescribed_time to {arena.time_unit * needed / arena.max_speed:.6g} s"
         )
     widest = _solve_all(arena, start, bounds, segments, pace)
     if widest is None:
@@ -345,14 +351,12 @@ def _sides_of(arena: Arena, shape: Shape, segments: int) -> Array:
 
 
 def round_design(task: Task, shape: Shape) -> RefinedDesign:
-    """Control points over 6, rounded to multiples of 2**(m - 23) with 2**m the size of the state space: 24 bits hold
-    them exactly, in float as in double, so both scalar types share one tube and one certificate."""
-    bits = 23 - magnitude(task)
-    scaled = np.ldexp(shape.points / 6, bits)
-    integers = np.rint(scaled).astype(np.int64)
+    """Control points over 6 (here in units of 2**m, the size of the state space), rounded to multiples of 2**(m - 23): 24
+    bits hold them exactly, in float as in double, so both scalar types share one tube and one certificate."""
+    integers = np.rint(np.ldexp(shape.points / 6, 23)).astype(np.int64)
     integers[:, :, -1] = integers[:, :, -3]
     table = tuple(
         tuple((int(integers[LOWER, i, j]), int(integers[UPPER, i, j])) for i in range(integers.shape[1]))
         for j in range(integers.shape[2])
     )
-    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, bits, table)
+    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, 23 - magnitude(task), table)

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.certify.certificate import below
 from stt_codegen.design.arena import Arena, Array
 from stt_codegen.errors import NotCertified
 
@@ -61,18 +62,18 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         for _ in range(30):
             middle = (low + high) / 2
             low, high = (middle, high) if holds(middle) else (low, middle)
-        return math.floor(max(low - 2 * arena.allowance, 0.0) * 1e4) / 1e4
+        return max(low - 2 * arena.allowance, 0.0) * arena.length_unit
 
     start = "P4 avoid: no way leads from the initial set to the target set between the unsafe sets"
     if not way(arena.allowance, 2 * arena.allowance):
         return f"{start}, whatever the clearance; remove or shrink an unsafe set, or enlarge the state space"
-    width = arena.min_width - 2 * arena.allowance
+    width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
     if way(arena.allowance, arena.min_width):
         clearance = largest(lambda c: way(c, arena.min_width), arena.clearance)
-        asked = arena.clearance - arena.allowance
-        return f"{start} with a clearance of {asked:.6g}; a way opens at tube.clearance = {clearance:.4f}"
+        asked = (arena.clearance - arena.allowance) * arena.length_unit
+        return f"{start} with a clearance of {asked:.6g}; a way opens at tube.clearance = {below(Fraction(clearance), 4):g}"
     widest = largest(lambda w: way(arena.allowance, w), arena.min_width)
-    wide = f"with tube.clearance = 0 a way opens at tube.min_width = {widest:.4f}"
+    wide = f"with tube.clearance = 0 a way opens at tube.min_width = {below(Fraction(widest), 4):g}"
     return f"{start} for a tube of width {width:.6g}; {wide}"
 
 

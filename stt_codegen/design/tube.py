@@ -34,6 +34,11 @@ class RefinedDesign:
 
     kind = "refined"
 
+    def __post_init__(self) -> None:
+        """Every coefficient must be exact in a float, which is what the certificate and the emitted file rest on."""
+        if any(abs(v) >= 1 << 24 for row in self.table for pair in row for v in pair):
+            raise ValueError("a coefficient of the tube needs more than 24 bits")
+
     @property
     def dimension(self) -> int:
         return len(self.table[0])

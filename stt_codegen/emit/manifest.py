@@ -44,21 +44,28 @@ def write_files(folder: Path, files: dict[str, bytes]) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        finished: list[tuple[str, Path]] = []
+        old = {name: (folder / name).read_bytes() for name in files if (folder / name).exists()}
+        finished: dict[str, str] = {}
+        replaced: list[str] = []
         try:
             for name, data in files.items():
-                handle, temporary = tempfile.mkstemp(prefix=f".{name}.", dir=folder)
-                finished.append((temporary, folder / name))
+                handle, finished[name] = tempfile.mkstemp(prefix=f".{name}.", dir=folder)
                 with os.fdopen(handle, "wb") as file:
                     file.write(data)
-                os.chmod(temporary, 0o644)
-            while finished:
-                temporary, target = finished[0]
-                os.replace(temporary, target)
-                finished.pop(0)
+                    file.flush()
+                    os.fsync(file.fileno())
+                os.chmod(finished[name], 0o644)
+            for name in files:
+                os.replace(finished[name], folder / name)
+                replaced.append(name)
+        except OSError:
+            for name in replaced:  # all new or all old, never a mixture
+                (folder / name).write_bytes(old[name]) if name in old else (folder / name).unlink()
+            raise
         finally:
-            for temporary, _ in finished:
-                os.unlink(temporary)
+            for name, temporary in finished.items():
+                if name not in replaced:
+                    os.unlink(temporary)
     except OSError as error:
         raise BadInput(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
 
@@ -108,6 +115,8 @@ def read_manifest(root: Path) -> list[Entry]:
     path = root / MANIFEST
     try:
         document = json.loads(path.read_bytes())
+        if document["format"] != FORMAT:
+            raise BadInput(f"{path}: has format {document['format']!r:.20}, this version writes {FORMAT}; record the tasks again")
         return [
             Entry(
                 folder=str(folder),
@@ -129,8 +138,8 @@ def read_manifest(root: Path) -> list[Entry]:
 
 def recorded_tools(root: Path) -> dict[str, str]:
     """The tool versions that the manifest names."""
-    tools = json.loads((root / MANIFEST).read_bytes()).get("tools", {})
-    return {str(k): str(v) for k, v in tools.items()}
+    tools = json.loads((root / MANIFEST).read_bytes()).get("tools")
+    return {str(k): str(v) for k, v in tools.items()} if isinstance(tools, dict) else {}
 
 
 def forget(root: Path, folder: str) -> None:

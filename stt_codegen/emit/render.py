@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-import math
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.certificate import Certificate, Finding, above, below
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import LOWER, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names
@@ -84,9 +83,9 @@ def certificate_document(
             "upper": [str(b) for _, b in certificate.start],
             "covers_initial_set": certificate.whole_start,
         },
-        "least_width": _below(certificate.least_width),
-        "speed_bound": [_above(v) for v in certificate.speed],
-        "edge_error_bound": [_above(v) for v in certificate.edge_error],
+        "least_width": below(certificate.least_width),
+        "speed_bound": [above(v) for v in certificate.speed],
+        "edge_error_bound": [above(v) for v in certificate.edge_error],
         "properties": [_finding(f) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
@@ -116,8 +115,8 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "title": finding.title,
         "statement": finding.statement,
         "holds": finding.holds,
-        "margin": _below(finding.margin),
-        "required": _above(finding.required),
+        "margin": below(finding.margin),
+        "required": above(finding.required),
         "margin_exact": str(finding.margin),
     }
     if finding.time is not None:
@@ -131,22 +130,6 @@ def _finding(finding: Finding) -> dict[str, Any]:
 
 def _nearest(value: Fraction) -> float:
     return float(f"{float(value):.9g}")
-
-
-def _below(value: Fraction, digits: int = 6) -> float:
-    """The largest decimal of so many digits that is not above `value`."""
-    return _toward(value, digits, math.floor)
-
-
-def _above(value: Fraction, digits: int = 6) -> float:
-    return _toward(value, digits, math.ceil)
-
-
-def _toward(value: Fraction, digits: int, direction: Any) -> float:
-    if value == 0:
-        return 0.0
-    power = digits - 1 - math.floor(math.log10(abs(value)))
-    return float(Fraction(direction(value * Fraction(10) ** power)) / Fraction(10) ** power)
 
 
 def _notice(task: Task, certificate: Certificate) -> list[str]:

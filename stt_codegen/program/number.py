@@ -5,7 +5,6 @@ Everything is done on fractions, so it depends on no library's formatting and is
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -62,6 +61,12 @@ def round_to(value: Fraction, scalar: str) -> Fraction:
     return rounded
 
 
+def round_down(value: Fraction, scalar: str) -> Fraction:
+    """The largest number of the format that is not above a positive value."""
+    nearest = round_to(value, scalar)
+    return nearest if nearest <= value else round_to(value - Fraction(2) ** ulp_exponent(value, scalar) / 2, scalar)
+
+
 def shortest(value: Fraction, scalar: str) -> str:
     """The fewest significant digits that read back as `value` (a number of the format), always with a point or exponent."""
     if value == 0:
@@ -78,10 +83,3 @@ def shortest(value: Fraction, scalar: str) -> str:
         return text if "." in text else text + ".0"
     mantissa, _, exponent = f"{plain:e}".partition("e")
     return f"{mantissa if '.' in mantissa else mantissa + '.0'}e{int(exponent)}"
-
-
-def ulps_between(a: float, b: float, scalar: str) -> float:
-    """|a - b| in units in the last place of b in this format."""
-    if a == b:
-        return 0.0
-    return abs(a - b) / math.ldexp(1.0, ulp_exponent(Fraction(b), scalar)) if math.isfinite(a - b) else math.inf

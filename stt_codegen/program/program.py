@@ -206,7 +206,7 @@ Statement = Assign | Call | Store | For | Return
 
 @dataclass(frozen=True)
 class Table:
-    """Constants, exact in the scalar type; `row` is how many belong together (one printed line)."""
+    """Constants, rounded to the scalar when printed; `row` is how many belong together."""
 
     name: str
     values: tuple[Fraction, ...]
@@ -359,4 +359,4 @@ def integer(value: int) -> Const:
     return Const(value, INT)
 
 
-TRUE, FALSE, NAN = Const(True, BOOL), Const(False, BOOL), Const(None, REAL)
+TRUE, NAN = Const(True, BOOL), Const(None, REAL)

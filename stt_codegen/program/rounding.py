@@ -6,7 +6,7 @@ Forward analysis in exact fractions: each operation adds at most half a unit in 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -49,21 +49,20 @@ def rounding_error(kernel: Kernel, inputs: Mapping[str, Inexact], scalar: str) -
     return tuple(value(o) for o in kernel.outputs)
 
 
-def _operation(op: Op, args: list[Inexact], rounded: object) -> Inexact:
-    assert callable(rounded)
+def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fraction, Fraction], Inexact]) -> Inexact:
     a = args[0]
     result: Inexact
     if op.name == "neg":
         return Inexact(-a.high, -a.low, a.error)
+    if op.name not in ("add", "sub", "mul"):
+        raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
     b = args[1]
     if op.name == "add":
         result = rounded(a.low + b.low, a.high + b.high, a.error + b.error)
     elif op.name == "sub":
         result = rounded(a.low - b.high, a.high - b.low, a.error + b.error)
-    elif op.name == "mul":
+    else:
         corners = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
         low = Fraction(0) if op.args[0] == op.args[1] and a.low <= 0 <= a.high else min(corners)
         result = rounded(low, max(corners), a.size * b.error + b.size * a.error + a.error * b.error)
-    else:
-        raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
     return result

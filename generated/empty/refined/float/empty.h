@@ -47,7 +47,8 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))
  *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
- * 0 in a component with upper <= lower, NaN where an edge or x is not finite.
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
  */
 void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMPTY_N],
                      const empty_real x[EMPTY_N], empty_real e[EMPTY_N], empty_real epsilon[EMPTY_N],

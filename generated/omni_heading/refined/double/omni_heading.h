@@ -50,7 +50,8 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))
  *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
- * 0 in a component with upper <= lower, NaN where an edge or x is not finite.
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
  */
 void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
                             const omni_heading_real upper[OMNI_HEADING_N],

@@ -331,7 +331,8 @@ def transform(lower, upper, x):
       e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
       epsilon = ln((1 + e) / (1 - e))
       xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
-    0 in a component with upper <= lower, NaN where an edge or x is not finite.
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
     """
     lower = _vector("lower", lower, 2)
     upper = _vector("upper", upper, 2)

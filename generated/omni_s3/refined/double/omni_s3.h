@@ -47,7 +47,8 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))
  *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
- * 0 in a component with upper <= lower, NaN where an edge or x is not finite.
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
  */
 void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real upper[OMNI_S3_N],
                        const omni_s3_real x[OMNI_S3_N], omni_s3_real e[OMNI_S3_N],
