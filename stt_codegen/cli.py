@@ -145,6 +145,14 @@ def _show_design(report: dict[str, Any]) -> None:
         holds = "[green]yes[/green]" if p["holds"] else "[red]NO[/red]"
         table.add_row(p["property"], p["statement"], holds, f"{p['margin']:.3g}" if p["margin"] else "", p["where"])
     console.print(table)
+    law = report["input"]
+    if law["largest_u"] is not None:
+        periods = "; ".join(f"{1000 * period:.3g} ms while |e| <= {e}" for e, period in law["periods"].items())
+        console.print(
+            f"  |u| up to {law['largest_u']:.4g} at the clamp; for xdot = g u, g <= {law['g_max']:g}, sample every {periods}"
+        )
+    if law["u_max_is_slow"]:
+        console.print("  [yellow]note[/yellow]: control.u_max is below the tube's speed: the state cannot follow it")
     cost = report["cost"]
     kinds = ", ".join(f"{count} {kind}" for kind, count in cost["operations"].items())
     code = f", {cost['host_code_bytes']} B of code on this host (-Os)" if cost["host_code_bytes"] else ""

@@ -32,21 +32,49 @@ def draw(controller: Controller, path: Path) -> None:
     task, n = controller.task, controller.task.dimension
     t = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller, t)
+    rows: list[Any] = [["arena", f"x{i + 1}"] if n > 1 else ["x1", "x1"] for i in range(n)]
     figure, axes = plt.subplot_mosaic(
-        [["arena", f"x{i + 1}"] for i in range(n)],
+        rows,
         figsize=(11, max(4.6, 1.9 * n)),
         width_ratios=[1, 1.25],
         constrained_layout=True,
     )
     if n >= 2:
         _arena(axes["arena"], controller, low, high)
-    else:
-        axes["arena"].axis("off")
     for i in range(n):
         _dimension(axes[f"x{i + 1}"], controller, i, t, low, high)
         axes[f"x{i + 1}"].set_xlabel("t [s]" if i == n - 1 else "")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
+    _save(figure, path)
+
+
+def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
+    """Save one PNG with the arenas of several controllers beside each other, boxes that meet an unsafe set outlined."""
+    figure, axes = plt.subplots(1, len(controllers), figsize=(5.2 * len(controllers), 5), constrained_layout=True)
+    for axis, controller, title in zip(np.atleast_1d(axes), controllers, titles, strict=True):
+        t = np.linspace(0.0, float(controller.task.prescribed_time), 1801)
+        low, high = tube_at(controller, t)
+        _arena(axis, controller, low, high)
+        hits = _collisions(controller, low, high)
+        for k in np.nonzero(hits)[0][::12]:
+            axis.add_patch(
+                Rectangle(tuple(low[k, :2]), *(high[k, :2] - low[k, :2]), fill=False, edgecolor="black", linewidth=0.6)
+            )
+        axis.set_title(f"{title}: {'collides' if hits.any() else 'keeps clear'}")
+    _save(figure, path)
+
+
+def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[np.bool_]:
+    """At which samples the tube overlaps an unsafe set."""
+    found = np.zeros(len(low), dtype=bool)
+    for s in controller.task.grown_unsafe:
+        lower, upper = (np.array([float(v) for v in edge]) for edge in (s.lower, s.upper))
+        found |= np.asarray(np.all((low < upper) & (high > lower), axis=1))
+    return found
+
+
+def _save(figure: Any, path: Path) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=110, metadata={"Software": None})
@@ -75,6 +103,8 @@ def _arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
     space = task.state_space
     axis.set(xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])))
     axis.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
+    if task.dimension > 2:
+        axis.set_title("projection: sets may be kept apart in another dimension", fontsize=8)
     for k in np.linspace(0, len(low) - 1, BOXES).astype(int):
         shade = k / (len(low) - 1)
         axis.add_patch(
@@ -84,7 +114,15 @@ def _arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
         )
     for s in task.unsafe:
         axis.add_patch(_patch(s, COLOURS["unsafe"], alpha=0.75))
-        axis.text(*(float(s.lower[i] + s.upper[i]) / 2 for i in (0, 1)), s.name, ha="center", va="center", color="white")
+        axis.text(
+            *(float(s.lower[i] + s.upper[i]) / 2 for i in (0, 1)),
+            s.name,
+            ha="center",
+            va="center",
+            color="white",
+            clip_on=True,
+            fontsize=8,
+        )
     for box, label in ((task.initial_set, "start"), (task.target_set, "target")):
         axis.add_patch(_patch(box, COLOURS[label], fill=False, linewidth=1.8))
         axis.text(*(float(box.lower[i] + box.upper[i]) / 2 for i in (0, 1)), label, ha="center", va="center", fontsize=8)

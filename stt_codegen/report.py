@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import tempfile
 from pathlib import Path
@@ -42,8 +43,36 @@ def design_report(controller: Controller, seconds: float) -> dict[str, Any]:
             }
             for f in certificate.findings
         ],
+        "input": input_report(controller),
         "cost": cost_report(controller),
     }
+
+
+def input_report(controller: Controller) -> dict[str, Any]:
+    """What the law asks of actuator and clock, at the tube's narrowest (rules of thumb for xdot = g u, 0 < g <= g_max).
+
+    largest_u: |u| at the clamp, E = e_max: 4 |k| / (w (1 - E^2)) ln((1 + E)/(1 - E)). periods: by E, up to
+    w^2 E (1 - E^2) / (4 |k| g_max ln((1 + E)/(1 - E))) seconds a held u never carries the state farther past the middle
+    than it was, from |e| <= E. g_max is the plant's, or 1. u_max_is_slow: u_max is below the tube's speed.
+    """
+    task, certificate = controller.task, controller.certificate
+    width, gain = float(certificate.least_width), abs(float(task.control.gain))
+    g_max = float(task.plant.g_max or 1)
+    limits = task.control.u_max or ()
+    report: dict[str, Any] = {
+        "largest_u": None,
+        "periods": {},
+        "g_max": g_max,
+        "u_max_is_slow": any(u * g_max < v for u, v in zip(limits, certificate.speed, strict=False)),
+    }
+    if width <= 0:
+        return report
+    clamp = float(task.control.e_max)
+    for e in sorted({min(0.8, clamp), clamp}):
+        steep = math.log((1 + e) / (1 - e))
+        report["largest_u"] = 4 * gain / (width * (1 - e * e)) * steep
+        report["periods"][f"{e:g}"] = width**2 * e * (1 - e * e) / (4 * gain * g_max * steep)
+    return report
 
 
 def cost_report(controller: Controller) -> dict[str, Any]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
-import keyword
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
@@ -29,7 +28,8 @@ from pydantic import (
 )
 
 from stt_codegen.errors import BadInput
-from stt_codegen.words import C_WORDS, CPP_WORDS, LIBRARY_NAMES
+from stt_codegen.task_checks import first_problem
+from stt_codegen.wording import decimal, kind_of
 
 MAX_DIMENSION = 64
 MAX_NAME = 20
@@ -48,7 +48,7 @@ def _number(value: object) -> Fraction:
     if isinstance(value, bool):
         raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
     if not isinstance(value, int | Decimal):
-        raise ValueError(f"is {_kind(value)}; a number is needed, for example 1.0")
+        raise ValueError(f"is {kind_of(value)}; a number is needed, for example 1.0")
     if isinstance(value, Decimal):
         if not value.is_finite():
             raise ValueError(f"is {value}; a finite number is needed")
@@ -74,12 +74,6 @@ def _not_negative(value: Fraction) -> Fraction:
     return value
 
 
-def decimal(value: Fraction) -> str:
-    """A fraction as a decimal: exact where that takes at most 15 digits, else nearest with 9."""
-    short = f"{float(value):.15g}"
-    return short if Fraction(short) == value else f"{float(value):.9g}"
-
-
 Number = Annotated[
     Fraction,
     BeforeValidator(_number),
@@ -92,7 +86,7 @@ NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"
 
 def _vector(value: object) -> object:
     if not isinstance(value, list | tuple):
-        raise ValueError(f"is {_kind(value)}; a list of numbers is needed, one for each dimension")
+        raise ValueError(f"is {kind_of(value)}; a list of numbers is needed, one for each dimension")
     if not value:
         raise ValueError("is an empty list; give one number for each dimension")
     if len(value) > MAX_DIMENSION:
@@ -105,7 +99,7 @@ Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
 
 def _integer(value: object) -> object:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"is {_kind(value)}; a whole number is needed")
+        raise ValueError(f"is {kind_of(value)}; a whole number is needed")
     if value.bit_length() > 63:
         raise ValueError("is out of range; use a whole number below 2^63")
     return value
@@ -267,7 +261,7 @@ def parse_task(text: str, source: str = "task") -> Task:
         task = Task.model_validate(document)
     except ValidationError as error:
         raise BadInput(f"{source}: {_explain(error)}") from None
-    problem = _first_problem(task)
+    problem = first_problem(task)
     if problem:
         raise BadInput(f"{source}: {problem}")
     named = tuple(s if s.name else s.model_copy(update={"name": f"U{j}"}) for j, s in enumerate(task.unsafe, 1))
@@ -301,22 +295,6 @@ def json_schema() -> str:
     return json.dumps(schema, indent=2, sort_keys=True) + "\n"
 
 
-def _kind(value: object) -> str:
-    if isinstance(value, bool):
-        return f"the boolean {str(value).lower()}"
-    if isinstance(value, str):
-        return f"the text {value!r:.40}"
-    if isinstance(value, list | tuple):
-        return "a list"
-    if isinstance(value, dict):
-        return "a table"
-    if isinstance(value, int) and value.bit_length() > 63:
-        return "a very large number"
-    if isinstance(value, int | float | Decimal | Fraction):
-        return f"the number {value!s:.40}"
-    return f"a {type(value).__name__}"
-
-
 def _explain(error: ValidationError) -> str:
     """The first of pydantic's findings in this project's words."""
     first = error.errors(include_url=False)[0]
@@ -339,17 +317,17 @@ def _explain(error: ValidationError) -> str:
             )
         return f"{where}: {value!r:.40} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
     if kind == "literal_error":
-        return f"{where}: is {_kind(value)}; use one of {first['ctx']['expected']}"
+        return f"{where}: is {kind_of(value)}; use one of {first['ctx']['expected']}"
     if kind in ("greater_than_equal", "less_than_equal"):
         bound = first["ctx"].get("ge", first["ctx"].get("le"))
         return f"{where}: is {value}; it must be {'at least' if kind == 'greater_than_equal' else 'at most'} {bound}"
     if kind in ("model_type", "model_attributes_type"):
-        return f"{where}: is {_kind(value)}; a table is needed"
+        return f"{where}: is {kind_of(value)}; a table is needed"
     if kind == "tuple_type":
-        return f"{where}: is {_kind(value)}; a list of tables [[{where}]] is needed"
+        return f"{where}: is {kind_of(value)}; a list of tables [[{where}]] is needed"
     if kind == "string_type":
-        return f"{where}: is {_kind(value)}; text in quotes is needed"
-    return f"{where}: is {_kind(value)}; {first['msg']}"
+        return f"{where}: is {kind_of(value)}; text in quotes is needed"
+    return f"{where}: is {kind_of(value)}; {first['msg']}"
 
 
 def _field(location: tuple[int | str, ...]) -> str:
@@ -376,125 +354,3 @@ def _known_keys(location: tuple[int | str, ...]) -> list[str]:
     for part in location[:-1]:
         model = tables.get(str(part), model)
     return list(model.model_fields)
-
-
-# --------------------------------------------------------------------------------- checks between fields
-
-
-def _first_problem(task: Task) -> str | None:
-    """The first thing that no schema can see, in the words of the message; None when there is none."""
-    n = task.dimension
-    return (
-        _name_problem(task.name)
-        or _shape_problem(task, n)
-        or _options_problem(task)
-        or _containment_problem(task, n)
-        or _unsafe_problem(task, n)
-    )
-
-
-def _name_problem(name: str) -> str | None:
-    reserved = C_WORDS | CPP_WORDS | set(keyword.kwlist) | set(keyword.softkwlist)
-    if name in reserved:
-        return f"name: {name!r} is a reserved word of C, C++ or Python; choose another"
-    if name.lower() in LIBRARY_NAMES:
-        return f"name: {name!r} would shadow a header or module of the standard library; choose another"
-    return None
-
-
-def _shape_problem(task: Task, n: int) -> str | None:
-    vectors = [
-        ("state_space.upper", task.state_space.upper),
-        ("initial_state", task.initial_state),
-        ("initial_set.lower", task.initial_set.lower),
-        ("initial_set.upper", task.initial_set.upper),
-        ("target_set.lower", task.target_set.lower),
-        ("target_set.upper", task.target_set.upper),
-    ]
-    for j, unsafe in enumerate(task.unsafe):
-        vectors += [(f"unsafe[{j}].lower", unsafe.lower), (f"unsafe[{j}].upper", unsafe.upper)]
-    if task.body is not None:
-        vectors.append(("body", task.body))
-    if task.control.u_max is not None:
-        vectors.append(("control.u_max", task.control.u_max))
-    for field, vector in vectors:
-        if len(vector) != n:
-            return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
-    boxes: list[tuple[str, Box]] = [
-        ("state_space", task.state_space),
-        ("initial_set", task.initial_set),
-        ("target_set", task.target_set),
-    ]
-    boxes += [(f"unsafe[{j}]", unsafe) for j, unsafe in enumerate(task.unsafe)]
-    for field, box in boxes:
-        for i, (a, b) in enumerate(zip(box.lower, box.upper, strict=True)):
-            if a >= b:
-                return f"{field}: lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
-    return None
-
-
-def _options_problem(task: Task) -> str | None:
-    for i, half in enumerate(task.body or ()):
-        if half < 0:
-            return f"body[{i}]: is {decimal(half)}; half extents must be 0 or greater"
-    if task.control.gain == 0:
-        return "control.gain: is 0; use a positive gain, or a negative one where g_s is negative definite"
-    if not 0 < task.control.e_max < 1:
-        return f"control.e_max: is {decimal(task.control.e_max)}; it must lie strictly between 0 and 1, for example 0.99"
-    for i, bound in enumerate(task.control.u_max or ()):
-        if bound <= 0:
-            return f"control.u_max[{i}]: is {decimal(bound)}; it must be greater than 0"
-    if task.tube.max_speed == 0:
-        return "tube.max_speed: is 0; it must be greater than 0, or left out for no bound"
-    low, high = task.plant.g_min, task.plant.g_max
-    if low is not None and high is not None and low > high:
-        return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
-    return None
-
-
-def _containment_problem(task: Task, n: int) -> str | None:
-    space, body = task.free_space, " less the body" if task.body and any(task.body) else ""
-    for i in range(n):
-        if space.lower[i] >= space.upper[i]:
-            return f"body[{i}]: the body does not fit into the state space; make it smaller"
-    for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
-        for i in range(n):
-            if box.lower[i] < space.lower[i]:
-                return (
-                    f"{field}: lower[{i}] = {decimal(box.lower[i])} lies outside the state space{body}; "
-                    f"use at least {decimal(space.lower[i])}"
-                )
-            if box.upper[i] > space.upper[i]:
-                return (
-                    f"{field}: upper[{i}] = {decimal(box.upper[i])} lies outside the state space{body}; "
-                    f"use at most {decimal(space.upper[i])}"
-                )
-    for i, x in enumerate(task.initial_state):
-        a, b = task.initial_set.lower[i], task.initial_set.upper[i]
-        if not a < x < b:
-            return (
-                f"initial_state[{i}]: {decimal(x)} is not strictly inside the initial set; "
-                f"use a value between {decimal(a)} and {decimal(b)}"
-            )
-    return None
-
-
-def _unsafe_problem(task: Task, n: int) -> str | None:
-    seen: dict[str, int] = {}
-    for j, unsafe in enumerate(task.unsafe):
-        name = unsafe.name or f"U{j + 1}"
-        if name in seen:
-            return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
-        seen[name] = j
-    start, target = task.initial_set, task.target_set
-    for j, unsafe in enumerate(task.grown_unsafe):
-        label = (
-            f"unsafe[{j}]"
-            + (f" ({unsafe.name})" if unsafe.name else "")
-            + (" grown by the body" if task.body and any(task.body) else "")
-        )
-        if all(unsafe.lower[i] <= start.upper[i] and start.lower[i] <= unsafe.upper[i] for i in range(n)):
-            return f"initial_set: meets {label}; move or shrink one of them"
-        if all(unsafe.lower[i] <= target.lower[i] and target.upper[i] <= unsafe.upper[i] for i in range(n)):
-            return f"target_set: lies inside {label}; move or shrink one of them"
-    return None

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.task import decimal
+from stt_codegen.wording import decimal
 
 TITLES = {
     "P1": "width",

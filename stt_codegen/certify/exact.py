@@ -20,7 +20,8 @@ import numpy.typing as npt
 from stt_codegen.certify.certificate import Certificate, Finding, above
 from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
-from stt_codegen.task import Task, decimal
+from stt_codegen.task import Task
+from stt_codegen.wording import decimal
 
 DEPTH = 8  # a piece is halved at most this often before its property counts as failed
 

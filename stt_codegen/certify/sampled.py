@@ -16,7 +16,8 @@ import numpy.typing as npt
 from stt_codegen import reference
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.design.adapted import AdaptiveDesign
-from stt_codegen.task import Box, Task, decimal
+from stt_codegen.task import Box, Task
+from stt_codegen.wording import decimal
 
 SAMPLES = 4000
 Array = npt.NDArray[Any]

@@ -38,7 +38,8 @@ from stt_codegen.program.program import (
     integer,
     real,
 )
-from stt_codegen.task import Task, decimal
+from stt_codegen.task import Task
+from stt_codegen.wording import decimal
 
 OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, Status.BAD_INPUT))
 

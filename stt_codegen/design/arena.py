@@ -16,7 +16,8 @@ import numpy.typing as npt
 
 from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.errors import NotCertified
-from stt_codegen.task import Task, decimal
+from stt_codegen.task import Task
+from stt_codegen.wording import decimal
 
 Array = npt.NDArray[np.float64]
 

@@ -20,7 +20,8 @@ from stt_codegen.program.c import CPrinter
 from stt_codegen.program.number import round_to
 from stt_codegen.program.program import Const, Program, Status
 from stt_codegen.program.python import PythonPrinter
-from stt_codegen.task import Task, decimal
+from stt_codegen.task import Task
+from stt_codegen.wording import decimal
 
 Files = dict[str, bytes]
 CERTIFICATE_FORMAT = 1
@@ -83,6 +84,11 @@ def certificate_document(
             "upper": [str(b) for _, b in certificate.start],
             "covers_initial_set": certificate.whole_start,
         },
+        "control": {
+            "gain": str(task.control.gain),
+            "e_max": str(task.control.e_max),
+            "u_max": None if task.control.u_max is None else [str(v) for v in task.control.u_max],
+        },
         "least_width": below(certificate.least_width),
         "speed_bound": [above(v) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
@@ -141,6 +147,8 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         ]
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
+        if task.control.u_max is not None:
+            lines.append("u is saturated: the proof that the state stays in the tube assumes that it is not.")
         return lines
     return [
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",

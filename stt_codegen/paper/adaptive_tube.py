@@ -124,3 +124,13 @@ def implicit_step_function() -> ca.Function:
     """psi at t + h, alpha at t, h, parameters -> alpha at t + h."""
     symbols = [ca.SX.sym(n) for n in ("psi", "alpha", "h", *NAMES)]
     return ca.Function("implicit_step", symbols, [implicit_step(*symbols)], ["psi", "alpha", "h", *NAMES], ["after"])
+
+
+def edge_jacobian() -> ca.Function:
+    """rho_L, alpha_L, beta_L, nu -> gamma_L (10) and d gamma_L / d alpha_L in [-1, 0], by differentiation. The upper edge's
+    is its mirror image; gamma depends on its own alpha alone, so the Jacobian of all edges is diagonal."""
+    rho, alpha, beta, nu = symbols = [ca.SX.sym(n) for n in ("rho", "alpha", "beta", "nu")]
+    gamma = smooth_max(rho - alpha, beta, nu)
+    return ca.Function(
+        "edge_jacobian", symbols, [gamma, ca.jacobian(gamma, alpha)], ["rho", "alpha", "beta", "nu"], ["gamma", "gamma_alpha"]
+    )

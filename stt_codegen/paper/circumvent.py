@@ -3,8 +3,8 @@
     bump(t) = B exp(-k (t - m)^2 / (r^2 - (t - m)^2)) for |t - m| < r, and 0 elsewhere;  all derivatives vanish at +-r.
 
 As printed the window is exactly the conflict, where the bump is 0 at both ends: it must be wider (`widened_radius`).
-r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k r^2 cut, cut = 1/104 (float) or 1/745 (double): the
-exponent is then below -104 (-745) and the exponential 0. Nothing branches around a division by zero.
+r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k r^2 cut, cut = 1/104 (float) or 1/746 (double): the
+exponent is then below -104 (-746) and the exponential 0. Nothing branches around a division by zero.
 """
 
 from __future__ import annotations
@@ -15,7 +15,10 @@ import casadi as ca
 
 from stt_codegen.paper.smooth import smooth_join
 
-CUT = {"float": Fraction(1, 104), "double": Fraction(1, 745)}  # exp(-104) is 0 in binary32, exp(-745.2) in binary64
+CUT = {
+    "float": Fraction(1, 104),
+    "double": Fraction(1, 746),
+}  # exp(-104) is 0 in binary32, exp(-746) in binary64; exp(-745) is not
 
 
 def bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX, cut: ca.SX) -> ca.SX:

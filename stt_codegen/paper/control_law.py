@@ -42,3 +42,15 @@ def law() -> ca.Function:
     """k, xi, eps -> u = -k xi eps (13)."""
     k, xi, epsilon = ca.SX.sym("k"), ca.SX.sym("xi"), ca.SX.sym("epsilon")
     return ca.Function("law", [k, xi, epsilon], [-(k * xi * epsilon)], ["k", "xi", "epsilon"], ["u"])
+
+
+def law_jacobian() -> ca.Function:
+    """x, gamma_L, gamma_U, their rates, k -> u (13), du/dx, and du/dt at fixed x, by differentiation; by component, so the
+    Jacobian du/dx of the whole law is diagonal."""
+    names = ["x", "lower", "upper", "lower_rate", "upper_rate", "k"]
+    x, lower, upper, lower_rate, upper_rate, k = symbols = [ca.SX.sym(n) for n in names]
+    a, b = x - lower, upper - x
+    ratio = a / b
+    u = -(k * ((1 + ratio) / a) * ca.log(ratio))
+    in_time = ca.jtimes(u, ca.vertcat(lower, upper), ca.vertcat(lower_rate, upper_rate))
+    return ca.Function("law_jacobian", symbols, [u, ca.jacobian(u, x), in_time], names, ["u", "u_x", "u_t"])

@@ -1,0 +1,1012 @@
+/* omni_s1.c: prescribed-time reach-avoid-stay controller, adaptive tube, single precision.
+ *
+ * *** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
+ * This controller was written with --uncertified. Do not run it on a machine. What fails:
+ *   nothing at the samples, but between them nothing is proved
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_s1.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_s1.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge. */
+static const omni_s1_real omni_s1_reach[8] = {
+    0.000061035156F, 4.5300293F, 0.49993896F, 4.9699707F,
+    4.500061F, 4.5300293F, 4.999939F, 4.9699707F
+};
+
+/* By dimension: rest levels of beta_L and beta_U. */
+static const omni_s1_real omni_s1_walls[4] = {
+    0.000030517578F, 4.9999695F,
+    0.000030517578F, 4.9999695F
+};
+
+/* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
+ * 1 each, filled up with height 0.
+ */
+static const omni_s1_real omni_s1_bumps[16] = {
+    0.0F, 1.0F, 0.0F, 1.0F,
+    0.0F, 1.0F, 0.0F, 1.0F,
+    3.6799622F, 0.10669327F, 3.1600037F, 2.119995F,
+    1.1799622F, 0.1591587F, 1.8899994F, 1.8899994F
+};
+
+/* t held within [0, t_c]. */
+static omni_s1_real omni_s1_hold(omni_s1_real t, omni_s1_real t_c)
+{
+    const bool positive = 0.0F < t;
+    const omni_s1_real started = positive ? t : 0.0F;
+    const bool running = started < t_c;
+    const omni_s1_real held = running ? started : t_c;
+    return held;
+}
+
+/* Time profile of (4): sigma = tanh(t / (t_c - t)), 1 from t_c on. */
+static omni_s1_real omni_s1_profile(omni_s1_real t, omni_s1_real t_c)
+{
+    const omni_s1_real v0 = t_c - t;
+    const omni_s1_real v1 = 0.0009765625F * t_c;
+    const bool v2 = v1 < v0;
+    const omni_s1_real v3 = v2 ? v0 : v1;
+    const omni_s1_real v4 = t / v3;
+    const omni_s1_real v5 = (-2.0F) * v4;
+    const omni_s1_real v6 = expf(v5);
+    const omni_s1_real v7 = 1.0F - v6;
+    const omni_s1_real v8 = 1.0F + v6;
+    const omni_s1_real v9 = v7 / v8;
+    return v9;
+}
+
+/* sigma of (4) and its derivative. */
+static void omni_s1_profile_rate(omni_s1_real t, omni_s1_real t_c, omni_s1_real *sigma,
+                                 omni_s1_real *sigma_rate)
+{
+    const omni_s1_real v0 = t_c - t;
+    const omni_s1_real v1 = 0.0009765625F * t_c;
+    const bool v2 = v1 < v0;
+    const omni_s1_real v3 = v2 ? v0 : v1;
+    const omni_s1_real v4 = t / v3;
+    const omni_s1_real v5 = (-2.0F) * v4;
+    const omni_s1_real v6 = expf(v5);
+    const omni_s1_real v7 = 1.0F - v6;
+    const omni_s1_real v8 = 1.0F + v6;
+    const omni_s1_real v9 = v7 / v8;
+    const omni_s1_real v10 = 1.0F / v3;
+    const omni_s1_real v11 = v4 / v3;
+    const bool v12 = v1 <= v0;
+    const bool v13 = v0 <= v1;
+    const omni_s1_real v14 = v12 ? 1.0F : 0.0F;
+    const omni_s1_real v15 = v13 ? 1.0F : 0.0F;
+    const omni_s1_real v16 = v14 + v15;
+    const omni_s1_real v17 = v14 / v16;
+    const omni_s1_real v18 = v11 * v17;
+    const omni_s1_real v19 = v10 + v18;
+    const omni_s1_real v20 = (-2.0F) * v19;
+    const omni_s1_real v21 = v6 * v20;
+    const omni_s1_real v22 = v21 / v8;
+    const omni_s1_real v23 = v9 / v8;
+    const omni_s1_real v24 = v23 * v21;
+    const omni_s1_real v25 = v22 + v24;
+    const omni_s1_real v26 = -v25;
+    *sigma = v9;
+    *sigma_rate = v26;
+}
+
+/* An edge of the reachability tube (4). */
+static omni_s1_real omni_s1_reach_edge(omni_s1_real start, omni_s1_real end, omni_s1_real sigma)
+{
+    const omni_s1_real v0 = end - start;
+    const omni_s1_real v1 = v0 * sigma;
+    const omni_s1_real v2 = start + v1;
+    return v2;
+}
+
+/* The rate of an edge of the reachability tube (4). */
+static omni_s1_real omni_s1_reach_rate(omni_s1_real start, omni_s1_real end, omni_s1_real sigma_rate)
+{
+    const omni_s1_real v0 = end - start;
+    const omni_s1_real v1 = v0 * sigma_rate;
+    return v1;
+}
+
+/* A circumvent function (7), (8) above its rest level. */
+static omni_s1_real omni_s1_circumvent(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
+                                       omni_s1_real middle, omni_s1_real radius, omni_s1_real cut)
+{
+    const omni_s1_real v0 = t - middle;
+    const omni_s1_real v1 = v0 * v0;
+    const omni_s1_real v2 = steepness * v1;
+    const omni_s1_real v3 = fabsf(v0);
+    const omni_s1_real v4 = radius - v3;
+    const omni_s1_real v5 = radius + v3;
+    const omni_s1_real v6 = v4 * v5;
+    const omni_s1_real v7 = steepness * radius;
+    const omni_s1_real v8 = v7 * radius;
+    const omni_s1_real v9 = v8 * cut;
+    const bool v10 = v9 < v6;
+    const omni_s1_real v11 = v10 ? v6 : v9;
+    const omni_s1_real v12 = v2 / v11;
+    const omni_s1_real v13 = -v12;
+    const omni_s1_real v14 = expf(v13);
+    const omni_s1_real v15 = height * v14;
+    return v15;
+}
+
+/* A circumvent function (7), (8) and its derivative. */
+static void omni_s1_circumvent_rate(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
+                                    omni_s1_real middle, omni_s1_real radius, omni_s1_real cut,
+                                    omni_s1_real *bump, omni_s1_real *bump_rate)
+{
+    const omni_s1_real v0 = t - middle;
+    const omni_s1_real v1 = v0 * v0;
+    const omni_s1_real v2 = steepness * v1;
+    const omni_s1_real v3 = fabsf(v0);
+    const omni_s1_real v4 = radius - v3;
+    const omni_s1_real v5 = radius + v3;
+    const omni_s1_real v6 = v4 * v5;
+    const omni_s1_real v7 = steepness * radius;
+    const omni_s1_real v8 = v7 * radius;
+    const omni_s1_real v9 = v8 * cut;
+    const bool v10 = v9 < v6;
+    const omni_s1_real v11 = v10 ? v6 : v9;
+    const omni_s1_real v12 = v2 / v11;
+    const omni_s1_real v13 = -v12;
+    const omni_s1_real v14 = expf(v13);
+    const omni_s1_real v15 = height * v14;
+    const omni_s1_real v16 = v0 + v0;
+    const omni_s1_real v17 = steepness * v16;
+    const omni_s1_real v18 = v17 / v11;
+    const omni_s1_real v19 = v12 / v11;
+    const bool v20 = v9 <= v6;
+    const bool v21 = v6 <= v9;
+    const omni_s1_real v22 = v20 ? 1.0F : 0.0F;
+    const omni_s1_real v23 = v21 ? 1.0F : 0.0F;
+    const omni_s1_real v24 = v22 + v23;
+    const omni_s1_real v25 = v22 / v24;
+    const bool v26 = v0 < 0.0F;
+    const omni_s1_real v27 = v26 ? (-1.0F) : 0.0F;
+    const bool v28 = 0.0F < v0;
+    const omni_s1_real v29 = v28 ? 1.0F : v27;
+    const omni_s1_real v30 = v4 * v29;
+    const omni_s1_real v31 = v5 * v29;
+    const omni_s1_real v32 = v30 - v31;
+    const omni_s1_real v33 = v25 * v32;
+    const omni_s1_real v34 = v19 * v33;
+    const omni_s1_real v35 = v18 - v34;
+    const omni_s1_real v36 = v14 * v35;
+    const omni_s1_real v37 = height * v36;
+    const omni_s1_real v38 = -v37;
+    *bump = v15;
+    *bump_rate = v38;
+}
+
+/* The update function's equation (11) and its exact Jacobian. */
+static void omni_s1_update_rate(omni_s1_real psi, omni_s1_real alpha, omni_s1_real theta0, omni_s1_real kappa,
+                                omni_s1_real mu, omni_s1_real varsigma, omni_s1_real *alpha_rate,
+                                omni_s1_real *jacobian)
+{
+    const omni_s1_real v0 = theta0 + theta0;
+    const omni_s1_real v1 = psi - mu;
+    const omni_s1_real v2 = varsigma * v1;
+    const bool v3 = v2 < 40.0F;
+    const omni_s1_real v4 = v3 ? v2 : 40.0F;
+    const omni_s1_real v5 = v4 + v4;
+    const omni_s1_real v6 = expf(v5);
+    const omni_s1_real v7 = 1.0F + v6;
+    const omni_s1_real v8 = v0 / v7;
+    const omni_s1_real v9 = psi + alpha;
+    const bool v10 = 9.313226e-10F < v9;
+    const omni_s1_real v11 = v10 ? v9 : 9.313226e-10F;
+    const omni_s1_real v12 = v11 * v11;
+    const omni_s1_real v13 = v8 / v12;
+    const omni_s1_real v14 = kappa * alpha;
+    const omni_s1_real v15 = v13 - v14;
+    const omni_s1_real v16 = v13 / v12;
+    const omni_s1_real v17 = v11 + v11;
+    const bool v18 = 9.313226e-10F <= v9;
+    const bool v19 = v9 <= 9.313226e-10F;
+    const omni_s1_real v20 = v18 ? 1.0F : 0.0F;
+    const omni_s1_real v21 = v19 ? 1.0F : 0.0F;
+    const omni_s1_real v22 = v20 + v21;
+    const omni_s1_real v23 = v20 / v22;
+    const omni_s1_real v24 = v17 * v23;
+    const omni_s1_real v25 = v16 * v24;
+    const omni_s1_real v26 = v25 + kappa;
+    const omni_s1_real v27 = -v26;
+    *alpha_rate = v15;
+    *jacobian = v27;
+}
+
+/* Implicit step of (11): (z - p) z^2 = q, and where to start. */
+static void omni_s1_implicit_start(omni_s1_real psi, omni_s1_real alpha, omni_s1_real h, omni_s1_real theta0,
+                                   omni_s1_real kappa, omni_s1_real mu, omni_s1_real varsigma, omni_s1_real *p,
+                                   omni_s1_real *q, omni_s1_real *rest, omni_s1_real *z)
+{
+    const omni_s1_real v0 = h * kappa;
+    const omni_s1_real v1 = 1.0F + v0;
+    const omni_s1_real v2 = alpha / v1;
+    const omni_s1_real v3 = psi + v2;
+    const omni_s1_real v4 = theta0 + theta0;
+    const omni_s1_real v5 = psi - mu;
+    const omni_s1_real v6 = varsigma * v5;
+    const bool v7 = v6 < 40.0F;
+    const omni_s1_real v8 = v7 ? v6 : 40.0F;
+    const omni_s1_real v9 = v8 + v8;
+    const omni_s1_real v10 = expf(v9);
+    const omni_s1_real v11 = 1.0F + v10;
+    const omni_s1_real v12 = v4 / v11;
+    const omni_s1_real v13 = h * v12;
+    const omni_s1_real v14 = v13 / v1;
+    const bool v15 = 0.0F < v3;
+    const omni_s1_real v16 = v15 ? v3 : 0.0F;
+    const omni_s1_real v17 = powf(v14, 0.33333334F);
+    const bool v18 = 9.313226e-10F < v17;
+    const omni_s1_real v19 = v18 ? v17 : 9.313226e-10F;
+    const omni_s1_real v20 = v16 + v19;
+    *p = v3;
+    *q = v14;
+    *rest = v2;
+    *z = v20;
+}
+
+/* One Newton iterate for (z - p) z^2 = q. */
+static omni_s1_real omni_s1_newton(omni_s1_real p, omni_s1_real q, omni_s1_real z)
+{
+    const omni_s1_real v0 = z - p;
+    const omni_s1_real v1 = v0 * z;
+    const omni_s1_real v2 = v1 * z;
+    const omni_s1_real v3 = v2 - q;
+    const omni_s1_real v4 = z + v0;
+    const omni_s1_real v5 = z * v4;
+    const omni_s1_real v6 = v5 + v1;
+    const omni_s1_real v7 = v3 / v6;
+    const omni_s1_real v8 = z - v7;
+    const bool v9 = 9.313226e-10F < v8;
+    const omni_s1_real v10 = v9 ? v8 : 9.313226e-10F;
+    return v10;
+}
+
+/* Implicit step of (11): alpha from the root z = psi + alpha. */
+static omni_s1_real omni_s1_implicit_end(omni_s1_real q, omni_s1_real rest, omni_s1_real z)
+{
+    const omni_s1_real v0 = z * z;
+    const omni_s1_real v1 = q / v0;
+    const omni_s1_real v2 = rest + v1;
+    return v2;
+}
+
+/* gamma_L of (10). */
+static omni_s1_real omni_s1_lower_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu)
+{
+    const omni_s1_real v0 = rho - alpha;
+    const omni_s1_real v1 = v0 + beta;
+    const omni_s1_real v2 = v1 / 2.0F;
+    const omni_s1_real v3 = v0 - beta;
+    const omni_s1_real v4 = fabsf(v3);
+    const omni_s1_real v5 = v4 / 2.0F;
+    const omni_s1_real v6 = v2 + v5;
+    const omni_s1_real v7 = (-2.0F) * nu;
+    const omni_s1_real v8 = v7 * v5;
+    const omni_s1_real v9 = expf(v8);
+    const omni_s1_real v10 = log1pf(v9);
+    const omni_s1_real v11 = v10 / nu;
+    const omni_s1_real v12 = v6 + v11;
+    return v12;
+}
+
+/* gamma_L of (10) and its total rate. */
+static void omni_s1_lower_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu,
+                                    omni_s1_real rho_rate, omni_s1_real alpha_rate, omni_s1_real beta_rate,
+                                    omni_s1_real *gamma, omni_s1_real *gamma_rate)
+{
+    const omni_s1_real v0 = rho - alpha;
+    const omni_s1_real v1 = v0 + beta;
+    const omni_s1_real v2 = v1 / 2.0F;
+    const omni_s1_real v3 = v0 - beta;
+    const omni_s1_real v4 = fabsf(v3);
+    const omni_s1_real v5 = v4 / 2.0F;
+    const omni_s1_real v6 = v2 + v5;
+    const omni_s1_real v7 = (-2.0F) * nu;
+    const omni_s1_real v8 = v7 * v5;
+    const omni_s1_real v9 = expf(v8);
+    const omni_s1_real v10 = log1pf(v9);
+    const omni_s1_real v11 = v10 / nu;
+    const omni_s1_real v12 = v6 + v11;
+    const omni_s1_real v13 = rho_rate - alpha_rate;
+    const omni_s1_real v14 = v13 + beta_rate;
+    const omni_s1_real v15 = 0.5F * v14;
+    const bool v16 = v3 < 0.0F;
+    const omni_s1_real v17 = v16 ? (-1.0F) : 0.0F;
+    const bool v18 = 0.0F < v3;
+    const omni_s1_real v19 = v18 ? 1.0F : v17;
+    const omni_s1_real v20 = v13 - beta_rate;
+    const omni_s1_real v21 = v19 * v20;
+    const omni_s1_real v22 = 0.5F * v21;
+    const omni_s1_real v23 = v15 + v22;
+    const omni_s1_real v24 = v7 * v22;
+    const omni_s1_real v25 = v9 * v24;
+    const omni_s1_real v26 = 1.0F + v9;
+    const omni_s1_real v27 = v25 / v26;
+    const omni_s1_real v28 = v27 / nu;
+    const omni_s1_real v29 = v23 + v28;
+    *gamma = v12;
+    *gamma_rate = v29;
+}
+
+/* gamma_U of (10). */
+static omni_s1_real omni_s1_upper_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu)
+{
+    const omni_s1_real v0 = rho + alpha;
+    const omni_s1_real v1 = v0 + beta;
+    const omni_s1_real v2 = v1 / 2.0F;
+    const omni_s1_real v3 = v0 - beta;
+    const omni_s1_real v4 = fabsf(v3);
+    const omni_s1_real v5 = v4 / 2.0F;
+    const omni_s1_real v6 = v2 - v5;
+    const omni_s1_real v7 = (-2.0F) * nu;
+    const omni_s1_real v8 = v7 * v5;
+    const omni_s1_real v9 = expf(v8);
+    const omni_s1_real v10 = log1pf(v9);
+    const omni_s1_real v11 = v10 / nu;
+    const omni_s1_real v12 = v6 - v11;
+    return v12;
+}
+
+/* gamma_U of (10) and its total rate. */
+static void omni_s1_upper_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu,
+                                    omni_s1_real rho_rate, omni_s1_real alpha_rate, omni_s1_real beta_rate,
+                                    omni_s1_real *gamma, omni_s1_real *gamma_rate)
+{
+    const omni_s1_real v0 = rho + alpha;
+    const omni_s1_real v1 = v0 + beta;
+    const omni_s1_real v2 = v1 / 2.0F;
+    const omni_s1_real v3 = v0 - beta;
+    const omni_s1_real v4 = fabsf(v3);
+    const omni_s1_real v5 = v4 / 2.0F;
+    const omni_s1_real v6 = v2 - v5;
+    const omni_s1_real v7 = (-2.0F) * nu;
+    const omni_s1_real v8 = v7 * v5;
+    const omni_s1_real v9 = expf(v8);
+    const omni_s1_real v10 = log1pf(v9);
+    const omni_s1_real v11 = v10 / nu;
+    const omni_s1_real v12 = v6 - v11;
+    const omni_s1_real v13 = rho_rate + alpha_rate;
+    const omni_s1_real v14 = v13 + beta_rate;
+    const omni_s1_real v15 = 0.5F * v14;
+    const bool v16 = v3 < 0.0F;
+    const omni_s1_real v17 = v16 ? (-1.0F) : 0.0F;
+    const bool v18 = 0.0F < v3;
+    const omni_s1_real v19 = v18 ? 1.0F : v17;
+    const omni_s1_real v20 = v13 - beta_rate;
+    const omni_s1_real v21 = v19 * v20;
+    const omni_s1_real v22 = 0.5F * v21;
+    const omni_s1_real v23 = v15 - v22;
+    const omni_s1_real v24 = v7 * v22;
+    const omni_s1_real v25 = v9 * v24;
+    const omni_s1_real v26 = 1.0F + v9;
+    const omni_s1_real v27 = v25 / v26;
+    const omni_s1_real v28 = v27 / nu;
+    const omni_s1_real v29 = v23 - v28;
+    *gamma = v12;
+    *gamma_rate = v29;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omni_s1_real width)
+{
+    const omni_s1_real v0 = a - b;
+    const omni_s1_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void omni_s1_transformed_error(omni_s1_real a, omni_s1_real b, omni_s1_real *epsilon, omni_s1_real *xi)
+{
+    const omni_s1_real v0 = a / b;
+    const omni_s1_real v1 = logf(v0);
+    const omni_s1_real v2 = 1.0F + v0;
+    const omni_s1_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static omni_s1_real omni_s1_law(omni_s1_real k, omni_s1_real xi, omni_s1_real epsilon)
+{
+    const omni_s1_real v0 = k * xi;
+    const omni_s1_real v1 = v0 * epsilon;
+    const omni_s1_real v2 = -v1;
+    return v2;
+}
+
+void omni_s1_alpha_init(omni_s1_real alpha[2 * OMNI_S1_N])
+{
+    for (int32_t i = 0; i < 4; ++i) {
+        alpha[i] = 0.0F;
+    }
+}
+
+void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    const bool finite_dt = isfinite(dt) != 0;
+    const bool finite_both = finite_t && finite_dt;
+    bool finite_alphas = finite_both;
+    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
+        const omni_s1_real alpha_entry = alpha[alpha_j];
+        const bool finite_alpha = isfinite(alpha_entry) != 0;
+        const bool finite_alpha_too = finite_alphas && finite_alpha;
+        finite_alphas = finite_alpha_too;
+    }
+    const bool bad = !finite_alphas;
+    const bool forward = 0.0F < dt;
+    const bool backward = !forward;
+    const bool stay = bad || backward;
+    if (stay) {
+        return;
+    }
+    const bool short_step = dt < 1048576.0F;
+    const omni_s1_real h = short_step ? dt : 1048576.0F;
+    const omni_s1_real later = t + dt;
+    const omni_s1_real held = omni_s1_hold(later, 9.0F);
+    const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
+            low_joined = low_bump;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
+            high_joined = high_bump;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 19.999756F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 19.999756F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 19.999756F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 19.999756F;
+        const omni_s1_real psi_low = beta_high - rho_low;
+        const omni_s1_real psi_high = rho_high - beta_low;
+        omni_s1_real low_p;
+        omni_s1_real low_q;
+        omni_s1_real low_rest;
+        omni_s1_real low_z0;
+        omni_s1_implicit_start(psi_low, alpha_low, h, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &low_p, &low_q, &low_rest, &low_z0);
+        omni_s1_real low_z = low_z0;
+        for (int32_t low_k = 0; low_k < 11; ++low_k) {
+            const omni_s1_real low_z_next = omni_s1_newton(low_p, low_q, low_z);
+            low_z = low_z_next;
+        }
+        const omni_s1_real alpha_low_out = omni_s1_implicit_end(low_q, low_rest, low_z);
+        alpha[i] = alpha_low_out;
+        omni_s1_real high_p;
+        omni_s1_real high_q;
+        omni_s1_real high_rest;
+        omni_s1_real high_z0;
+        omni_s1_implicit_start(psi_high, alpha_high, h, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &high_p, &high_q, &high_rest, &high_z0);
+        omni_s1_real high_z = high_z0;
+        for (int32_t high_k = 0; high_k < 11; ++high_k) {
+            const omni_s1_real high_z_next = omni_s1_newton(high_p, high_q, high_z);
+            high_z = high_z_next;
+        }
+        const omni_s1_real alpha_high_out = omni_s1_implicit_end(high_q, high_rest, high_z);
+        const int32_t high_out_at = i + 2;
+        alpha[high_out_at] = alpha_high_out;
+    }
+}
+
+void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
+                        omni_s1_real rate[2 * OMNI_S1_N], omni_s1_real jacobian[2 * OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite_alphas = finite_t;
+    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
+        const omni_s1_real alpha_entry = alpha[alpha_j];
+        const bool finite_alpha = isfinite(alpha_entry) != 0;
+        const bool finite_alpha_too = finite_alphas && finite_alpha;
+        finite_alphas = finite_alpha_too;
+    }
+    const bool bad = !finite_alphas;
+    if (bad) {
+        for (int32_t j = 0; j < 4; ++j) {
+            rate[j] = (omni_s1_real)NAN;
+            jacobian[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    const omni_s1_real held = omni_s1_hold(t, 9.0F);
+    const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
+            low_joined = low_bump;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
+            high_joined = high_bump;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 19.999756F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 19.999756F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 19.999756F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 19.999756F;
+        const omni_s1_real psi_low = beta_high - rho_low;
+        const omni_s1_real psi_high = rho_high - beta_low;
+        omni_s1_real rate_low;
+        omni_s1_real jacobian_low;
+        omni_s1_update_rate(psi_low, alpha_low, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &rate_low, &jacobian_low);
+        rate[i] = rate_low;
+        jacobian[i] = jacobian_low;
+        omni_s1_real rate_high;
+        omni_s1_real jacobian_high;
+        omni_s1_update_rate(psi_high, alpha_high, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &rate_high, &jacobian_high);
+        const int32_t high_out_at = i + 2;
+        rate[high_out_at] = rate_high;
+        jacobian[high_out_at] = jacobian_high;
+    }
+}
+
+void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_s1_real lower[OMNI_S1_N],
+                  omni_s1_real upper[OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite_alphas = finite_t;
+    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
+        const omni_s1_real alpha_entry = alpha[alpha_j];
+        const bool finite_alpha = isfinite(alpha_entry) != 0;
+        const bool finite_alpha_too = finite_alphas && finite_alpha;
+        finite_alphas = finite_alpha_too;
+    }
+    const bool bad = !finite_alphas;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (omni_s1_real)NAN;
+            upper[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    const omni_s1_real held = omni_s1_hold(t, 9.0F);
+    const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
+            low_joined = low_bump;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
+            high_joined = high_bump;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 19.999756F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 19.999756F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 19.999756F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 19.999756F;
+        const omni_s1_real gamma_low = omni_s1_lower_edge(rho_low, alpha_low, beta_low, 100.024414F);
+        const omni_s1_real gamma_high = omni_s1_upper_edge(rho_high, alpha_high, beta_high, 100.024414F);
+        lower[i] = gamma_low;
+        upper[i] = gamma_high;
+    }
+}
+
+void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
+                       omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite_alphas = finite_t;
+    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
+        const omni_s1_real alpha_entry = alpha[alpha_j];
+        const bool finite_alpha = isfinite(alpha_entry) != 0;
+        const bool finite_alpha_too = finite_alphas && finite_alpha;
+        finite_alphas = finite_alpha_too;
+    }
+    const bool bad = !finite_alphas;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (omni_s1_real)NAN;
+            upper_rate[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    const omni_s1_real held = omni_s1_hold(t, 9.0F);
+    omni_s1_real sigma;
+    omni_s1_real sigma_rate;
+    omni_s1_profile_rate(held, 9.0F, &sigma, &sigma_rate);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const omni_s1_real rho_low_rate = omni_s1_reach_rate(low_start, low_end, sigma_rate);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real rho_high_rate = omni_s1_reach_rate(high_start, high_end, sigma_rate);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        omni_s1_real low_joined_rate = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            omni_s1_real low_bump;
+            omni_s1_real low_bump_rate;
+            omni_s1_circumvent_rate(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F, &low_bump, &low_bump_rate);
+            low_joined = low_bump;
+            low_joined_rate = low_bump_rate;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        omni_s1_real high_joined_rate = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            omni_s1_real high_bump;
+            omni_s1_real high_bump_rate;
+            omni_s1_circumvent_rate(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F, &high_bump, &high_bump_rate);
+            high_joined = high_bump;
+            high_joined_rate = high_bump_rate;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real beta_high_rate = -high_joined_rate;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 19.999756F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 19.999756F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 19.999756F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 19.999756F;
+        const omni_s1_real psi_low = beta_high - rho_low;
+        const omni_s1_real psi_high = rho_high - beta_low;
+        omni_s1_real alpha_low_rate;
+        omni_s1_real jacobian_low;
+        omni_s1_update_rate(psi_low, alpha_low, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &alpha_low_rate, &jacobian_low);
+        omni_s1_real gamma_low;
+        omni_s1_real gamma_low_rate;
+        omni_s1_lower_edge_rate(rho_low, alpha_low, beta_low, 100.024414F, rho_low_rate, alpha_low_rate, low_joined_rate, &gamma_low, &gamma_low_rate);
+        lower_rate[i] = gamma_low_rate;
+        omni_s1_real alpha_high_rate;
+        omni_s1_real jacobian_high;
+        omni_s1_update_rate(psi_high, alpha_high, 1.4989014F, 30.0F, 0.19995117F, 20.004883F, &alpha_high_rate, &jacobian_high);
+        omni_s1_real gamma_high;
+        omni_s1_real gamma_high_rate;
+        omni_s1_upper_edge_rate(rho_high, alpha_high, beta_high, 100.024414F, rho_high_rate, alpha_high_rate, beta_high_rate, &gamma_high, &gamma_high_rate);
+        upper_rate[i] = gamma_high_rate;
+    }
+}
+
+omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
+                               const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite_alphas = finite_t;
+    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
+        const omni_s1_real alpha_entry = alpha[alpha_j];
+        const bool finite_alpha = isfinite(alpha_entry) != 0;
+        const bool finite_alpha_too = finite_alphas && finite_alpha;
+        finite_alphas = finite_alpha_too;
+    }
+    bool finite_xs = finite_alphas;
+    for (int32_t x_j = 0; x_j < 2; ++x_j) {
+        const omni_s1_real x_entry = x[x_j];
+        const bool finite_x = isfinite(x_entry) != 0;
+        const bool finite_x_too = finite_xs && finite_x;
+        finite_xs = finite_x_too;
+    }
+    const bool bad = !finite_xs;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            u[j] = 0.0F;
+        }
+        return OMNI_S1_BAD_INPUT;
+    }
+    const omni_s1_real held = omni_s1_hold(t, 9.0F);
+    const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
+            low_joined = low_bump;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
+            high_joined = high_bump;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 19.999756F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 19.999756F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 19.999756F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 19.999756F;
+        const omni_s1_real gamma_low = omni_s1_lower_edge(rho_low, alpha_low, beta_low, 100.024414F);
+        const omni_s1_real gamma_high = omni_s1_upper_edge(rho_high, alpha_high, beta_high, 100.024414F);
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = gamma_high - gamma_low;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const omni_s1_real width = wide ? room : 9.536743e-7F;
+        const omni_s1_real least = width * 0.005F;
+        const omni_s1_real most = width * 0.995F;
+        const omni_s1_real to_lower = x_i - gamma_low;
+        const bool a_above = least < to_lower;
+        const omni_s1_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const omni_s1_real a = a_over ? most : a_raised;
+        const omni_s1_real to_upper = gamma_high - x_i;
+        const bool b_above = least < to_upper;
+        const omni_s1_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const omni_s1_real b = b_over ? most : b_raised;
+        omni_s1_real epsilon;
+        omni_s1_real xi;
+        omni_s1_transformed_error(a, b, &epsilon, &xi);
+        const omni_s1_real push = omni_s1_law(0.5F, xi, epsilon);
+        const omni_s1_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = gamma_low < x_i;
+        const bool below = x_i < gamma_high;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? OMNI_S1_OK : OMNI_S1_OUTSIDE_TUBE;
+}
+
+void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
+                       const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
+                       omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_s1_real lower_edge = lower[i];
+        const omni_s1_real upper_edge = upper[i];
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const omni_s1_real width = wide ? room : 9.536743e-7F;
+        const omni_s1_real least = width * 0.005F;
+        const omni_s1_real most = width * 0.995F;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const omni_s1_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const omni_s1_real a = a_over ? most : a_raised;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const omni_s1_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const omni_s1_real b = b_over ? most : b_raised;
+        const omni_s1_real e_raw = omni_s1_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const omni_s1_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const omni_s1_real e_held = e_held_over ? 0.99F : e_held_raised;
+        omni_s1_real epsilon_i;
+        omni_s1_real xi_i;
+        omni_s1_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_s1_real e_settled = empty ? 0.0F : e_held;
+        const omni_s1_real e_out = finite ? e_settled : (omni_s1_real)NAN;
+        e[i] = e_out;
+        const omni_s1_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const omni_s1_real epsilon_out = finite ? epsilon_settled : (omni_s1_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_s1_real xi_settled = empty ? 0.0F : xi_i;
+        const omni_s1_real xi_out = finite ? xi_settled : (omni_s1_real)NAN;
+        xi[i] = xi_out;
+    }
+}

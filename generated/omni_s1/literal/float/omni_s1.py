@@ -1,0 +1,964 @@
+"""omni_s1: prescribed-time reach-avoid-stay controller, literal tube.
+
+*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
+This controller was written with --uncertified. Do not run it on a machine. What fails:
+  P4 avoid at t in [2.95875, 2.961] s, unsafe set O1
+  P5 reach at t = 9 s, dimension 2
+
+The same functions as omni_s1.c (single precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 9.0  # prescribed time, seconds
+DESIGN_HASH = "2c4cf3a7e112a44a"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge.
+REACH = (
+    0.0, 4.5, 0.5, 5.0,
+    4.5, 4.5, 5.0, 5.0,
+)
+
+# By dimension: rest levels of beta_L and beta_U.
+WALLS = (
+    0.0, 5.0,
+    0.0, 5.0,
+)
+
+# Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
+# 1 each, filled up with height 0.
+BUMPS = (
+    0.0, 1.0, 0.0, 1.0,
+    4.199999809265137, 0.009999999776482582, 1.906519889831543, 1.0031633377075195,
+    0.0, 1.0, 0.0, 1.0,
+    0.0, 1.0, 0.0, 1.0,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _hold(t, t_c):
+    """t held within [0, t_c]."""
+    positive = 0.0 < t
+    started = t if positive else 0.0
+    running = started < t_c
+    held = started if running else t_c
+    return held
+
+
+def _profile(t, t_c):
+    """Time profile of (4): sigma = tanh(t / (t_c - t)), 1 from t_c on."""
+    v0 = t_c - t
+    v1 = 0.0009765625 * t_c
+    v2 = v1 < v0
+    v3 = v0 if v2 else v1
+    v4 = t / v3
+    v5 = -2.0 * v4
+    v6 = math.exp(v5)
+    v7 = 1.0 - v6
+    v8 = 1.0 + v6
+    v9 = v7 / v8
+    return v9
+
+
+def _profile_rate(t, t_c):
+    """sigma of (4) and its derivative."""
+    v0 = t_c - t
+    v1 = 0.0009765625 * t_c
+    v2 = v1 < v0
+    v3 = v0 if v2 else v1
+    v4 = t / v3
+    v5 = -2.0 * v4
+    v6 = math.exp(v5)
+    v7 = 1.0 - v6
+    v8 = 1.0 + v6
+    v9 = v7 / v8
+    v10 = 1.0 / v3
+    v11 = v4 / v3
+    v12 = v1 <= v0
+    v13 = v0 <= v1
+    v14 = 1.0 if v12 else 0.0
+    v15 = 1.0 if v13 else 0.0
+    v16 = v14 + v15
+    v17 = v14 / v16
+    v18 = v11 * v17
+    v19 = v10 + v18
+    v20 = -2.0 * v19
+    v21 = v6 * v20
+    v22 = v21 / v8
+    v23 = v9 / v8
+    v24 = v23 * v21
+    v25 = v22 + v24
+    v26 = -v25
+    return v9, v26
+
+
+def _reach_edge(start, end, sigma):
+    """An edge of the reachability tube (4)."""
+    v0 = end - start
+    v1 = v0 * sigma
+    v2 = start + v1
+    return v2
+
+
+def _reach_rate(start, end, sigma_rate):
+    """The rate of an edge of the reachability tube (4)."""
+    v0 = end - start
+    v1 = v0 * sigma_rate
+    return v1
+
+
+def _circumvent(t, height, steepness, middle, radius, cut):
+    """A circumvent function (7), (8) above its rest level."""
+    v0 = t - middle
+    v1 = v0 * v0
+    v2 = steepness * v1
+    v3 = math.fabs(v0)
+    v4 = radius - v3
+    v5 = radius + v3
+    v6 = v4 * v5
+    v7 = steepness * radius
+    v8 = v7 * radius
+    v9 = v8 * cut
+    v10 = v9 < v6
+    v11 = v6 if v10 else v9
+    v12 = v2 / v11
+    v13 = -v12
+    v14 = math.exp(v13)
+    v15 = height * v14
+    return v15
+
+
+def _circumvent_rate(t, height, steepness, middle, radius, cut):
+    """A circumvent function (7), (8) and its derivative."""
+    v0 = t - middle
+    v1 = v0 * v0
+    v2 = steepness * v1
+    v3 = math.fabs(v0)
+    v4 = radius - v3
+    v5 = radius + v3
+    v6 = v4 * v5
+    v7 = steepness * radius
+    v8 = v7 * radius
+    v9 = v8 * cut
+    v10 = v9 < v6
+    v11 = v6 if v10 else v9
+    v12 = v2 / v11
+    v13 = -v12
+    v14 = math.exp(v13)
+    v15 = height * v14
+    v16 = v0 + v0
+    v17 = steepness * v16
+    v18 = v17 / v11
+    v19 = v12 / v11
+    v20 = v9 <= v6
+    v21 = v6 <= v9
+    v22 = 1.0 if v20 else 0.0
+    v23 = 1.0 if v21 else 0.0
+    v24 = v22 + v23
+    v25 = v22 / v24
+    v26 = v0 < 0.0
+    v27 = -1.0 if v26 else 0.0
+    v28 = 0.0 < v0
+    v29 = 1.0 if v28 else v27
+    v30 = v4 * v29
+    v31 = v5 * v29
+    v32 = v30 - v31
+    v33 = v25 * v32
+    v34 = v19 * v33
+    v35 = v18 - v34
+    v36 = v14 * v35
+    v37 = height * v36
+    v38 = -v37
+    return v15, v38
+
+
+def _update_rate(psi, alpha, theta0, kappa, mu, varsigma):
+    """The update function's equation (11) and its exact Jacobian."""
+    v0 = theta0 + theta0
+    v1 = psi - mu
+    v2 = varsigma * v1
+    v3 = v2 < 40.0
+    v4 = v2 if v3 else 40.0
+    v5 = v4 + v4
+    v6 = math.exp(v5)
+    v7 = 1.0 + v6
+    v8 = v0 / v7
+    v9 = psi + alpha
+    v10 = 9.313225746154785e-10 < v9
+    v11 = v9 if v10 else 9.313225746154785e-10
+    v12 = v11 * v11
+    v13 = v8 / v12
+    v14 = kappa * alpha
+    v15 = v13 - v14
+    v16 = v13 / v12
+    v17 = v11 + v11
+    v18 = 9.313225746154785e-10 <= v9
+    v19 = v9 <= 9.313225746154785e-10
+    v20 = 1.0 if v18 else 0.0
+    v21 = 1.0 if v19 else 0.0
+    v22 = v20 + v21
+    v23 = v20 / v22
+    v24 = v17 * v23
+    v25 = v16 * v24
+    v26 = v25 + kappa
+    v27 = -v26
+    return v15, v27
+
+
+def _implicit_start(psi, alpha, h, theta0, kappa, mu, varsigma):
+    """Implicit step of (11): (z - p) z^2 = q, and where to start."""
+    v0 = h * kappa
+    v1 = 1.0 + v0
+    v2 = alpha / v1
+    v3 = psi + v2
+    v4 = theta0 + theta0
+    v5 = psi - mu
+    v6 = varsigma * v5
+    v7 = v6 < 40.0
+    v8 = v6 if v7 else 40.0
+    v9 = v8 + v8
+    v10 = math.exp(v9)
+    v11 = 1.0 + v10
+    v12 = v4 / v11
+    v13 = h * v12
+    v14 = v13 / v1
+    v15 = 0.0 < v3
+    v16 = v3 if v15 else 0.0
+    v17 = v14 ** 0.3333333432674408
+    v18 = 9.313225746154785e-10 < v17
+    v19 = v17 if v18 else 9.313225746154785e-10
+    v20 = v16 + v19
+    return v3, v14, v2, v20
+
+
+def _newton(p, q, z):
+    """One Newton iterate for (z - p) z^2 = q."""
+    v0 = z - p
+    v1 = v0 * z
+    v2 = v1 * z
+    v3 = v2 - q
+    v4 = z + v0
+    v5 = z * v4
+    v6 = v5 + v1
+    v7 = v3 / v6
+    v8 = z - v7
+    v9 = 9.313225746154785e-10 < v8
+    v10 = v8 if v9 else 9.313225746154785e-10
+    return v10
+
+
+def _implicit_end(q, rest, z):
+    """Implicit step of (11): alpha from the root z = psi + alpha."""
+    v0 = z * z
+    v1 = q / v0
+    v2 = rest + v1
+    return v2
+
+
+def _lower_edge(rho, alpha, beta, nu):
+    """gamma_L of (10)."""
+    v0 = rho - alpha
+    v1 = v0 + beta
+    v2 = v1 / 2.0
+    v3 = v0 - beta
+    v4 = math.fabs(v3)
+    v5 = v4 / 2.0
+    v6 = v2 + v5
+    v7 = -2.0 * nu
+    v8 = v7 * v5
+    v9 = math.exp(v8)
+    v10 = math.log1p(v9)
+    v11 = v10 / nu
+    v12 = v6 + v11
+    return v12
+
+
+def _lower_edge_rate(rho, alpha, beta, nu, rho_rate, alpha_rate, beta_rate):
+    """gamma_L of (10) and its total rate."""
+    v0 = rho - alpha
+    v1 = v0 + beta
+    v2 = v1 / 2.0
+    v3 = v0 - beta
+    v4 = math.fabs(v3)
+    v5 = v4 / 2.0
+    v6 = v2 + v5
+    v7 = -2.0 * nu
+    v8 = v7 * v5
+    v9 = math.exp(v8)
+    v10 = math.log1p(v9)
+    v11 = v10 / nu
+    v12 = v6 + v11
+    v13 = rho_rate - alpha_rate
+    v14 = v13 + beta_rate
+    v15 = 0.5 * v14
+    v16 = v3 < 0.0
+    v17 = -1.0 if v16 else 0.0
+    v18 = 0.0 < v3
+    v19 = 1.0 if v18 else v17
+    v20 = v13 - beta_rate
+    v21 = v19 * v20
+    v22 = 0.5 * v21
+    v23 = v15 + v22
+    v24 = v7 * v22
+    v25 = v9 * v24
+    v26 = 1.0 + v9
+    v27 = v25 / v26
+    v28 = v27 / nu
+    v29 = v23 + v28
+    return v12, v29
+
+
+def _upper_edge(rho, alpha, beta, nu):
+    """gamma_U of (10)."""
+    v0 = rho + alpha
+    v1 = v0 + beta
+    v2 = v1 / 2.0
+    v3 = v0 - beta
+    v4 = math.fabs(v3)
+    v5 = v4 / 2.0
+    v6 = v2 - v5
+    v7 = -2.0 * nu
+    v8 = v7 * v5
+    v9 = math.exp(v8)
+    v10 = math.log1p(v9)
+    v11 = v10 / nu
+    v12 = v6 - v11
+    return v12
+
+
+def _upper_edge_rate(rho, alpha, beta, nu, rho_rate, alpha_rate, beta_rate):
+    """gamma_U of (10) and its total rate."""
+    v0 = rho + alpha
+    v1 = v0 + beta
+    v2 = v1 / 2.0
+    v3 = v0 - beta
+    v4 = math.fabs(v3)
+    v5 = v4 / 2.0
+    v6 = v2 - v5
+    v7 = -2.0 * nu
+    v8 = v7 * v5
+    v9 = math.exp(v8)
+    v10 = math.log1p(v9)
+    v11 = v10 / nu
+    v12 = v6 - v11
+    v13 = rho_rate + alpha_rate
+    v14 = v13 + beta_rate
+    v15 = 0.5 * v14
+    v16 = v3 < 0.0
+    v17 = -1.0 if v16 else 0.0
+    v18 = 0.0 < v3
+    v19 = 1.0 if v18 else v17
+    v20 = v13 - beta_rate
+    v21 = v19 * v20
+    v22 = 0.5 * v21
+    v23 = v15 - v22
+    v24 = v7 * v22
+    v25 = v9 * v24
+    v26 = 1.0 + v9
+    v27 = v25 / v26
+    v28 = v27 / nu
+    v29 = v23 - v28
+    return v12, v29
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def alpha_init():
+    """Start of the update function: alpha(0) = 0 (11). alpha = [alpha_L by dimension, alpha_U by dimension]."""
+    alpha = [0.0] * 4
+    for i in range(4):
+        alpha[i] = 0.0
+    return tuple(alpha)
+
+
+def alpha_step(t, dt, alpha):
+    """One implicit (backward Euler) step of (11) from t to t + dt seconds, in place; fixed cost, stable for every dt > 0.
+    alpha stays as it was when dt <= 0 or a number is not finite. Call it once after each control step.
+    """
+    t = float(t)
+    dt = float(dt)
+    alpha = _vector("alpha", alpha, 4)
+    finite_t = math.isfinite(t)
+    finite_dt = math.isfinite(dt)
+    finite_both = finite_t and finite_dt
+    finite_alphas = finite_both
+    for alpha_j in range(4):
+        alpha_entry = alpha[alpha_j]
+        finite_alpha = math.isfinite(alpha_entry)
+        finite_alpha_too = finite_alphas and finite_alpha
+        finite_alphas = finite_alpha_too
+    bad = not finite_alphas
+    forward = 0.0 < dt
+    backward = not forward
+    stay = bad or backward
+    if stay:
+        return tuple(alpha)
+    short_step = dt < 1048576.0
+    h = dt if short_step else 1048576.0
+    later = t + dt
+    held = _hold(later, 9.0)
+    sigma = _profile(held, 9.0)
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        low_wall = WALLS[wall_row]
+        low_bumps_at = i * 8
+        low_joined = 0.0
+        for low_j in range(1):
+            low_offset = low_j * 4
+            low_at = low_bumps_at + low_offset
+            low_height = BUMPS[low_at]
+            low_steepness_at = low_at + 1
+            low_steepness = BUMPS[low_steepness_at]
+            low_middle_at = low_at + 2
+            low_middle = BUMPS[low_middle_at]
+            low_radius_at = low_at + 3
+            low_radius = BUMPS[low_radius_at]
+            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
+            low_joined = low_bump
+        beta_low = low_wall + low_joined
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 8
+        high_joined = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height_at = high_at + 4
+            high_height = BUMPS[high_height_at]
+            high_steepness_at = high_at + 5
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 6
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 7
+            high_radius = BUMPS[high_radius_at]
+            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+        beta_high = high_wall - high_joined
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 20.0
+        alpha_low = alpha_low_raised if alpha_low_small else 20.0
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 20.0
+        alpha_high = alpha_high_raised if alpha_high_small else 20.0
+        psi_low = beta_high - rho_low
+        psi_high = rho_high - beta_low
+        low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        low_z = low_z0
+        for low_k in range(11):
+            low_z_next = _newton(low_p, low_q, low_z)
+            low_z = low_z_next
+        alpha_low_out = _implicit_end(low_q, low_rest, low_z)
+        alpha[i] = alpha_low_out
+        high_p, high_q, high_rest, high_z0 = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        high_z = high_z0
+        for high_k in range(11):
+            high_z_next = _newton(high_p, high_q, high_z)
+            high_z = high_z_next
+        alpha_high_out = _implicit_end(high_q, high_rest, high_z)
+        high_out_at = i + 2
+        alpha[high_out_at] = alpha_high_out
+    return tuple(alpha)
+
+
+def alpha_rate(t, alpha):
+    """Right side of the update equation (11) and its Jacobian d rate / d alpha (diagonal), laid out as alpha.
+    For a solver of your own; `alpha_step` needs neither. NaN when a number is not finite.
+    """
+    t = float(t)
+    alpha = _vector("alpha", alpha, 4)
+    rate = [0.0] * 4
+    jacobian = [0.0] * 4
+    finite_t = math.isfinite(t)
+    finite_alphas = finite_t
+    for alpha_j in range(4):
+        alpha_entry = alpha[alpha_j]
+        finite_alpha = math.isfinite(alpha_entry)
+        finite_alpha_too = finite_alphas and finite_alpha
+        finite_alphas = finite_alpha_too
+    bad = not finite_alphas
+    if bad:
+        for j in range(4):
+            rate[j] = math.nan
+            jacobian[j] = math.nan
+        return tuple(rate), tuple(jacobian)
+    held = _hold(t, 9.0)
+    sigma = _profile(held, 9.0)
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        low_wall = WALLS[wall_row]
+        low_bumps_at = i * 8
+        low_joined = 0.0
+        for low_j in range(1):
+            low_offset = low_j * 4
+            low_at = low_bumps_at + low_offset
+            low_height = BUMPS[low_at]
+            low_steepness_at = low_at + 1
+            low_steepness = BUMPS[low_steepness_at]
+            low_middle_at = low_at + 2
+            low_middle = BUMPS[low_middle_at]
+            low_radius_at = low_at + 3
+            low_radius = BUMPS[low_radius_at]
+            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
+            low_joined = low_bump
+        beta_low = low_wall + low_joined
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 8
+        high_joined = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height_at = high_at + 4
+            high_height = BUMPS[high_height_at]
+            high_steepness_at = high_at + 5
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 6
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 7
+            high_radius = BUMPS[high_radius_at]
+            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+        beta_high = high_wall - high_joined
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 20.0
+        alpha_low = alpha_low_raised if alpha_low_small else 20.0
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 20.0
+        alpha_high = alpha_high_raised if alpha_high_small else 20.0
+        psi_low = beta_high - rho_low
+        psi_high = rho_high - beta_low
+        rate_low, jacobian_low = _update_rate(psi_low, alpha_low, 0.009999999776482582, 5.0, 1.0, 100.0)
+        rate[i] = rate_low
+        jacobian[i] = jacobian_low
+        rate_high, jacobian_high = _update_rate(psi_high, alpha_high, 0.009999999776482582, 5.0, 1.0, 100.0)
+        high_out_at = i + 2
+        rate[high_out_at] = rate_high
+        jacobian[high_out_at] = jacobian_high
+    return tuple(rate), tuple(jacobian)
+
+
+def tube(t, alpha):
+    """Edges of the tube gamma (10) at time t (seconds) for the update function alpha, in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t or alpha is not finite.
+    """
+    t = float(t)
+    alpha = _vector("alpha", alpha, 4)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite_alphas = finite_t
+    for alpha_j in range(4):
+        alpha_entry = alpha[alpha_j]
+        finite_alpha = math.isfinite(alpha_entry)
+        finite_alpha_too = finite_alphas and finite_alpha
+        finite_alphas = finite_alpha_too
+    bad = not finite_alphas
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    held = _hold(t, 9.0)
+    sigma = _profile(held, 9.0)
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        low_wall = WALLS[wall_row]
+        low_bumps_at = i * 8
+        low_joined = 0.0
+        for low_j in range(1):
+            low_offset = low_j * 4
+            low_at = low_bumps_at + low_offset
+            low_height = BUMPS[low_at]
+            low_steepness_at = low_at + 1
+            low_steepness = BUMPS[low_steepness_at]
+            low_middle_at = low_at + 2
+            low_middle = BUMPS[low_middle_at]
+            low_radius_at = low_at + 3
+            low_radius = BUMPS[low_radius_at]
+            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
+            low_joined = low_bump
+        beta_low = low_wall + low_joined
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 8
+        high_joined = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height_at = high_at + 4
+            high_height = BUMPS[high_height_at]
+            high_steepness_at = high_at + 5
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 6
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 7
+            high_radius = BUMPS[high_radius_at]
+            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+        beta_high = high_wall - high_joined
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 20.0
+        alpha_low = alpha_low_raised if alpha_low_small else 20.0
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 20.0
+        alpha_high = alpha_high_raised if alpha_high_small else 20.0
+        gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0)
+        gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0)
+        lower[i] = gamma_low
+        upper[i] = gamma_high
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t, alpha):
+    """Total rate of the edges, d gamma / d t along (11), at time t (seconds), in units per second.
+    Before 0 the rate at 0; from t_c on only alpha moves. NaN when t or alpha is not finite.
+    """
+    t = float(t)
+    alpha = _vector("alpha", alpha, 4)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite_alphas = finite_t
+    for alpha_j in range(4):
+        alpha_entry = alpha[alpha_j]
+        finite_alpha = math.isfinite(alpha_entry)
+        finite_alpha_too = finite_alphas and finite_alpha
+        finite_alphas = finite_alpha_too
+    bad = not finite_alphas
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    held = _hold(t, 9.0)
+    sigma, sigma_rate = _profile_rate(held, 9.0)
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        rho_low_rate = _reach_rate(low_start, low_end, sigma_rate)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        rho_high_rate = _reach_rate(high_start, high_end, sigma_rate)
+        low_wall = WALLS[wall_row]
+        low_bumps_at = i * 8
+        low_joined = 0.0
+        low_joined_rate = 0.0
+        for low_j in range(1):
+            low_offset = low_j * 4
+            low_at = low_bumps_at + low_offset
+            low_height = BUMPS[low_at]
+            low_steepness_at = low_at + 1
+            low_steepness = BUMPS[low_steepness_at]
+            low_middle_at = low_at + 2
+            low_middle = BUMPS[low_middle_at]
+            low_radius_at = low_at + 3
+            low_radius = BUMPS[low_radius_at]
+            low_bump, low_bump_rate = _circumvent_rate(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
+            low_joined = low_bump
+            low_joined_rate = low_bump_rate
+        beta_low = low_wall + low_joined
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 8
+        high_joined = 0.0
+        high_joined_rate = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height_at = high_at + 4
+            high_height = BUMPS[high_height_at]
+            high_steepness_at = high_at + 5
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 6
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 7
+            high_radius = BUMPS[high_radius_at]
+            high_bump, high_bump_rate = _circumvent_rate(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+            high_joined_rate = high_bump_rate
+        beta_high = high_wall - high_joined
+        beta_high_rate = -high_joined_rate
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 20.0
+        alpha_low = alpha_low_raised if alpha_low_small else 20.0
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 20.0
+        alpha_high = alpha_high_raised if alpha_high_small else 20.0
+        psi_low = beta_high - rho_low
+        psi_high = rho_high - beta_low
+        alpha_low_rate, jacobian_low = _update_rate(psi_low, alpha_low, 0.009999999776482582, 5.0, 1.0, 100.0)
+        gamma_low, gamma_low_rate = _lower_edge_rate(rho_low, alpha_low, beta_low, 100.0, rho_low_rate, alpha_low_rate, low_joined_rate)
+        lower_rate[i] = gamma_low_rate
+        alpha_high_rate, jacobian_high = _update_rate(psi_high, alpha_high, 0.009999999776482582, 5.0, 1.0, 100.0)
+        gamma_high, gamma_high_rate = _upper_edge_rate(rho_high, alpha_high, beta_high, 100.0, rho_high_rate, alpha_high_rate, beta_high_rate)
+        upper_rate[i] = gamma_high_rate
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, alpha, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); alpha: the update function at t; x: state; u: input.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t, alpha or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    alpha = _vector("alpha", alpha, 4)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite_alphas = finite_t
+    for alpha_j in range(4):
+        alpha_entry = alpha[alpha_j]
+        finite_alpha = math.isfinite(alpha_entry)
+        finite_alpha_too = finite_alphas and finite_alpha
+        finite_alphas = finite_alpha_too
+    finite_xs = finite_alphas
+    for x_j in range(2):
+        x_entry = x[x_j]
+        finite_x = math.isfinite(x_entry)
+        finite_x_too = finite_xs and finite_x
+        finite_xs = finite_x_too
+    bad = not finite_xs
+    if bad:
+        for j in range(2):
+            u[j] = 0.0
+        return BAD_INPUT, tuple(u)
+    held = _hold(t, 9.0)
+    sigma = _profile(held, 9.0)
+    inside = True
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        low_wall = WALLS[wall_row]
+        low_bumps_at = i * 8
+        low_joined = 0.0
+        for low_j in range(1):
+            low_offset = low_j * 4
+            low_at = low_bumps_at + low_offset
+            low_height = BUMPS[low_at]
+            low_steepness_at = low_at + 1
+            low_steepness = BUMPS[low_steepness_at]
+            low_middle_at = low_at + 2
+            low_middle = BUMPS[low_middle_at]
+            low_radius_at = low_at + 3
+            low_radius = BUMPS[low_radius_at]
+            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
+            low_joined = low_bump
+        beta_low = low_wall + low_joined
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 8
+        high_joined = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height_at = high_at + 4
+            high_height = BUMPS[high_height_at]
+            high_steepness_at = high_at + 5
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 6
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 7
+            high_radius = BUMPS[high_radius_at]
+            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+        beta_high = high_wall - high_joined
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 20.0
+        alpha_low = alpha_low_raised if alpha_low_small else 20.0
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 20.0
+        alpha_high = alpha_high_raised if alpha_high_small else 20.0
+        gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0)
+        gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0)
+        x_i = x[i]
+        room = gamma_high - gamma_low
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.004999999888241291
+        most = width * 0.9950000047683716
+        to_lower = x_i - gamma_low
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = gamma_high - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = gamma_low < x_i
+        below = x_i < gamma_high
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.004999999888241291
+        most = width * 0.9950000047683716
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.9900000095367432 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.9900000095367432
+        e_held_over = 0.9900000095367432 < e_held_raised
+        e_held = 0.9900000095367432 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)
