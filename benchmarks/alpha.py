@@ -13,10 +13,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stt_codegen import reference
-from stt_codegen.certify.sampled import parameters_of
+from stt_codegen.certify.sampled import parameters_of, step_alpha
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.adaptive import adaptive
-from stt_codegen.paper import adaptive_tube
 from stt_codegen.task import load_task
 
 STEPS = (0.001, 0.005, 0.02)
@@ -43,16 +42,9 @@ def stiff_alpha(design: AdaptiveDesign, samples: int = 450) -> tuple[np.ndarray,
 
 def stepped_alpha(design: AdaptiveDesign, dt: float, times: np.ndarray) -> np.ndarray:
     """alpha at `times` (multiples of dt) by the implicit step."""
-    p = parameters_of(design)
     count = round(float(design.prescribed_time) / dt)
-    psi = reference.lines(p, np.arange(count + 1) * dt).psi.astype(float).reshape(count + 1, -1)
-    step = adaptive_tube.implicit_step_function().mapaccum("steps", count, [1], [0])
-    result = np.zeros((count + 1, psi.shape[1]))
-    parameters = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
-    for c in range(psi.shape[1]):
-        row = psi[1:, c][None]
-        result[1:, c] = np.array(step(row, 0.0, dt, *parameters)).ravel()
-    return result[np.rint(times / dt).astype(int)]
+    psi = reference.lines(parameters_of(design), np.arange(count + 1) * dt).psi.astype(float)
+    return step_alpha(design, psi, dt).reshape(count + 1, -1)[np.rint(times / dt).astype(int)]
 
 
 def main() -> None:

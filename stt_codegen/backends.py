@@ -279,7 +279,7 @@ class CasadiAdapted(_CasadiLaw):
 
         _, rho, beta, _, _ = self._lines(t + dt)
         step = adaptive_tube.implicit_step_function()
-        return _over(step, self._psi(rho, beta), alpha, np.repeat(dt[:, None], alpha.shape[1], axis=1), *self.update)
+        return _over(step, alpha, self._psi(rho, beta), np.repeat(dt[:, None], alpha.shape[1], axis=1), *self.update)
 
     def _tube(self, t: Array, alpha: Array) -> tuple[Array, ...]:
         from stt_codegen.paper import adaptive_tube

@@ -302,7 +302,7 @@ def test_the_implicit_step_solves_its_equation_and_stays_positive(
     mu, varsigma = 0.3, 20.0
     alpha = z - psi
     assume(alpha >= 0)
-    after = float(adaptive_tube.implicit_step_function()(psi, alpha, h, theta0, kappa, mu, varsigma))
+    after = float(adaptive_tube.implicit_step_function()(alpha, psi, h, theta0, kappa, mu, varsigma))
     assert after >= 0
     assert psi + after > 0
     theta = theta0 * (1 - math.tanh(varsigma * (psi - mu)))
@@ -329,7 +329,7 @@ def test_psi_plus_alpha_stays_positive_for_every_step_length(name: str, dt: floa
     update = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
     for t in np.arange(0.0, t_c, dt):
         psi = reference.lines(p, [t + dt]).psi.astype(float)
-        alpha = np.array(step(psi.reshape(1, -1), alpha.reshape(1, -1), dt, *update)).reshape(alpha.shape)
+        alpha = np.array(step(alpha.reshape(1, -1), psi.reshape(1, -1), dt, *update)).reshape(alpha.shape)
         assert np.all(psi + alpha > 0)
         assert np.all(alpha >= 0)
 

@@ -28,38 +28,38 @@ def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """By dimension, a bound on |emitted edge - gamma(t)| for every finite t, in the task's units."""
     slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
     late = time_error(design, program.scalar)
-    weights = rounding_error(program.kernel("basis"), {"s": Inexact(Fraction(0), Fraction(1))}, program.scalar)
-    result = []
-    for i in range(design.dimension):
-        largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
-        names = program.kernel("blend").inputs
-        inputs = dict(zip([v.name for v in names[:4]], weights, strict=True))
-        inputs |= {v.name: Inexact(-largest, largest) for v in names[4:]}
-        (edge,) = rounding_error(program.kernel("blend"), inputs, program.scalar)
-        result.append(_short(edge.error + late * 3 * int(slope[i]) * design.unit))
-    return tuple(result)
+    evaluation = _blend_error(design, program, "basis")
+    return tuple(_short(e + late * 3 * int(v) * design.unit) for e, v in zip(evaluation, slope, strict=True))
 
 
 def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """By dimension, a bound on |emitted rate - gammadot(t)| for every finite t, in units per second."""
-    scalar = program.scalar
-    form = FORMATS[scalar]
+    form = FORMATS[program.scalar]
     bend = np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
     slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
-    weights = rounding_error(program.kernel("basis_rate"), {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
     per_second = design.segments / design.prescribed_time
+    late = time_error(design, program.scalar)
     result = []
-    for i in range(design.dimension):
-        largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
-        names = program.kernel("blend").inputs
-        inputs = dict(zip([v.name for v in names[:4]], weights, strict=True))
-        inputs |= {v.name: Inexact(-largest, largest) for v in names[4:]}
-        (edge,) = rounding_error(program.kernel("blend"), inputs, scalar)
+    for i, evaluation in enumerate(_blend_error(design, program, "basis_rate")):
+        error = evaluation + late * 6 * int(bend[i]) * design.unit
         steepest = 3 * int(slope[i]) * design.unit
-        error = edge.error + time_error(design, scalar) * 6 * int(bend[i]) * design.unit
         total = error * per_second * (1 + form.roundoff) + (steepest + error) * per_second * 2 * form.roundoff
         result.append(_short(total + form.tiny))
     return tuple(result)
+
+
+def _blend_error(design: RefinedDesign, program: Program, weights: str) -> list[Fraction]:
+    """By dimension, the rounding error of weights (a kernel of s in [0, 1]) and blend for its largest coefficient."""
+    values = rounding_error(program.kernel(weights), {"s": Inexact(Fraction(0), Fraction(1))}, program.scalar)
+    blend = program.kernel("blend")
+    names = [v.name for v in blend.inputs]
+    result = []
+    for i in range(design.dimension):
+        largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
+        inputs = dict(zip(names[:4], values, strict=True)) | dict.fromkeys(names[4:], Inexact(-largest, largest))
+        (edge,) = rounding_error(blend, inputs, program.scalar)
+        result.append(edge.error)
+    return result
 
 
 def _short(value: Fraction) -> Fraction:

@@ -1,13 +1,14 @@
 """P1 to P6 for an adaptive or literal tube at samples: it finds faults, it proves nothing between the samples.
 
-alpha is stepped with the same implicit rule that the target uses. P4 takes the hull of consecutive samples, so that a thin
-unsafe set is not jumped over. The evaluation is `reference.py`, which shares no code with what is emitted.
+alpha is stepped by the implicit step that the target makes; everything else is `reference.py`, which shares no code with
+what is emitted. P4 takes the hull of consecutive samples, so that a thin unsafe set is not jumped over.
 """
 
 from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -40,20 +41,29 @@ def parameters_of(design: AdaptiveDesign) -> reference.Parameters:
 def sample_tube(design: AdaptiveDesign, samples: int = SAMPLES) -> tuple[Array, Array, Array, Array]:
     """Times (S + 1,), and alpha, gamma and gammadot of shape (S + 1, n, 2), alpha stepped from 0 with dt = t_c / S."""
     p = parameters_of(design)
-    t = np.arange(samples + 1) * (float(design.prescribed_time) / samples)
+    step = float(design.prescribed_time) / samples
+    t = np.arange(samples + 1) * step
     now = reference.lines(p, t)
-    alpha = np.zeros(now.psi.shape)
-    h, kappa = float(design.prescribed_time) / samples, float(design.kappa)
-    psi, force = now.psi.astype(float), now.theta.astype(float) * h / (1 + h * kappa)
-    for k in range(samples):
-        rest = alpha[k] / (1 + h * kappa)
-        p_k, q_k = psi[k + 1] + rest, force[k + 1]
-        z = np.maximum(p_k, 0) + np.maximum(np.cbrt(q_k), 1e-9)
-        for _ in range(11):
-            z = np.maximum(z - ((z - p_k) * z * z - q_k) / (z * (3 * z - 2 * p_k)), 1e-9)
-        alpha[k + 1] = rest + q_k / (z * z)
+    alpha = step_alpha(design, now.psi.astype(float), step)
     gamma, rate = reference.adaptive_tube(p, now, alpha)
     return t, alpha, gamma.astype(float), rate.astype(float)
+
+
+def step_alpha(design: AdaptiveDesign, psi: Array, dt: float) -> Array:
+    """alpha on a grid of step dt from 0, by the implicit step that is emitted; psi and the result of shape (S + 1, n, 2)."""
+    steps = _steps(len(psi) - 1)
+    parameters = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
+    alpha = np.zeros(psi.shape)
+    for i, side in np.ndindex(*psi.shape[1:]):
+        alpha[1:, i, side] = np.array(steps(0.0, psi[1:, i, side][None], dt, *parameters)).ravel()
+    return alpha
+
+
+@cache
+def _steps(count: int) -> Any:
+    from stt_codegen.paper.adaptive_tube import implicit_step_function
+
+    return implicit_step_function().mapaccum("steps", count)
 
 
 def certify_sampled(task: Task, design: AdaptiveDesign) -> Certificate:

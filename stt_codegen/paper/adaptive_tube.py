@@ -34,27 +34,26 @@ def theta() -> ca.Function:
     return ca.Function("theta", symbols, [trigger(psi, theta0, mu, varsigma)], ["psi", "theta0", "mu", "varsigma"], ["theta"])
 
 
+def equation(psi: ca.SX, alpha: ca.SX, theta0: ca.SX, kappa: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
+    """alphadot of (11)."""
+    z = ca.fmax(psi + alpha, LEAST_GAP)
+    return trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
+
+
 def update_rate() -> ca.Function:
     """psi, alpha, parameters -> alphadot (11) and d alphadot / d alpha, by differentiation."""
-    psi, alpha = ca.SX.sym("psi"), ca.SX.sym("alpha")
-    theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
-    z = ca.fmax(psi + alpha, LEAST_GAP)
-    rate = trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
-    inputs = [psi, alpha, theta0, kappa, mu, varsigma]
-    return ca.Function(
-        "update_rate", inputs, [rate, ca.jacobian(rate, alpha)], ["psi", "alpha", *NAMES], ["alpha_rate", "jacobian"]
-    )
+    names = ["psi", "alpha", *NAMES]
+    symbols = [ca.SX.sym(n) for n in names]
+    rate = equation(*symbols)
+    return ca.Function("update_rate", symbols, [rate, ca.jacobian(rate, symbols[1])], names, ["alpha_rate", "jacobian"])
 
 
 def update_time_jacobian() -> ca.Function:
     """psi, psi_rate, alpha, parameters -> d alphadot / d t = (d alphadot / d psi) psidot, by differentiation."""
-    psi, psi_rate, alpha = (ca.SX.sym(n) for n in ("psi", "psi_rate", "alpha"))
-    theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
-    z = ca.fmax(psi + alpha, LEAST_GAP)
-    rate = trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
-    inputs = [psi, psi_rate, alpha, theta0, kappa, mu, varsigma]
     names = ["psi", "psi_rate", "alpha", *NAMES]
-    return ca.Function("update_time_jacobian", inputs, [ca.jacobian(rate, psi) * psi_rate], names, ["time_jacobian"])
+    psi, psi_rate, alpha, *parameters = symbols = [ca.SX.sym(n) for n in names]
+    in_time = ca.jacobian(equation(psi, alpha, *parameters), psi) * psi_rate
+    return ca.Function("update_time_jacobian", symbols, [in_time], names, ["time_jacobian"])
 
 
 def implicit_start() -> ca.Function:
@@ -121,9 +120,10 @@ def implicit_step(psi: ca.SX, alpha: ca.SX, h: ca.SX, theta0: ca.SX, kappa: ca.S
 
 
 def implicit_step_function() -> ca.Function:
-    """psi at t + h, alpha at t, h, parameters -> alpha at t + h."""
-    symbols = [ca.SX.sym(n) for n in ("psi", "alpha", "h", *NAMES)]
-    return ca.Function("implicit_step", symbols, [implicit_step(*symbols)], ["psi", "alpha", "h", *NAMES], ["after"])
+    """alpha at t, psi at t + h, h, parameters -> alpha at t + h; alpha first, so that it can be accumulated over steps."""
+    names = ["alpha", "psi", "h", *NAMES]
+    alpha, psi, h, *parameters = symbols = [ca.SX.sym(n) for n in names]
+    return ca.Function("implicit_step", symbols, [implicit_step(psi, alpha, h, *parameters)], names, ["after"])
 
 
 def edge_jacobian() -> ca.Function:
