@@ -46,71 +46,23 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
 
     The tube is cubic on K segments and constant after t_c, so P1-P6 are finitely many comparisons.
     """
-    unit = design.unit
+    error = max(edge_error)
     bezier = design.bezier()
-    space, unsafe = task.free_space, task.grown_unsafe
-    clearance, error = task.tube.clearance, max(edge_error)
-    units = Fraction(error) / unit  # the required margin, in units
-
-    def place(least: _Least) -> dict[str, Any]:
-        scale = design.prescribed_time / design.segments
-        return {
-            "time": (least.interval[0] * scale, least.interval[1] * scale),
-            "dimension": None if least.dimension is None else least.dimension + 1,
-            "obstacle": None if least.obstacle is None else unsafe[least.obstacle].name,
-        }
-
-    least = max(task.tube.min_width, LEAST_WIDTH)  # below LEAST_WIDTH the emitted law is another
-    width = _least(bezier, _width_measure(_up(least, unit)), 2 * units)
-    findings = [
-        Finding(
-            "P1",
-            f"width >= {decimal(least)} in every dimension",
-            width.slack * unit,
-            2 * error,
-            **place(width),
-            advice="lower tube.min_width, or leave tube.segments out so that a finer tube is tried",
-        ),
-        *_start(task, design, bezier[0, :, :, 0], error),
-    ]
-    stay = _least(bezier, _stay_measure([_up(v, unit) for v in space.lower], [_down(v, unit) for v in space.upper]), units)
-    findings.append(
-        Finding(
-            "P3",
-            "gamma within the state space" + (" less the body" if task.body and any(task.body) else ""),
-            stay.slack * unit,
-            error,
-            **place(stay),
-            advice="enlarge the state space there, or design the tube again",
-        )
-    )
-    if unsafe:
-        blocked = _avoid_measure(
-            [[_down(v - clearance, unit) for v in s.lower] for s in unsafe],
-            [[_up(v + clearance, unit) for v in s.upper] for s in unsafe],
-        )
-        avoid = _least(bezier, blocked, units)
-        findings.append(
-            Finding(
-                "P4",
-                f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets",
-                avoid.slack * unit,
-                error,
-                **place(avoid),
-                advice="lower tube.clearance or tube.min_width, or move the unsafe set",
-            )
-        )
-    else:
-        findings.append(Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0)))
-    findings.append(_reach(task, design, bezier[-1, :, :, 3], error))
+    width = _width(task, design, bezier, error)
     speed = _speed(design, bezier)
-    findings.append(_smooth(task, design, speed))
-    start = tuple((int(a) * unit, int(b) * unit) for a, b in bezier[0, :, :, 0])
+    start = tuple((int(a) * design.unit, int(b) * design.unit) for a, b in bezier[0, :, :, 0])
     return Certificate(
-        findings=tuple(findings),
+        findings=(
+            width,
+            *_start(task, design, bezier[0, :, :, 0], error),
+            _stay(task, design, bezier, error),
+            _avoid(task, design, bezier, error),
+            _reach(task, design, bezier[-1, :, :, 3], error),
+            _smooth(task, design, speed),
+        ),
         edge_error=tuple(edge_error),
         speed=speed,
-        least_width=width.slack * unit + least,
+        least_width=width.margin + _least_width(task),
         start=start,
         whole_start=all(
             1000 * max(start[i][0] - a, b - start[i][1]) <= b - a
@@ -120,6 +72,59 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
 
 
 # --------------------------------------------------------------------------------- the single properties
+
+
+def _found(
+    task: Task, design: RefinedDesign, code: str, statement: str, least: _Least, required: Fraction, advice: str
+) -> Finding:
+    """A finding from the least slack over all pieces, with its place in seconds."""
+    scale = design.prescribed_time / design.segments
+    return Finding(
+        code,
+        statement,
+        least.slack * design.unit,
+        required,
+        (least.interval[0] * scale, least.interval[1] * scale),
+        None if least.dimension is None else least.dimension + 1,
+        None if least.obstacle is None else task.grown_unsafe[least.obstacle].name,
+        advice,
+    )
+
+
+def _least_width(task: Task) -> Fraction:
+    """What P1 demands: below LEAST_WIDTH the emitted law is another."""
+    return max(task.tube.min_width, LEAST_WIDTH)
+
+
+def _width(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -> Finding:
+    """P1: both edges may move by the arithmetic, so twice its error is demanded."""
+    least = _least_width(task)
+    slack = _least(bezier, _width_measure(_up(least, design.unit)), 2 * error / design.unit)
+    advice = "lower tube.min_width, or leave tube.segments out so that a finer tube is tried"
+    return _found(task, design, "P1", f"width >= {decimal(least)} in every dimension", slack, 2 * error, advice)
+
+
+def _stay(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -> Finding:
+    """P3."""
+    space, unit = task.free_space, design.unit
+    measure = _stay_measure([_up(v, unit) for v in space.lower], [_down(v, unit) for v in space.upper])
+    statement = "gamma within the state space" + (" less the body" if task.body and any(task.body) else "")
+    slack = _least(bezier, measure, error / unit)
+    return _found(task, design, "P3", statement, slack, error, "enlarge the state space there, or design the tube again")
+
+
+def _avoid(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -> Finding:
+    """P4."""
+    unsafe, unit, clearance = task.grown_unsafe, design.unit, task.tube.clearance
+    if not unsafe:
+        return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
+    measure = _avoid_measure(
+        [[_down(v - clearance, unit) for v in s.lower] for s in unsafe],
+        [[_up(v + clearance, unit) for v in s.upper] for s in unsafe],
+    )
+    statement = f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets"
+    slack = _least(bezier, measure, error / unit)
+    return _found(task, design, "P4", statement, slack, error, "lower tube.clearance or tube.min_width, or move the unsafe set")
 
 
 def _start(task: Task, design: RefinedDesign, start: npt.NDArray[np.int64], error: Fraction) -> list[Finding]:
