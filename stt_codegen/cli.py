@@ -47,6 +47,21 @@ def _print_json(document: Any) -> None:
     print(json.dumps(document, indent=2))
 
 
+def _keep_certified(folder: Path, controller: Any) -> None:
+    """Refuse to write an uncertified controller over a certified one of the same name."""
+    import json
+
+    old = folder / f"{controller.task.name}.certificate.json"
+    if controller.certificate.holds or not old.exists():
+        return
+    try:
+        certified = json.loads(old.read_bytes()).get("certified") is True
+    except (OSError, ValueError, AttributeError):
+        certified = False
+    if certified:
+        raise BadInput(f"{folder}: holds a certified {controller.task.name!r}; write the uncertified one to another --out")
+
+
 def _count(number: int, thing: str) -> str:
     return f"{number} {thing}" + ("" if number == 1 else "s")
 
@@ -135,7 +150,10 @@ def _show_design(report: dict[str, Any]) -> None:
         f"speed of an edge at most {speed} by dimension"
     )
     if report["method"] == "sampled":
-        console.print("  [yellow]note[/yellow]: checked at samples only, which proves nothing between them")
+        console.print(
+            "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
+            "gamma(0), so starts near the edge of the initial set are outside"
+        )
     elif not report["covers_initial_set"]:
         console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
     table = Table(box=None, pad_edge=True, header_style="bold")
@@ -156,7 +174,7 @@ def _show_design(report: dict[str, Any]) -> None:
     cost = report["cost"]
     kinds = ", ".join(f"{count} {kind}" for kind, count in cost["operations"].items())
     code = f", {cost['host_code_bytes']} B of code on this host (-Os)" if cost["host_code_bytes"] else ""
-    console.print(f"  one control step: {cost['operations_total']} operations ({kinds})")
+    console.print(f"  one {' + '.join(cost['functions'])} step: {cost['operations_total']} operations ({kinds})")
     console.print(f"  {cost['table_bytes']} B of tables{code}")
     if "picture" in report:
         console.print(f"  picture: {report['picture']}")
@@ -192,6 +210,9 @@ def generate(
         if lowered.count(name.lower()) > 1:
             raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
     written = []
+    if record is None:
+        for _, controller in made:
+            _keep_certified(out or Path(), controller)
     for task, controller in made:
         if record is not None:
             folder = record_controller(record, task, controller, uncertified)
@@ -225,7 +246,11 @@ def check(
     progress = (lambda name: _say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
     if accept:
         count = checks.accept(folder, progress)
-        _print_json({"accepted": count}) if json else print(f"{folder}: {_count(count, 'folder')} written")
+        written, dropped = count
+        note = f", {dropped} dropped (their task files are gone)" if dropped else ""
+        _print_json({"written": written, "dropped": dropped}) if json else print(
+            f"{folder}: {_count(written, 'folder')} written{note}"
+        )
         return
     found = checks.check(folder, progress)
     tools = checks.changed_tools(folder)
@@ -256,6 +281,7 @@ def check(
 @app.command()
 def compare(
     task: TaskFile,
+    design: DesignOption = None,
     points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 10_000,
     json: Json = False,
 ) -> None:
@@ -266,7 +292,7 @@ def compare(
     from stt_codegen.pipeline import require_supported
     from stt_codegen.task import load_task
 
-    loaded = load_task(task)
+    loaded = load_task(task).with_options(design)
     require_supported(loaded)
     rows = compare_task(loaded, points, progress=_say)
     good = all(r.holds for r in rows)
@@ -276,7 +302,10 @@ def compare(
         from rich.table import Table
 
         table = Table(
-            box=None, header_style="bold", title=f"{loaded.name}: largest distance from the reference", title_justify="left"
+            box=None,
+            header_style="bold",
+            title=f"{loaded.name}, {loaded.tube.design}: largest distance from the reference",
+            title_justify="left",
         )
         for heading in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
             table.add_column(heading, justify="left" if heading in ("backend", "quantity") else "right")

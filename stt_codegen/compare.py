@@ -116,7 +116,7 @@ class _Rows:
         error = np.where(np.isnan(error), np.inf, error)
         ulp = 2 * self.eps * np.exp2(np.floor(np.log2(np.maximum(np.asarray(scale, dtype=float), 1e-300))))
         limit = np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
-        share = np.where(np.isnan(limit), np.inf, error / limit)
+        share = np.where(np.isfinite(limit), error / limit, np.inf)  # a bound that says nothing is no bound
         self.rows.append(
             Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
         )

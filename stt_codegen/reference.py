@@ -156,7 +156,8 @@ def lines(p: Parameters, t: npt.ArrayLike) -> Lines:
     sign = np.array([1, -1], dtype=np.longdouble)
     beta = p.walls + sign * heights
     psi = np.stack([beta[:, :, 1] - rho[:, :, 0], rho[:, :, 1] - beta[:, :, 0]], axis=2)
-    theta = p.theta0 * (1 - np.tanh(p.varsigma * (psi - p.mu)))
+    with np.errstate(over="ignore"):  # theta0 (1 - tanh y) = 2 theta0 / (1 + exp(2 y)), without the cancellation
+        theta = 2 * p.theta0 / (1 + np.exp(2 * p.varsigma * (psi - p.mu)))
     return Lines(sigma, rho, beta, psi, theta, sigma_rate, span * sigma_rate[:, None, None], sign * slopes)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import tempfile
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -27,7 +28,7 @@ def design_report(controller: Controller, seconds: float) -> dict[str, Any]:
         "prescribed_time": float(task.prescribed_time),
         "parameters": f"{design.segments} segments"
         if isinstance(design, RefinedDesign)
-        else f"{len(design.bumps)} circumvent functions",
+        else f"{len(design.bumps)} circumvent function{'' if len(design.bumps) == 1 else 's'}",
         "method": certificate.method,
         "least_width": float(certificate.least_width),
         "speed_bound": [float(v) for v in certificate.speed],
@@ -76,10 +77,13 @@ def input_report(controller: Controller) -> dict[str, Any]:
 
 
 def cost_report(controller: Controller) -> dict[str, Any]:
-    """Operations of one `control` call, bytes of tables, and of code where a C compiler is present (host, -Os)."""
+    """Operations of one period (`control`, and `alpha_step` where there is one), bytes of tables, and of code where a C
+    compiler is present (host, -Os)."""
     program = controller.program
-    counts = cost_of(program, "control")
+    step = [f.name for f in program.functions if f.name in ("control", "alpha_step")]
+    counts = sum((cost_of(program, name) for name in step), Counter())
     return {
+        "functions": step,
         "operations": {kind: counts[kind] for kind in KINDS if counts[kind]},
         "operations_total": sum(counts.values()),
         "table_bytes": table_bytes(program),

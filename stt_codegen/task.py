@@ -123,16 +123,16 @@ class UnsafeSet(Box):
 
 
 class AdaptiveOptions(_Table):
-    """Parameters of the paper's functions (7)-(11); chosen by the search when absent."""
+    """Parameters of the paper's functions (7)-(11). Absent: adaptive lets the search choose, literal takes the case study's."""
 
-    bump_steepness: Positive | None = Field(default=None, description="k^j of (7)")
-    overshoot: Positive | None = Field(default=None, description="delta B of (7)")
-    theta0: Positive | None = None
-    kappa: Positive | None = None
-    mu: Positive | None = None
-    varsigma: Positive | None = None
-    nu: Positive | None = None
-    target_margin: NotNegative | None = None
+    bump_steepness: Positive | None = Field(default=None, description="k^j of (7); literal only: 0.01")
+    overshoot: Positive | None = Field(default=None, description="delta B of (7), units; literal 0.2")
+    theta0: Positive | None = Field(default=None, description="theta_0 of (11), units cubed per second; literal 0.01")
+    kappa: Positive | None = Field(default=None, description="decay of alpha in (11), 1/s; literal 5")
+    mu: Positive | None = Field(default=None, description="tolerance of the trigger in (11), units; literal 1")
+    varsigma: Positive | None = Field(default=None, description="steepness of the trigger's tanh, 1/units; literal 100")
+    nu: Positive | None = Field(default=None, description="sharpness of smooth max and min, 1/units; literal 100")
+    target_margin: NotNegative | None = Field(default=None, description="inset of That, units; adaptive only")
 
 
 class TubeOptions(_Table):

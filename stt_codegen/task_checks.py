@@ -75,6 +75,11 @@ def _options_problem(task: Task) -> str | None:
     for i, bound in enumerate(task.control.u_max or ()):
         if bound <= 0:
             return f"control.u_max[{i}]: is {decimal(bound)}; it must be greater than 0"
+    adaptive, kind = task.tube.adaptive, task.tube.design
+    unread = {"bump_steepness": ("adaptive", adaptive.bump_steepness), "target_margin": ("literal", adaptive.target_margin)}
+    for field, (other, value) in unread.items():
+        if value is not None and kind == other:
+            return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
     if task.tube.max_speed == 0:
         return "tube.max_speed: is 0; it must be greater than 0, or left out for no bound"
     low, high = task.plant.g_min, task.plant.g_max

@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import math
 import subprocess
+from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import NAMES, ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_emitted import BITS, CORTEX_M4F, symbols
@@ -17,11 +19,12 @@ from test_emitted import BITS, CORTEX_M4F, symbols
 from stt_codegen.backends import STRICT, CompiledC, GeneratedPython
 from stt_codegen.certify.sampled import sample_tube
 from stt_codegen.compare import compare
+from stt_codegen.controller.adapted import adapted_program
 from stt_codegen.design.adaptive import adaptive
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import Controller, build, build_task
 from stt_codegen.program.c import CPrinter
-from stt_codegen.task import load_task
+from stt_codegen.task import load_task, parse_task
 
 OK, OUTSIDE, BAD = 0, 1, 2
 KINDS = ["adaptive", "literal"]
@@ -61,8 +64,35 @@ def test_a_float_file_has_no_double_arithmetic_on_a_cortex_m4f(kind: str, tool, 
     command = [tool("arm-none-eabi-gcc"), *CORTEX_M4F, *STRICT, "-c", str(tmp_path / "omni_s2.c"), "-o", str(target)]
     subprocess.run(command, check=True)
     found = symbols(tool("arm-none-eabi-nm"), target)
-    assert {n for n, k in found.items() if k == "U"} <= {"logf", "expf", "powf", "log1pf", "memset"}
+    assert {n for n, k in found.items() if k == "U"} <= {"logf", "expf", "powf", "log1pf", "sqrtf", "memset"}
     assert not [n for n, k in found.items() if k in "dDbBC"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_every_example_task_is_within_its_bounds(name: str, kind: str) -> None:
+    assert not [r for r in compare(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design=kind), 500) if not r.holds]
+
+
+@pytest.mark.parametrize("t_c", ["0.000001", "0.001", "900000000"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_emitted_code_is_finite_for_every_prescribed_time(kind: str, t_c: str) -> None:
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("prescribed_time = 9.0", f"prescribed_time = {t_c}")
+    controller = build_task(parse_task(text).with_options(design=kind), uncertified=True)
+    random = np.random.default_rng(3)
+    t = np.concatenate([random.uniform(-0.1, 1.1, 300), [0, 1]]) * float(t_c)
+    alpha, x = np.abs(random.normal(0, 1, (302, 4))), random.uniform(0, 5, (302, 2))
+    for backend in (CompiledC(controller), GeneratedPython(controller)):
+        for function in ("tube", "tube_rate", "alpha_rate"):
+            assert np.all(np.isfinite(np.stack(backend.call(function, t, alpha))))
+        assert np.all(np.isfinite(backend.control(t, alpha, x)[1]))
+        assert np.all(np.isfinite(backend.call("alpha_step", t, np.full(302, 1e-3 * float(t_c)), alpha)[0]))
+
+
+def test_a_steep_circumvent_function_is_emitted_as_it_is() -> None:
+    """k = 1000: the hold of the denominator must not change the function."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text() + "\n[tube.adaptive]\nbump_steepness = 1000.0\n"
+    assert not [r for r in compare(parse_task(text).with_options(design="literal"), 1000) if not r.holds]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -84,12 +114,8 @@ def test_joined_circumvent_functions_are_within_their_bounds_too() -> None:
             task.unsafe, [((1, 4), (2, 5)), ((2, 4), (3, 5)), ((1, 0), (2, 1)), ((4, 1), (5, 2))], strict=True
         )
     ]
-    from fractions import Fraction
-
     sets = [s.model_copy(update={e: tuple(Fraction(v) for v in getattr(s, e)) for e in ("lower", "upper")}) for s in sets]
     task = task.model_copy(update={"unsafe": tuple(sets)})
-    from stt_codegen.pipeline import build_task
-
     assert build_task(task, uncertified=True).design.slots >= 2
     assert not [r for r in compare(task, 3000) if not r.holds]
 
@@ -192,10 +218,6 @@ def test_the_refusal_of_a_literal_tube_says_what_it_does() -> None:
 
 
 def test_a_thousand_circumvent_functions_add_rows_and_no_code() -> None:
-    from dataclasses import replace
-
-    from stt_codegen.controller.adapted import adapted_program
-
     task = load_task(ROOT / "tasks" / "omni_s1.toml").with_options(design="adaptive")
     design = adaptive(task)
     lines = []

@@ -177,7 +177,9 @@ def test_a_task_that_is_gone_is_noticed_and_accept_drops_its_folder(recorded) ->
     result = run("check", cwd=recorded)
     assert result.returncode == 1
     assert "task file ../tasks/empty.toml is gone" in result.stdout
-    assert run("check", "--accept", cwd=recorded).returncode == 0
+    accepted = run("check", "--accept", cwd=recorded)
+    assert accepted.returncode == 0
+    assert "1 dropped" in accepted.stdout
     assert run("check", cwd=recorded).returncode == 0
 
 
@@ -221,3 +223,13 @@ def test_a_change_of_time_scale_is_not_called_a_small_movement_of_edges(recorded
     entry = next(d for d in json.loads(result.stdout)["differences"] if d["path"].endswith("empty.c"))
     assert "numbers changed" in entry["numbers"]
     assert "edges move" not in entry["numbers"]
+
+
+def test_an_uncertified_controller_does_not_replace_a_certified_one(tmp_path) -> None:
+    task = str(ROOT / "tasks" / "omni_s3.toml")
+    assert run("generate", task, "--out", "out", cwd=tmp_path).returncode == 0
+    before = {p.name: p.read_bytes() for p in (tmp_path / "out").iterdir()}
+    result = run("generate", task, "--out", "out", "--design", "literal", "--uncertified", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "holds a certified 'omni_s3'" in result.stderr
+    assert {p.name: p.read_bytes() for p in (tmp_path / "out").iterdir()} == before

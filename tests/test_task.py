@@ -108,6 +108,8 @@ APPENDED = [
     ("[tube]\nsegments = 2.5", ["tube.segments", "whole"]),
     ("[tube]\nsegments = 1", ["tube.segments", "at least 4"]),
     ("[tube]\nsegments = true", ["tube.segments", "whole"]),
+    ('[tube]\ndesign = "adaptive"\nadaptive = {bump_steepness = 1.0}', ["tube.adaptive.bump_steepness", "leave it out"]),
+    ('[tube]\ndesign = "literal"\nadaptive = {target_margin = 1.0}', ["tube.adaptive.target_margin", "leave it out"]),
     ('[tube]\ndesign = "clever"', ["tube.design", "refined"]),
     ('[emit]\nscalar = "half"', ["emit.scalar", "float"]),
     ("[emit]\nscalar = 4", ["emit.scalar", "float"]),

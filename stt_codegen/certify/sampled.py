@@ -82,7 +82,9 @@ def certify_sampled(task: Task, design: AdaptiveDesign) -> Certificate:
     bound = ", ".join(f"{v:.4g}" for v in speed)
     limit = task.tube.max_speed
     margin = _exact(float(limit) - float(speed.max())) if limit is not None else Fraction(0)
-    findings.append(Finding("P6", f"|gammadot| up to {bound} at the samples", margin, Fraction(0), advice="raise tube.max_speed"))
+    findings.append(
+        Finding("P6", f"|gammadot| up to {bound} at {SAMPLES} samples", margin, Fraction(0), advice="raise tube.max_speed")
+    )
     return Certificate(
         findings=tuple(findings),
         edge_error=(),
@@ -95,7 +97,8 @@ def certify_sampled(task: Task, design: AdaptiveDesign) -> Certificate:
 
 
 def _exact(value: float) -> Fraction:
-    return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))
+    """A sampled number to nine digits and nine decimals: samples have no more to say, and a pure rounding is no failure."""
+    return Fraction(f"{value:.9g}").limit_denominator(10**9) if math.isfinite(value) else Fraction(-(10**9))
 
 
 def _within(low: Array, high: Array, box: Box) -> Array:
@@ -105,7 +108,8 @@ def _within(low: Array, high: Array, box: Box) -> Array:
 
 def _at(t: Array, slack: Array, code: str, statement: str, advice: str) -> Finding:
     """A finding from slack of shape (S, n)."""
-    k, i = np.unravel_index(int(np.nanargmin(slack)), slack.shape)
+    slack = np.where(np.isnan(slack), -np.inf, slack)
+    k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
     time = _exact(float(t[k]))
     return Finding(code, statement, _exact(float(slack[k, i])), Fraction(0), (time, time), int(i) + 1, None, advice)
 
@@ -130,7 +134,8 @@ def _avoid(task: Task, t: Array, low: Array, high: Array, advice: str) -> Findin
         lower, upper = (np.array([float(v) for v in edge]) for edge in (s.lower, s.upper))
         gaps.append(np.maximum(lower - above, below - upper).max(axis=1))
     gap = np.stack(gaps, axis=1) - float(task.tube.clearance)  # (S, J)
-    k, j = np.unravel_index(int(np.nanargmin(gap)), gap.shape)
+    gap = np.where(np.isnan(gap), -np.inf, gap)
+    k, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     name = task.grown_unsafe[int(j)].name
     statement = f"gamma at least {decimal(task.tube.clearance)} from each of {len(task.grown_unsafe)} unsafe sets"
     time = (_exact(float(t[k])), _exact(float(t[k + 1])))

@@ -121,8 +121,9 @@ def _alpha_step(frame: Frame) -> Function:
             block.store("alpha", at, after)
     block.leave()
     doc = (
-        "One implicit (backward Euler) step of (11) from t to t + dt seconds, in place; fixed cost, stable for every dt > 0.",
-        "alpha stays as it was when dt <= 0 or a number is not finite. Call it once after each control step.",
+        "One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new",
+        "alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.",
+        "Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.",
     )
     params = (Param("t", None), Param("dt", None), Param("alpha", 2 * n, True, True))
     return Function("alpha_step", params, tuple(block.statements), False, doc)

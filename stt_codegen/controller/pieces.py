@@ -3,6 +3,7 @@ rho, beta, psi, alpha and gamma of one dimension."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -234,9 +235,16 @@ def psi_of(block: Block, lines: Lines) -> tuple[Var, Var]:
     return lower_psi, block.op("psi_high", "sub", lines.rho[UPPER], lines.beta[LOWER])
 
 
+def alpha_cap(design: AdaptiveDesign) -> Fraction:
+    """Above every alpha that (11) has: alphadot < 0 for alpha >= |psi| + (2 theta0 / kappa)^(1/3), with room of 4."""
+    lengths = [b - a for a, b in design.walls] + [b.height for b in design.bumps]
+    settled = Fraction(2 ** math.ceil(math.log2(2 * design.theta0 / design.kappa) / 3))
+    return 4 * (2 * max(lengths) + settled)
+
+
 def alphas_of(block: Block, frame: Frame, i: Operand) -> tuple[Var, Var]:
-    """alpha_L and alpha_U of dimension i, held within [0, 4 times the widest wall], beyond which none ever is."""
-    span = 4 * max(b - a for a, b in frame.design.walls)
+    """alpha_L and alpha_U of dimension i, held within [0, cap], which keeps everything finite for a caller's odd numbers."""
+    span = alpha_cap(frame.design)
     result = []
     for side, name in ((LOWER, "low"), (UPPER, "high")):
         at = block.op(f"alpha_{name}_at", "iadd", i, integer(frame.n)) if side else i

@@ -67,9 +67,11 @@ def adaptive(task: Task) -> AdaptiveDesign:
         pushes = search(Problem(model.times, model.unsafe, arena.min_width, model.edges, model.possible))
         if pushes is not None:
             return replace(design, bumps=tuple(b for b in map(model.bump, pushes) if b is not None))
+    own = [name for name, value in task.tube.adaptive if value is not None]
     raise NotCertified(
-        "P4 avoid: the search found no circumvent functions that keep the tube clear of every unsafe set; "
-        'use tube.design = "refined", or lower tube.clearance'
+        "P4 avoid: the search found no circumvent functions that keep the tube clear of every unsafe set"
+        + (f", with the task's own {', '.join(own)} in [tube.adaptive]; leave them out" if own else "")
+        + '; use tube.design = "refined" (its refusal says whether there is a way at all), or lower tube.clearance'
     )
 
 
@@ -143,13 +145,13 @@ class _Model:
         radius = min(half + s.ramp, middle, t_c - middle)
         if radius < half + s.ramp / 8:
             return None
-        if self.arena.clearance < height:
-            c = -math.log1p(-(s.overshoot - s.clearance) / height)
-        else:
-            return None
+        c = -math.log1p(-(s.overshoot - min(s.clearance, s.overshoot / 2)) / height)
         steepness = c * (radius * radius / (half * half) - 1)
         side = LOWER if push.above else UPPER
-        return Bump(i, side, _short(height), _short(steepness), _short(middle), _short(radius), self.arena.names[push.unsafe])
+        m = _short(middle)
+        reach = min(m, self.design.prescribed_time - m)  # the bump must not be alive at 0 or t_c
+        r = min(_short(radius), _short(float(reach) * (1 - 2.0**-BITS)))
+        return Bump(i, side, _short(height), _short(steepness), m, r, self.arena.names[push.unsafe])
 
     def possible(self, push: Push) -> bool:
         return self.bump(push) is not None

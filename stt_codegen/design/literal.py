@@ -6,6 +6,7 @@ window. Side at random, unless the unsafe set touches a wall. Window of the bump
 
 from __future__ import annotations
 
+import math
 import random
 from fractions import Fraction
 
@@ -17,7 +18,7 @@ from stt_codegen.task import Task
 # The case study's numbers (section V); nu, varsigma are not in the paper. k is printed without its index j.
 OVERSHOOT, STEEPNESS = Fraction("0.2"), Fraction("0.01")
 THETA0, KAPPA, MU, VARSIGMA, NU = Fraction("0.01"), Fraction(5), Fraction(1), Fraction(100), Fraction(100)
-GRID = 1 << 20  # times are rounded to this fraction of a second
+BITS = 20  # significant bits of times
 
 
 def literal(task: Task) -> AdaptiveDesign:
@@ -52,7 +53,7 @@ def literal(task: Task) -> AdaptiveDesign:
         bumps.append(
             Bump(
                 i, LOWER if upward else UPPER, height, options.bump_steepness or STEEPNESS,
-                _on_grid((opens + closes) / 2), _on_grid((closes - opens) / 2), unsafe.name,
+                _short((opens + closes) / 2), _short((closes - opens) / 2), unsafe.name,
             )
         )  # fmt: skip
     return AdaptiveDesign(
@@ -62,5 +63,7 @@ def literal(task: Task) -> AdaptiveDesign:
     )  # fmt: skip
 
 
-def _on_grid(seconds: float) -> Fraction:
-    return Fraction(round(seconds * GRID), GRID)
+def _short(seconds: float) -> Fraction:
+    """A time to BITS significant bits, exact in float."""
+    mantissa, exponent = math.frexp(seconds)
+    return Fraction(round(mantissa * 2**BITS)) * Fraction(2) ** (exponent - BITS)

@@ -4,6 +4,9 @@ A node is a set of pushes; its tube is evaluated with the paper's own functions 
 with an unsafe set U_j the search branches over (dimension i, side): i must be strictly on that side of U_j over the span
 around the conflict in which all other dimensions overlap U_j. Windows come from the current tube, never from the
 reachability tube alone, so they grow until nothing changes. Conflicts are checked on the hull of consecutive samples.
+
+Limits: a push whose span reaches 0 or t_c is not tried, and no dimension is held back while another moves, so an S-bend
+between two walls is refused here although a refined tube passes it.
 """
 
 from __future__ import annotations

@@ -36,7 +36,11 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
         controller = make(root, entry)
         known |= {f"{entry.folder}/{name}" for name in entry.sha256}
         if controller is None:
-            found.append(Difference(entry.folder, f"its task file {entry.task} is gone; --accept drops the folder"))
+            found.append(
+                Difference(
+                    entry.folder, f"its task file {entry.task} is gone; --accept drops the folder (if it moved, record it again)"
+                )
+            )
             continue
         if folder_of(controller) != entry.folder:
             found.append(Difference(entry.folder, f"its task is now called {controller.task.name!r}; --accept moves the folder"))
@@ -55,9 +59,9 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
     return found
 
 
-def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> int:
+def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> tuple[int, int]:
     """Write every recorded folder as the tool makes it now, and the manifest; folders whose task is gone or renamed are
-    removed. Returns the number of folders written."""
+    removed. Returns how many folders were written, and how many dropped because their task file is gone."""
     made = []
     for entry in read_manifest(root):
         progress(entry.folder)
@@ -68,7 +72,8 @@ def accept(root: Path, progress: Callable[[str], None] = lambda _: None) -> int:
     for entry, controller in made:
         if controller is not None:
             record(root, root / entry.task, controller, entry.uncertified)
-    return sum(controller is not None for _, controller in made)
+    written = sum(controller is not None for _, controller in made)
+    return written, len(made) - written
 
 
 def changed_tools(root: Path) -> list[str]:

@@ -129,6 +129,8 @@ def read_manifest(root: Path) -> list[Entry]:
             for folder, data in document["folders"].items()
         ]
     except OSError as error:
+        if root.is_file():
+            raise BadInput(f"{root}: is a file; give the folder that holds {MANIFEST}") from None
         raise BadInput(
             f"{path}: cannot be read ({error.strerror}); make one with: stt-codegen generate TASK --record {root}"
         ) from None

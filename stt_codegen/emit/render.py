@@ -75,24 +75,24 @@ def certificate_document(
         "design": design.kind,
         "scalar": program.scalar,
         "dimension": design.dimension,
-        "prescribed_time": str(design.prescribed_time),
+        "prescribed_time": decimal(design.prescribed_time),
         "parameters": _parameters(design),
-        "clearance": str(task.tube.clearance),
-        "min_width": str(task.tube.min_width),
+        "clearance": decimal(task.tube.clearance),
+        "min_width": decimal(task.tube.min_width),
         "start": {
-            "lower": [str(a) for a, _ in certificate.start],
-            "upper": [str(b) for _, b in certificate.start],
+            "lower": [_edge(a, certificate) for a, _ in certificate.start],
+            "upper": [_edge(b, certificate) for _, b in certificate.start],
             "covers_initial_set": certificate.whole_start,
         },
         "control": {
-            "gain": str(task.control.gain),
-            "e_max": str(task.control.e_max),
-            "u_max": None if task.control.u_max is None else [str(v) for v in task.control.u_max],
+            "gain": decimal(task.control.gain),
+            "e_max": decimal(task.control.e_max),
+            "u_max": None if task.control.u_max is None else [decimal(v) for v in task.control.u_max],
         },
         "least_width": below(certificate.least_width),
         "speed_bound": [above(v) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
-        "properties": [_finding(f) for f in certificate.findings],
+        "properties": [_finding(f, certificate.method == "exact") for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
 
@@ -115,7 +115,12 @@ def _parameters(design: RefinedDesign | AdaptiveDesign) -> dict[str, Any]:
     return {**{name: _nearest(getattr(design, name)) for name in names}, **seed, "circumvent_functions": bumps}
 
 
-def _finding(finding: Finding) -> dict[str, Any]:
+def _edge(value: Fraction, certificate: Certificate) -> str:
+    """Exact where the certificate is; samples to six digits, so that no library's last digit reaches the file."""
+    return str(value) if certificate.method == "exact" else f"{float(value):.6g}"
+
+
+def _finding(finding: Finding, exact: bool) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "property": finding.code,
         "title": finding.title,
@@ -123,8 +128,9 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "holds": finding.holds,
         "margin": below(finding.margin),
         "required": above(finding.required),
-        "margin_exact": str(finding.margin),
     }
+    if exact:
+        entry["margin_exact"] = str(finding.margin)
     if finding.time is not None:
         entry["time"] = [_nearest(v) for v in finding.time]
     if finding.dimension is not None:
@@ -152,9 +158,10 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         return lines
     return [
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
-        "This controller was written with --uncertified. Do not run it on a machine. What fails:",
+        "This controller was written with --uncertified. Do not run it on a machine. "
+        + ("What fails:" if certificate.failures else "P1 to P6 hold at samples;"),
         *(f"  {f.code} {f.title}{' at ' + f.place() if f.place() else ''}" for f in certificate.failures),
-        *(["  nothing at the samples, but between them nothing is proved"] if not certificate.failures else []),
+        *(["between the samples nothing is proved."] if not certificate.failures else []),
     ]
 
 

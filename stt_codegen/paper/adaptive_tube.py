@@ -15,7 +15,8 @@ from stt_codegen.paper.smooth import smooth_max, smooth_min
 
 NAMES = ["theta0", "kappa", "mu", "varsigma"]
 HELD = 40.0  # exp(80) is finite in binary32
-NEWTON = 11  # iterates fall to the root within 6 for p >= 0 and 11 for p < 0
+NEWTON = 7  # iterates fall to the root, to rounding, within 6 (a test searches for the worst p and q)
+LEAST_ROOT = 2.0**-60  # z is held above this in the implicit step, where q underflows
 LEAST_GAP = 2.0**-30  # psi + alpha is held above this in divisions: it never gets there where psi(0) > 0
 
 
@@ -37,7 +38,7 @@ def theta() -> ca.Function:
 def equation(psi: ca.SX, alpha: ca.SX, theta0: ca.SX, kappa: ca.SX, mu: ca.SX, varsigma: ca.SX) -> ca.SX:
     """alphadot of (11)."""
     z = ca.fmax(psi + alpha, LEAST_GAP)
-    return trigger(psi, theta0, mu, varsigma) / (z * z) - kappa * alpha
+    return trigger(psi, theta0, mu, varsigma) / z / z - kappa * alpha  # not z * z: its derivative would have z^4
 
 
 def update_rate() -> ca.Function:
@@ -61,7 +62,8 @@ def implicit_start() -> ca.Function:
 
     Backward Euler alpha' = alpha + h (theta / (psi + alpha')^2 - kappa alpha') is, with z = psi + alpha',
     rest = alpha / (1 + h kappa), p = psi + rest and q = h theta / (1 + h kappa), the cubic (z - p) z^2 = q. It has one root with
-    z > 0, z > p; Newton's iterates fall to it from z = max(p, 0) + q^(1/3).
+    z > 0, z > p; Newton's iterates fall to it from above. For p >= 0 they start at p + q^(1/3); for p < 0 at the lesser of
+    q^(1/3) and sqrt(q / -p), both above the root, or they would only halve from step to step while |p|^3 >> q.
     """
     psi, alpha, h = (ca.SX.sym(n) for n in ("psi", "alpha", "h"))
     theta0, kappa, mu, varsigma = (ca.SX.sym(n) for n in NAMES)
@@ -69,7 +71,8 @@ def implicit_start() -> ca.Function:
     rest = alpha / damping
     p = psi + rest
     q = h * trigger(psi, theta0, mu, varsigma) / damping
-    z = ca.fmax(p, 0) + ca.fmax(ca.power(q, 1 / 3), LEAST_GAP)
+    cubic, square = ca.power(q, 1 / 3), ca.sqrt(q / ca.fmax(-p, LEAST_ROOT))
+    z = ca.fmax(ca.if_else(p < 0, ca.fmin(cubic, square), p + cubic), LEAST_ROOT)
     inputs = [psi, alpha, h, theta0, kappa, mu, varsigma]
     return ca.Function("implicit_start", inputs, [p, q, rest, z], ["psi", "alpha", "h", *NAMES], ["p", "q", "rest", "z"])
 
@@ -79,7 +82,7 @@ def newton() -> ca.Function:
     p, q, z = (ca.SX.sym(n) for n in ("p", "q", "z"))
     residual = (z - p) * z * z - q
     return ca.Function(
-        "newton", [p, q, z], [ca.fmax(z - residual / ca.jacobian(residual, z), LEAST_GAP)], ["p", "q", "z"], ["next"]
+        "newton", [p, q, z], [ca.fmax(z - residual / ca.jacobian(residual, z), LEAST_ROOT)], ["p", "q", "z"], ["next"]
     )
 
 

@@ -3,8 +3,9 @@
     bump(t) = B exp(-k (t - m)^2 / (r^2 - (t - m)^2)) for |t - m| < r, and 0 elsewhere;  all derivatives vanish at +-r.
 
 As printed the window is exactly the conflict, where the bump is 0 at both ends: it must be wider (`widened_radius`).
-r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k r^2 cut, cut = 1/104 (float) or 1/746 (double): the
-exponent is then below -104 (-746) and the exponential 0. Nothing branches around a division by zero.
+r^2 - (t - m)^2 is computed as (r - |t - m|)(r + |t - m|) and held above k (t - m)^2 cut, cut = 1/104 (float) or 1/746
+(double): the exponent never falls below -104 (-746), where the exponential is 0, inside near the edges and everywhere
+outside. Nothing branches around a division by zero: where t = m, r^2 stands alone.
 """
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ def bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius: ca.SX
     """One circumvent function above its rest level, (7) and (8) less X_i."""
     d = t - middle
     rest = (radius - ca.fabs(d)) * (radius + ca.fabs(d))
-    return height * ca.exp(-steepness * (d * d) / ca.fmax(rest, steepness * radius * radius * cut))
+    rise = steepness * (d * d)
+    return height * ca.exp(-rise / ca.fmax(rest, rise * cut))
 
 
 def circumvent(rate: bool = False) -> ca.Function:

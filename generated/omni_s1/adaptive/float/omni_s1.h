@@ -1,11 +1,12 @@
 /* omni_s1.h: prescribed-time reach-avoid-stay controller, adaptive tube, single precision.
  *
  * *** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
- * This controller was written with --uncertified. Do not run it on a machine. What fails:
- *   nothing at the samples, but between them nothing is proved
+ * This controller was written with --uncertified. Do not run it on a machine. P1 to P6 hold at samples;
+ * between the samples nothing is proved.
  *
- * Call omni_s1_control once every period with the time since the start and the measured state. It keeps no state and
- * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * At the start call omni_s1_alpha_init(alpha). Then once every period, with t the time since the start: first
+ * omni_s1_control(t, alpha, x, u), then omni_s1_alpha_step(t, period, alpha). alpha is yours and the only state;
+ * do not let two threads step the same one. Every call costs about the same: no loop depends on data.
  * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
  */
 #ifndef OMNI_S1_H
@@ -19,7 +20,7 @@ typedef float omni_s1_real;
 
 #define OMNI_S1_N 2
 #define OMNI_S1_T_C 9.0F /* prescribed time, seconds */
-#define OMNI_S1_DESIGN_HASH "86cd41c2c14da85e" /* log it: names this design */
+#define OMNI_S1_DESIGN_HASH "c475e07e660d5f5c" /* log it: names this design */
 
 typedef enum {
     OMNI_S1_OK = 0,
@@ -30,8 +31,9 @@ typedef enum {
 /* Start of the update function: alpha(0) = 0 (11). alpha = [alpha_L by dimension, alpha_U by dimension]. */
 void omni_s1_alpha_init(omni_s1_real alpha[2 * OMNI_S1_N]);
 
-/* One implicit (backward Euler) step of (11) from t to t + dt seconds, in place; fixed cost, stable for every dt > 0.
- * alpha stays as it was when dt <= 0 or a number is not finite. Call it once after each control step.
+/* One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
+ * alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
+ * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
  */
 void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * OMNI_S1_N]);
 

@@ -34,7 +34,7 @@ static const omni_s1_real omni_s1_walls[4] = {
  */
 static const omni_s1_real omni_s1_bumps[16] = {
     0.0F, 1.0F, 0.0F, 1.0F,
-    4.2F, 0.01F, 1.9065199F, 1.0031633F,
+    4.2F, 0.01F, 1.9065208F, 1.0031643F,
     0.0F, 1.0F, 0.0F, 1.0F,
     0.0F, 1.0F, 0.0F, 1.0F
 };
@@ -128,16 +128,14 @@ static omni_s1_real omni_s1_circumvent(omni_s1_real t, omni_s1_real height, omni
     const omni_s1_real v4 = radius - v3;
     const omni_s1_real v5 = radius + v3;
     const omni_s1_real v6 = v4 * v5;
-    const omni_s1_real v7 = steepness * radius;
-    const omni_s1_real v8 = v7 * radius;
-    const omni_s1_real v9 = v8 * cut;
-    const bool v10 = v9 < v6;
-    const omni_s1_real v11 = v10 ? v6 : v9;
-    const omni_s1_real v12 = v2 / v11;
-    const omni_s1_real v13 = -v12;
-    const omni_s1_real v14 = expf(v13);
-    const omni_s1_real v15 = height * v14;
-    return v15;
+    const omni_s1_real v7 = v2 * cut;
+    const bool v8 = v7 < v6;
+    const omni_s1_real v9 = v8 ? v6 : v7;
+    const omni_s1_real v10 = v2 / v9;
+    const omni_s1_real v11 = -v10;
+    const omni_s1_real v12 = expf(v11);
+    const omni_s1_real v13 = height * v12;
+    return v13;
 }
 
 /* A circumvent function (7), (8) and its derivative. */
@@ -152,40 +150,42 @@ static void omni_s1_circumvent_rate(omni_s1_real t, omni_s1_real height, omni_s1
     const omni_s1_real v4 = radius - v3;
     const omni_s1_real v5 = radius + v3;
     const omni_s1_real v6 = v4 * v5;
-    const omni_s1_real v7 = steepness * radius;
-    const omni_s1_real v8 = v7 * radius;
-    const omni_s1_real v9 = v8 * cut;
-    const bool v10 = v9 < v6;
-    const omni_s1_real v11 = v10 ? v6 : v9;
-    const omni_s1_real v12 = v2 / v11;
-    const omni_s1_real v13 = -v12;
-    const omni_s1_real v14 = expf(v13);
-    const omni_s1_real v15 = height * v14;
-    const omni_s1_real v16 = v0 + v0;
-    const omni_s1_real v17 = steepness * v16;
-    const omni_s1_real v18 = v17 / v11;
-    const omni_s1_real v19 = v12 / v11;
-    const bool v20 = v9 <= v6;
-    const bool v21 = v6 <= v9;
-    const omni_s1_real v22 = v20 ? 1.0F : 0.0F;
-    const omni_s1_real v23 = v21 ? 1.0F : 0.0F;
-    const omni_s1_real v24 = v22 + v23;
-    const omni_s1_real v25 = v22 / v24;
-    const bool v26 = v0 < 0.0F;
-    const omni_s1_real v27 = v26 ? (-1.0F) : 0.0F;
-    const bool v28 = 0.0F < v0;
-    const omni_s1_real v29 = v28 ? 1.0F : v27;
-    const omni_s1_real v30 = v4 * v29;
-    const omni_s1_real v31 = v5 * v29;
-    const omni_s1_real v32 = v30 - v31;
-    const omni_s1_real v33 = v25 * v32;
-    const omni_s1_real v34 = v19 * v33;
-    const omni_s1_real v35 = v18 - v34;
-    const omni_s1_real v36 = v14 * v35;
-    const omni_s1_real v37 = height * v36;
-    const omni_s1_real v38 = -v37;
-    *bump = v15;
-    *bump_rate = v38;
+    const omni_s1_real v7 = v2 * cut;
+    const bool v8 = v7 < v6;
+    const omni_s1_real v9 = v8 ? v6 : v7;
+    const omni_s1_real v10 = v2 / v9;
+    const omni_s1_real v11 = -v10;
+    const omni_s1_real v12 = expf(v11);
+    const omni_s1_real v13 = height * v12;
+    const omni_s1_real v14 = v0 + v0;
+    const omni_s1_real v15 = steepness * v14;
+    const omni_s1_real v16 = v15 / v9;
+    const omni_s1_real v17 = v10 / v9;
+    const bool v18 = v7 <= v6;
+    const bool v19 = v6 <= v7;
+    const omni_s1_real v20 = v18 ? 1.0F : 0.0F;
+    const omni_s1_real v21 = v19 ? 1.0F : 0.0F;
+    const omni_s1_real v22 = v20 + v21;
+    const omni_s1_real v23 = v20 / v22;
+    const bool v24 = v0 < 0.0F;
+    const omni_s1_real v25 = v24 ? (-1.0F) : 0.0F;
+    const bool v26 = 0.0F < v0;
+    const omni_s1_real v27 = v26 ? 1.0F : v25;
+    const omni_s1_real v28 = v4 * v27;
+    const omni_s1_real v29 = v5 * v27;
+    const omni_s1_real v30 = v28 - v29;
+    const omni_s1_real v31 = v23 * v30;
+    const omni_s1_real v32 = v21 / v22;
+    const omni_s1_real v33 = cut * v15;
+    const omni_s1_real v34 = v32 * v33;
+    const omni_s1_real v35 = v31 + v34;
+    const omni_s1_real v36 = v17 * v35;
+    const omni_s1_real v37 = v16 - v36;
+    const omni_s1_real v38 = v12 * v37;
+    const omni_s1_real v39 = height * v38;
+    const omni_s1_real v40 = -v39;
+    *bump = v13;
+    *bump_rate = v40;
 }
 
 /* The update function's equation (11) and its exact Jacobian. */
@@ -205,24 +205,25 @@ static void omni_s1_update_rate(omni_s1_real psi, omni_s1_real alpha, omni_s1_re
     const omni_s1_real v9 = psi + alpha;
     const bool v10 = 9.313226e-10F < v9;
     const omni_s1_real v11 = v10 ? v9 : 9.313226e-10F;
-    const omni_s1_real v12 = v11 * v11;
-    const omni_s1_real v13 = v8 / v12;
+    const omni_s1_real v12 = v8 / v11;
+    const omni_s1_real v13 = v12 / v11;
     const omni_s1_real v14 = kappa * alpha;
     const omni_s1_real v15 = v13 - v14;
-    const omni_s1_real v16 = v13 / v12;
-    const omni_s1_real v17 = v11 + v11;
-    const bool v18 = 9.313226e-10F <= v9;
-    const bool v19 = v9 <= 9.313226e-10F;
-    const omni_s1_real v20 = v18 ? 1.0F : 0.0F;
-    const omni_s1_real v21 = v19 ? 1.0F : 0.0F;
-    const omni_s1_real v22 = v20 + v21;
-    const omni_s1_real v23 = v20 / v22;
-    const omni_s1_real v24 = v17 * v23;
-    const omni_s1_real v25 = v16 * v24;
-    const omni_s1_real v26 = v25 + kappa;
-    const omni_s1_real v27 = -v26;
+    const bool v16 = 9.313226e-10F <= v9;
+    const bool v17 = v9 <= 9.313226e-10F;
+    const omni_s1_real v18 = v16 ? 1.0F : 0.0F;
+    const omni_s1_real v19 = v17 ? 1.0F : 0.0F;
+    const omni_s1_real v20 = v18 + v19;
+    const omni_s1_real v21 = v18 / v20;
+    const omni_s1_real v22 = v13 * v21;
+    const omni_s1_real v23 = v22 / v11;
+    const omni_s1_real v24 = v13 / v11;
+    const omni_s1_real v25 = v24 * v21;
+    const omni_s1_real v26 = v23 + v25;
+    const omni_s1_real v27 = v26 + kappa;
+    const omni_s1_real v28 = -v27;
     *alpha_rate = v15;
-    *jacobian = v27;
+    *jacobian = v28;
 }
 
 /* Implicit step of (11): (z - p) z^2 = q, and where to start. */
@@ -245,16 +246,26 @@ static void omni_s1_implicit_start(omni_s1_real psi, omni_s1_real alpha, omni_s1
     const omni_s1_real v12 = v4 / v11;
     const omni_s1_real v13 = h * v12;
     const omni_s1_real v14 = v13 / v1;
-    const bool v15 = 0.0F < v3;
-    const omni_s1_real v16 = v15 ? v3 : 0.0F;
-    const omni_s1_real v17 = powf(v14, 0.33333334F);
-    const bool v18 = 9.313226e-10F < v17;
-    const omni_s1_real v19 = v18 ? v17 : 9.313226e-10F;
-    const omni_s1_real v20 = v16 + v19;
+    const bool v15 = v3 < 0.0F;
+    const omni_s1_real v16 = powf(v14, 0.33333334F);
+    const omni_s1_real v17 = -v3;
+    const bool v18 = 8.6736174e-19F < v17;
+    const omni_s1_real v19 = v18 ? v17 : 8.6736174e-19F;
+    const omni_s1_real v20 = v14 / v19;
+    const omni_s1_real v21 = sqrtf(v20);
+    const bool v22 = v16 < v21;
+    const omni_s1_real v23 = v22 ? v16 : v21;
+    const omni_s1_real v24 = v15 ? v23 : 0.0F;
+    const bool v25 = !v15;
+    const omni_s1_real v26 = v3 + v16;
+    const omni_s1_real v27 = v25 ? v26 : 0.0F;
+    const omni_s1_real v28 = v24 + v27;
+    const bool v29 = 8.6736174e-19F < v28;
+    const omni_s1_real v30 = v29 ? v28 : 8.6736174e-19F;
     *p = v3;
     *q = v14;
     *rest = v2;
-    *z = v20;
+    *z = v30;
 }
 
 /* One Newton iterate for (z - p) z^2 = q. */
@@ -269,8 +280,8 @@ static omni_s1_real omni_s1_newton(omni_s1_real p, omni_s1_real q, omni_s1_real 
     const omni_s1_real v6 = v5 + v1;
     const omni_s1_real v7 = v3 / v6;
     const omni_s1_real v8 = z - v7;
-    const bool v9 = 9.313226e-10F < v8;
-    const omni_s1_real v10 = v9 ? v8 : 9.313226e-10F;
+    const bool v9 = 8.6736174e-19F < v8;
+    const omni_s1_real v10 = v9 ? v8 : 8.6736174e-19F;
     return v10;
 }
 
@@ -509,14 +520,14 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         const omni_s1_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 20.0F;
-        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 20.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.0F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.0F;
         const int32_t alpha_high_at = i + 2;
         const omni_s1_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 20.0F;
-        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 20.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.0F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.0F;
         const omni_s1_real psi_low = beta_high - rho_low;
         const omni_s1_real psi_high = rho_high - beta_low;
         omni_s1_real low_p;
@@ -525,7 +536,7 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         omni_s1_real low_z0;
         omni_s1_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_rest, &low_z0);
         omni_s1_real low_z = low_z0;
-        for (int32_t low_k = 0; low_k < 11; ++low_k) {
+        for (int32_t low_k = 0; low_k < 7; ++low_k) {
             const omni_s1_real low_z_next = omni_s1_newton(low_p, low_q, low_z);
             low_z = low_z_next;
         }
@@ -537,7 +548,7 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         omni_s1_real high_z0;
         omni_s1_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_rest, &high_z0);
         omni_s1_real high_z = high_z0;
-        for (int32_t high_k = 0; high_k < 11; ++high_k) {
+        for (int32_t high_k = 0; high_k < 7; ++high_k) {
             const omni_s1_real high_z_next = omni_s1_newton(high_p, high_q, high_z);
             high_z = high_z_next;
         }
@@ -619,14 +630,14 @@ void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
         const omni_s1_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 20.0F;
-        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 20.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.0F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.0F;
         const int32_t alpha_high_at = i + 2;
         const omni_s1_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 20.0F;
-        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 20.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.0F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.0F;
         const omni_s1_real psi_low = beta_high - rho_low;
         const omni_s1_real psi_high = rho_high - beta_low;
         omni_s1_real rate_low;
@@ -715,14 +726,14 @@ void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_
         const omni_s1_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 20.0F;
-        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 20.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.0F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.0F;
         const int32_t alpha_high_at = i + 2;
         const omni_s1_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 20.0F;
-        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 20.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.0F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.0F;
         const omni_s1_real gamma_low = omni_s1_lower_edge(rho_low, alpha_low, beta_low, 100.0F);
         const omni_s1_real gamma_high = omni_s1_upper_edge(rho_high, alpha_high, beta_high, 100.0F);
         lower[i] = gamma_low;
@@ -815,14 +826,14 @@ void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
         const omni_s1_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 20.0F;
-        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 20.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.0F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.0F;
         const int32_t alpha_high_at = i + 2;
         const omni_s1_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 20.0F;
-        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 20.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.0F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.0F;
         const omni_s1_real psi_low = beta_high - rho_low;
         const omni_s1_real psi_high = rho_high - beta_low;
         omni_s1_real alpha_low_rate;
@@ -921,14 +932,14 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
         const omni_s1_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 20.0F;
-        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 20.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.0F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.0F;
         const int32_t alpha_high_at = i + 2;
         const omni_s1_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 20.0F;
-        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 20.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.0F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.0F;
         const omni_s1_real gamma_low = omni_s1_lower_edge(rho_low, alpha_low, beta_low, 100.0F);
         const omni_s1_real gamma_high = omni_s1_upper_edge(rho_high, alpha_high, beta_high, 100.0F);
         const omni_s1_real x_i = x[i];

@@ -1,8 +1,8 @@
 """omni_s2: prescribed-time reach-avoid-stay controller, adaptive tube.
 
 *** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
-This controller was written with --uncertified. Do not run it on a machine. What fails:
-  nothing at the samples, but between them nothing is proved
+This controller was written with --uncertified. Do not run it on a machine. P1 to P6 hold at samples;
+between the samples nothing is proved.
 
 The same functions as omni_s2.c (single precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 2 numbers and go out as tuples.
@@ -13,7 +13,7 @@ import math
 
 N = 2
 T_C = 9.0  # prescribed time, seconds
-DESIGN_HASH = "95034c663a7f1855"
+DESIGN_HASH = "2183d076370a49db"
 
 OK = 0
 OUTSIDE_TUBE = 1
@@ -37,7 +37,7 @@ BUMPS = (
     3.179962158203125, 0.3336811065673828, 4.170013427734375, 1.6699981689453125,
     0.0, 1.0, 0.0, 1.0,
     0.0, 1.0, 0.0, 1.0,
-    4.679962158203125, 0.03895425796508789, 1.8899993896484375, 1.8899993896484375,
+    4.679962158203125, 0.03895425796508789, 1.8899993896484375, 1.8899917602539062,
 )
 
 
@@ -129,16 +129,14 @@ def _circumvent(t, height, steepness, middle, radius, cut):
     v4 = radius - v3
     v5 = radius + v3
     v6 = v4 * v5
-    v7 = steepness * radius
-    v8 = v7 * radius
-    v9 = v8 * cut
-    v10 = v9 < v6
-    v11 = v6 if v10 else v9
-    v12 = v2 / v11
-    v13 = -v12
-    v14 = math.exp(v13)
-    v15 = height * v14
-    return v15
+    v7 = v2 * cut
+    v8 = v7 < v6
+    v9 = v6 if v8 else v7
+    v10 = v2 / v9
+    v11 = -v10
+    v12 = math.exp(v11)
+    v13 = height * v12
+    return v13
 
 
 def _circumvent_rate(t, height, steepness, middle, radius, cut):
@@ -150,39 +148,41 @@ def _circumvent_rate(t, height, steepness, middle, radius, cut):
     v4 = radius - v3
     v5 = radius + v3
     v6 = v4 * v5
-    v7 = steepness * radius
-    v8 = v7 * radius
-    v9 = v8 * cut
-    v10 = v9 < v6
-    v11 = v6 if v10 else v9
-    v12 = v2 / v11
-    v13 = -v12
-    v14 = math.exp(v13)
-    v15 = height * v14
-    v16 = v0 + v0
-    v17 = steepness * v16
-    v18 = v17 / v11
-    v19 = v12 / v11
-    v20 = v9 <= v6
-    v21 = v6 <= v9
-    v22 = 1.0 if v20 else 0.0
-    v23 = 1.0 if v21 else 0.0
-    v24 = v22 + v23
-    v25 = v22 / v24
-    v26 = v0 < 0.0
-    v27 = -1.0 if v26 else 0.0
-    v28 = 0.0 < v0
-    v29 = 1.0 if v28 else v27
-    v30 = v4 * v29
-    v31 = v5 * v29
-    v32 = v30 - v31
-    v33 = v25 * v32
-    v34 = v19 * v33
-    v35 = v18 - v34
-    v36 = v14 * v35
-    v37 = height * v36
-    v38 = -v37
-    return v15, v38
+    v7 = v2 * cut
+    v8 = v7 < v6
+    v9 = v6 if v8 else v7
+    v10 = v2 / v9
+    v11 = -v10
+    v12 = math.exp(v11)
+    v13 = height * v12
+    v14 = v0 + v0
+    v15 = steepness * v14
+    v16 = v15 / v9
+    v17 = v10 / v9
+    v18 = v7 <= v6
+    v19 = v6 <= v7
+    v20 = 1.0 if v18 else 0.0
+    v21 = 1.0 if v19 else 0.0
+    v22 = v20 + v21
+    v23 = v20 / v22
+    v24 = v0 < 0.0
+    v25 = -1.0 if v24 else 0.0
+    v26 = 0.0 < v0
+    v27 = 1.0 if v26 else v25
+    v28 = v4 * v27
+    v29 = v5 * v27
+    v30 = v28 - v29
+    v31 = v23 * v30
+    v32 = v21 / v22
+    v33 = cut * v15
+    v34 = v32 * v33
+    v35 = v31 + v34
+    v36 = v17 * v35
+    v37 = v16 - v36
+    v38 = v12 * v37
+    v39 = height * v38
+    v40 = -v39
+    return v13, v40
 
 
 def _update_rate(psi, alpha, theta0, kappa, mu, varsigma):
@@ -199,23 +199,24 @@ def _update_rate(psi, alpha, theta0, kappa, mu, varsigma):
     v9 = psi + alpha
     v10 = 9.313225746154785e-10 < v9
     v11 = v9 if v10 else 9.313225746154785e-10
-    v12 = v11 * v11
-    v13 = v8 / v12
+    v12 = v8 / v11
+    v13 = v12 / v11
     v14 = kappa * alpha
     v15 = v13 - v14
-    v16 = v13 / v12
-    v17 = v11 + v11
-    v18 = 9.313225746154785e-10 <= v9
-    v19 = v9 <= 9.313225746154785e-10
-    v20 = 1.0 if v18 else 0.0
-    v21 = 1.0 if v19 else 0.0
-    v22 = v20 + v21
-    v23 = v20 / v22
-    v24 = v17 * v23
-    v25 = v16 * v24
-    v26 = v25 + kappa
-    v27 = -v26
-    return v15, v27
+    v16 = 9.313225746154785e-10 <= v9
+    v17 = v9 <= 9.313225746154785e-10
+    v18 = 1.0 if v16 else 0.0
+    v19 = 1.0 if v17 else 0.0
+    v20 = v18 + v19
+    v21 = v18 / v20
+    v22 = v13 * v21
+    v23 = v22 / v11
+    v24 = v13 / v11
+    v25 = v24 * v21
+    v26 = v23 + v25
+    v27 = v26 + kappa
+    v28 = -v27
+    return v15, v28
 
 
 def _implicit_start(psi, alpha, h, theta0, kappa, mu, varsigma):
@@ -235,13 +236,23 @@ def _implicit_start(psi, alpha, h, theta0, kappa, mu, varsigma):
     v12 = v4 / v11
     v13 = h * v12
     v14 = v13 / v1
-    v15 = 0.0 < v3
-    v16 = v3 if v15 else 0.0
-    v17 = v14 ** 0.3333333432674408
-    v18 = 9.313225746154785e-10 < v17
-    v19 = v17 if v18 else 9.313225746154785e-10
-    v20 = v16 + v19
-    return v3, v14, v2, v20
+    v15 = v3 < 0.0
+    v16 = v14 ** 0.3333333432674408
+    v17 = -v3
+    v18 = 8.673617379884035e-19 < v17
+    v19 = v17 if v18 else 8.673617379884035e-19
+    v20 = v14 / v19
+    v21 = math.sqrt(v20)
+    v22 = v16 < v21
+    v23 = v16 if v22 else v21
+    v24 = v23 if v15 else 0.0
+    v25 = not v15
+    v26 = v3 + v16
+    v27 = v26 if v25 else 0.0
+    v28 = v24 + v27
+    v29 = 8.673617379884035e-19 < v28
+    v30 = v28 if v29 else 8.673617379884035e-19
+    return v3, v14, v2, v30
 
 
 def _newton(p, q, z):
@@ -255,8 +266,8 @@ def _newton(p, q, z):
     v6 = v5 + v1
     v7 = v3 / v6
     v8 = z - v7
-    v9 = 9.313225746154785e-10 < v8
-    v10 = v8 if v9 else 9.313225746154785e-10
+    v9 = 8.673617379884035e-19 < v8
+    v10 = v8 if v9 else 8.673617379884035e-19
     return v10
 
 
@@ -407,8 +418,9 @@ def alpha_init():
 
 
 def alpha_step(t, dt, alpha):
-    """One implicit (backward Euler) step of (11) from t to t + dt seconds, in place; fixed cost, stable for every dt > 0.
-    alpha stays as it was when dt <= 0 or a number is not finite. Call it once after each control step.
+    """One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
+    alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
+    Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
     """
     t = float(t)
     dt = float(dt)
@@ -482,26 +494,26 @@ def alpha_step(t, dt, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 19.999755859375
-        alpha_low = alpha_low_raised if alpha_low_small else 19.999755859375
+        alpha_low_small = alpha_low_raised < 41.99951171875
+        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 19.999755859375
-        alpha_high = alpha_high_raised if alpha_high_small else 19.999755859375
+        alpha_high_small = alpha_high_raised < 41.99951171875
+        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
         low_z = low_z0
-        for low_k in range(11):
+        for low_k in range(7):
             low_z_next = _newton(low_p, low_q, low_z)
             low_z = low_z_next
         alpha_low_out = _implicit_end(low_q, low_rest, low_z)
         alpha[i] = alpha_low_out
         high_p, high_q, high_rest, high_z0 = _implicit_start(psi_high, alpha_high, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
         high_z = high_z0
-        for high_k in range(11):
+        for high_k in range(7):
             high_z_next = _newton(high_p, high_q, high_z)
             high_z = high_z_next
         alpha_high_out = _implicit_end(high_q, high_rest, high_z)
@@ -582,14 +594,14 @@ def alpha_rate(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 19.999755859375
-        alpha_low = alpha_low_raised if alpha_low_small else 19.999755859375
+        alpha_low_small = alpha_low_raised < 41.99951171875
+        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 19.999755859375
-        alpha_high = alpha_high_raised if alpha_high_small else 19.999755859375
+        alpha_high_small = alpha_high_raised < 41.99951171875
+        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         rate_low, jacobian_low = _update_rate(psi_low, alpha_low, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
@@ -674,14 +686,14 @@ def tube(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 19.999755859375
-        alpha_low = alpha_low_raised if alpha_low_small else 19.999755859375
+        alpha_low_small = alpha_low_raised < 41.99951171875
+        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 19.999755859375
-        alpha_high = alpha_high_raised if alpha_high_small else 19.999755859375
+        alpha_high_small = alpha_high_raised < 41.99951171875
+        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         lower[i] = gamma_low
@@ -768,14 +780,14 @@ def tube_rate(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 19.999755859375
-        alpha_low = alpha_low_raised if alpha_low_small else 19.999755859375
+        alpha_low_small = alpha_low_raised < 41.99951171875
+        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 19.999755859375
-        alpha_high = alpha_high_raised if alpha_high_small else 19.999755859375
+        alpha_high_small = alpha_high_raised < 41.99951171875
+        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         alpha_low_rate, jacobian_low = _update_rate(psi_low, alpha_low, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
@@ -867,14 +879,14 @@ def control(t, alpha, x):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 19.999755859375
-        alpha_low = alpha_low_raised if alpha_low_small else 19.999755859375
+        alpha_low_small = alpha_low_raised < 41.99951171875
+        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 19.999755859375
-        alpha_high = alpha_high_raised if alpha_high_small else 19.999755859375
+        alpha_high_small = alpha_high_raised < 41.99951171875
+        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         x_i = x[i]

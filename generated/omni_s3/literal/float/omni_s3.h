@@ -6,8 +6,9 @@
  *   P4 avoid at t in [1.67175, 1.674] s, unsafe set O4
  *   P5 reach at t = 9 s, dimension 1
  *
- * Call omni_s3_control once every period with the time since the start and the measured state. It keeps no state and
- * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * At the start call omni_s3_alpha_init(alpha). Then once every period, with t the time since the start: first
+ * omni_s3_control(t, alpha, x, u), then omni_s3_alpha_step(t, period, alpha). alpha is yours and the only state;
+ * do not let two threads step the same one. Every call costs about the same: no loop depends on data.
  * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
  */
 #ifndef OMNI_S3_H
@@ -32,8 +33,9 @@ typedef enum {
 /* Start of the update function: alpha(0) = 0 (11). alpha = [alpha_L by dimension, alpha_U by dimension]. */
 void omni_s3_alpha_init(omni_s3_real alpha[2 * OMNI_S3_N]);
 
-/* One implicit (backward Euler) step of (11) from t to t + dt seconds, in place; fixed cost, stable for every dt > 0.
- * alpha stays as it was when dt <= 0 or a number is not finite. Call it once after each control step.
+/* One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
+ * alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
+ * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
  */
 void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * OMNI_S3_N]);
 
