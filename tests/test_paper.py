@@ -510,6 +510,17 @@ def test_an_adaptive_arena_is_sound_at_samples_or_refused(seed: int) -> None:
     assert not certify_sampled(task, design).failures
 
 
+def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> None:
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    head, tail = text.split("[[unsafe]]")[0], "[tube]" + text.split("[tube]")[1]
+    walls = [("O1", [1.0, 0.0], [2.0, 2.5]), ("O2", [3.0, 2.0], [3.5, 5.0])]
+    sets = "".join(f'[[unsafe]]\nname = "{n}"\nlower = {a}\nupper = {b}\n' for n, a, b in walls)
+    task = parse_task(head + sets + tail)
+    design = adaptive(task)
+    assert len({b.dimension for b in design.bumps}) == 2
+    assert not certify_sampled(task, design).failures
+
+
 def test_the_tasks_own_parameters_replace_the_searchs() -> None:
     text = (ROOT / "tasks" / "omni_s3.toml").read_text() + "\n[tube.adaptive]\nkappa = 40.0\nnu = 128.0\n"
     design = adaptive(parse_task(text))

@@ -33,6 +33,7 @@ class Settings:
     """One rung of the ladder, for lengths of 0.5 and t_c = 9 s.
 
     overshoot: dB of (7). clearance: kept beyond the task's over a push. ramp: seconds from rest to level and back.
+    holds, nodes: as in `search.Problem`.
     """
 
     overshoot: float = 0.15
@@ -45,6 +46,8 @@ class Settings:
     nu: float = 100.0
     target_margin: float = 0.03
     reserve: float = 0.015
+    holds: bool = False
+    nodes: int = 80
 
 
 LADDER = (
@@ -53,6 +56,8 @@ LADDER = (
     Settings(ramp=0.4),
     Settings(ramp=0.7, overshoot=0.12, kappa=50.0),
     Settings(ramp=0.35, overshoot=0.12, kappa=50.0, theta0=0.8),
+    Settings(ramp=0.7, holds=True, nodes=250),
+    Settings(ramp=0.35, overshoot=0.12, kappa=50.0, theta0=0.8, holds=True, nodes=250),
 )
 
 
@@ -64,7 +69,9 @@ def adaptive(task: Task) -> AdaptiveDesign:
         scaled = _scaled(task, arena, start, settings)
         design = _empty_design(task, arena, start, scaled)
         model = _Model(arena, design, scaled)
-        pushes = search(Problem(model.times, model.unsafe, arena.min_width, model.edges, model.possible))
+        pushes = search(
+            Problem(model.times, model.unsafe, arena.min_width, model.edges, model.possible, settings.holds, settings.nodes)
+        )
         if pushes is not None:
             return replace(design, bumps=tuple(b for b in map(model.bump, pushes) if b is not None))
     own = [name for name, value in task.tube.adaptive if value is not None]
@@ -95,6 +102,8 @@ def _scaled(task: Task, arena: Arena, start: Array, settings: Settings) -> Setti
         nu=chosen(options.nu, settings.nu / length),
         target_margin=chosen(options.target_margin, settings.target_margin * length),
         reserve=settings.reserve * length,
+        holds=settings.holds,
+        nodes=settings.nodes,
     )
 
 

@@ -2,11 +2,11 @@
 
 A node is a set of pushes; its tube is evaluated with the paper's own functions on a time grid. For the earliest conflict
 with an unsafe set U_j the search branches over (dimension i, side): i must be strictly on that side of U_j over the span
-around the conflict in which all other dimensions overlap U_j. Windows come from the current tube, never from the
+around the conflict in which all other dimensions overlap U_j; on request also over holding dimension i before U_j a little
+longer, which an S-bend between two walls needs. Windows come from the current tube, never from the
 reachability tube alone, so they grow until nothing changes. Conflicts are checked on the hull of consecutive samples.
 
-Limits: a push whose span reaches 0 or t_c is not tried, and no dimension is held back while another moves, so an S-bend
-between two walls is refused here although a refined tube passes it.
+Limit: a push whose span reaches 0 or t_c is not tried.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Array
 
-NODES = 80  # evaluated before the search gives up
+HOLD = 0.06  # of t_c, how much longer a dimension is held at a time
 
 
 @dataclass(frozen=True, order=True)
@@ -37,13 +37,16 @@ class Push:
 @dataclass(frozen=True)
 class Problem:
     """What the search needs to know: grid times (N + 1), unsafe sets grown by the clearance (J, 2, n), the least width,
-    the tube of a dimension under pushes (shape (2, N + 1)), and whether a push can be made at all."""
+    the tube of a dimension under pushes (shape (2, N + 1)), whether a push can be made at all, whether to branch on holding
+    a dimension back too (slower), and how many nodes to evaluate."""
 
     times: Array
     unsafe: Array
     min_width: float
     edges: Callable[[int, tuple[Push, ...]], Array]
     possible: Callable[[Push], bool]
+    holds: bool
+    nodes: int
 
 
 def search(problem: Problem) -> tuple[Push, ...] | None:
@@ -62,7 +65,7 @@ def search(problem: Problem) -> tuple[Push, ...] | None:
     queue: list[tuple[float, int, tuple[Push, ...]]] = [(0.0, 0, ())]
     seen: set[tuple[Push, ...]] = {()}
     count = 0
-    for _ in range(NODES):
+    for _ in range(problem.nodes):
         if not queue:
             return None
         _, _, pushes = heapq.heappop(queue)
@@ -103,6 +106,8 @@ def _children(
             a -= 1
         while b < last and others[b + 1]:
             b += 1
+        if problem.holds and a > 0:
+            found += _holds(problem, pushes, overlap[:, i], k, i, j)
         if a == 0 or b >= last:
             continue  # the ramp would have to stand before 0 or after t_c
         begin, end = float(problem.times[a - 1]), float(problem.times[min(b + 2, last + 1)])
@@ -112,6 +117,28 @@ def _children(
             if push not in near and problem.possible(push):
                 found.append(tuple(sorted([*(p for p in pushes if p not in near), push])))
     return found
+
+
+def _holds(
+    problem: Problem, pushes: tuple[Push, ...], overlap: npt.NDArray[np.bool_], k: int, i: int, j: int
+) -> list[tuple[Push, ...]]:
+    """Dimension i held before U_j a little longer, on the side it comes from, so that another has time to move: what an
+    S-bend between two walls needs. overlap: (N,), of dimension i alone."""
+    first = k
+    while first > 0 and overlap[first - 1]:
+        first -= 1
+    if first == 0:
+        return []
+    result = []
+    t_c = float(problem.times[-1])
+    for above in (False, True):
+        near = [p for p in pushes if (p.dimension, p.above, p.unsafe) == (i, above, j)]
+        begin = min([float(problem.times[first - 1]), *(p.begin for p in near)])
+        end = max([float(problem.times[k]), *(p.end for p in near)]) + HOLD * t_c
+        push = Push(i, above, j, begin, end)
+        if end < t_c and problem.possible(push):
+            result.append(tuple(sorted([*(p for p in pushes if p not in near), push])))
+    return result
 
 
 def _cost(problem: Problem, pushes: tuple[Push, ...], k: int) -> float:
