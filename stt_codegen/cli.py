@@ -319,6 +319,30 @@ def compare(
 
 
 @app.command()
+def certify(
+    task: TaskFile,
+    source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file")],
+    certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE", help="its .certificate.json")],
+    json: Json = False,
+) -> None:
+    """Repeat the proof from the C file alone, with the stand-alone checker. Exit code 1 when anything does not hold."""
+    import contextlib
+    import io
+
+    from stt_codegen.certify.checker import main as check_files
+
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        code = check_files([str(task), str(source), str(certificate)])
+    if json:
+        _print_json({"holds": code == 0, "message": said.getvalue().strip()})
+    else:
+        print(said.getvalue(), end="")
+    if code:
+        raise typer.Exit(code)
+
+
+@app.command()
 def schema(json: Json = True) -> None:
     """Print the JSON Schema of task files, for editors."""
     from stt_codegen.task import json_schema
