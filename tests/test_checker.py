@@ -164,6 +164,44 @@ def test_a_harder_task_is_found_although_the_hashes_fit(old: str, new: str, code
     assert code in capsys.readouterr().out
 
 
+def test_a_width_that_task_and_certificate_agree_on_but_the_tube_has_not_is_found(tmp_path, capsys) -> None:
+    arguments = lay_out(tmp_path, "omni_s1")
+    task, proof = Path(arguments[0]), Path(arguments[2])
+    task.write_text(task.read_text().replace("min_width = 0.05", "min_width = 0.42"))  # the tube's least is 0.411
+    proof.write_text(proof.read_text().replace('"min_width": "0.05"', '"min_width": "0.42"'))
+    sign_again(arguments)
+    assert checker.main(arguments) == 1
+    assert "P1 does not hold" in capsys.readouterr().out
+
+
+fractions = st.fractions(min_value=-3, max_value=3, max_denominator=50)
+
+
+@given(st.lists(fractions, min_size=8, max_size=8), st.fractions(min_value=0, max_value=1, max_denominator=20))
+def test_halving_changes_no_point_of_the_curve(c: list[Fraction], s: Fraction) -> None:
+    def at(e: list[Fraction], place: Fraction) -> Fraction:
+        r = 1 - place
+        return r**3 * e[0] + 3 * r * r * place * e[1] + 3 * r * place**2 * e[2] + place**3 * e[3]
+
+    piece = [(c[:4], c[4:])]
+    first, second = checker.halves(piece)
+    for side in (0, 1):
+        assert at(first[0][side], s) == at(piece[0][side], s / 2)
+        assert at(second[0][side], s) == at(piece[0][side], (1 + s) / 2)
+
+
+def test_halving_shows_what_the_hull_alone_does_not() -> None:
+    """The cubic 0, 1, 1, 0 peaks at 3/4: below 4/5 by halving, although its hull reaches 1."""
+    peak = [Fraction(v) for v in (0, 1, 1, 0)]
+    needed = Fraction(1, 1000)
+
+    def slack(piece) -> Fraction:
+        return Fraction(4, 5) - max(piece[0][1])
+
+    assert slack([(peak, peak)]) < 0
+    assert needed <= checker.least([(peak, peak)], slack, needed) <= Fraction(4, 5) - Fraction(3, 4)
+
+
 def test_a_claim_of_more_room_than_there_is_is_found(tmp_path, capsys) -> None:
     arguments = lay_out(tmp_path, "omni_s1")
     proof = Path(arguments[2])

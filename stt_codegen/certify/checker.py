@@ -271,9 +271,8 @@ def main(arguments: list[str]) -> int:
     except (OSError, ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError, Unusable) as error:
         print(f"checker: cannot check: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
-    print(
-        f"checker: yes: {task.name}: P1 to P7 hold for the coefficients in the C file, {tube.segments} segments, {task.n} dimensions"
-    )
+    size = f"{tube.segments} segments, {task.n} dimensions"
+    print(f"checker: yes: {task.name}: P1 to P7 hold for the coefficients in the C file, {size}")
     return 0
 
 
