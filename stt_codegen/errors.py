@@ -7,12 +7,6 @@ class SttError(Exception):
     exit_code = 5
 
 
-class Drift(SttError):
-    """A comparison failed or files on disk are not what the tool writes (exit code 1)."""
-
-    exit_code = 1
-
-
 class BadInput(SttError):
     """A task file, option or path that cannot be used (exit code 2)."""
 

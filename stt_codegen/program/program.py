@@ -4,7 +4,8 @@
     Kernel  = pure straight-line function of scalars; lowered from CasADi (lower.py) or written here
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
-The readers are c.py, python.py, cost.py (every node) and rounding.py (arithmetic only). A new target language is one new
+The readers are c.py, python.py, cost.py (every node), rounding.py (arithmetic only: one bound for all inputs) and running.py
+(values and error bounds at many points; indices that do not depend on data). A new target language is one new
 reader. What is proved and counted is therefore what is shipped.
 """
 
