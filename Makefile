@@ -27,12 +27,12 @@ test: $(STAMP)
 	$(BIN)/mypy
 	$(BIN)/pytest -n auto
 
-# Everything in generated/: refined from every task file, in both precisions; the case study as the paper has it (literal)
-# and with sound windows and sides (adaptive), which are not certified and say so.
+# Everything in generated/: refined from every task file, in both precisions; the case study with the paper's functions, sound
+# (adaptive, certified) and as the paper has it (literal, which collides and says so).
 generate: $(STAMP)
 	@for scalar in float double; do $(BIN)/stt-codegen generate $(TASKS) --record generated --scalar $$scalar || exit; done
-	@for design in literal adaptive; do \
-	    $(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design $$design --uncertified || exit; done
+	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design adaptive
+	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design literal --uncertified
 
 check: $(STAMP)
 	@$(BIN)/stt-codegen check generated

@@ -154,6 +154,10 @@ def _show_design(report: dict[str, Any]) -> None:
             "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
             "gamma(0), so starts near the edge of the initial set are outside"
         )
+    elif report["method"] == "enclosure":
+        console.print(
+            "  [yellow]note[/yellow]: the smooth maximum narrows gamma(0), so starts near the edge of the initial set are outside"
+        )
     elif not report["covers_initial_set"]:
         console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
     table = Table(box=None, pad_edge=True, header_style="bold")

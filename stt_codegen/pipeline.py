@@ -4,7 +4,7 @@
     design_tube     Task -> Design                         design/   refined: route, sides, linear programs, rounding;
                                                                      adaptive: search; literal: the paper's rule
     build_program   Task, Design -> Program                paper/ (equations in CasADi), controller/ (frames), program/
-    certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else samples
+    certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else enclosures
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
 
 Each stage is a plain function from frozen data to frozen data; none reaches back. `reference.py` writes the same
@@ -99,9 +99,11 @@ def build_program(task: Task, design: Design) -> Program:
 def certify(task: Task, design: Design, program: Program) -> Certificate:
     """P1 to P7 with their margins; the certificate may fail, `build` decides what that means."""
     if not isinstance(design, RefinedDesign):
+        from stt_codegen.certify.enclosure import certify_enclosed
         from stt_codegen.certify.sampled import certify_sampled
 
-        return certify_sampled(task, design)
+        at_samples = certify_sampled(task, design)  # quick, and what fails there fails for certain
+        return at_samples if at_samples.failures else certify_enclosed(task, design)
     from stt_codegen.certify.arithmetic import edge_error
     from stt_codegen.certify.exact import certify_refined
 

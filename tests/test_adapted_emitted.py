@@ -198,16 +198,26 @@ def test_the_emitted_python_follows_the_sampled_tube() -> None:
     assert worst < 1e-11
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_it_is_refused_without_uncertified_and_bannered_with_it(kind: str) -> None:
+def test_a_literal_tube_is_refused_without_uncertified_and_bannered_with_it() -> None:
     with pytest.raises(NotCertified, match="--uncertified"):
-        build(ROOT / "tasks" / "omni_s2.toml", kind)
-    files = made("omni_s2", kind).files
+        build(ROOT / "tasks" / "omni_s2.toml", "literal")
+    files = made("omni_s2", "literal").files
     assert all(b"NOT CERTIFIED" in files[f"omni_s2.{e}"] for e in ("h", "c", "py"))
     document = json.loads(files["omni_s2.certificate.json"])
     assert document["certified"] is False
     assert document["method"] == "sampled"
-    assert ("seed" in document["parameters"]) == (kind == "literal")
+    assert "seed" in document["parameters"]
+
+
+def test_an_adaptive_tube_is_written_with_its_certificate_and_the_steps_it_holds_for() -> None:
+    files = build(ROOT / "tasks" / "omni_s2.toml", "adaptive").files
+    document = json.loads(files["omni_s2.certificate.json"])
+    assert document["certified"] is True
+    assert document["method"] == "enclosure"
+    shortest, longest = document["alpha_steps"]
+    assert f"#define OMNI_S2_DT_SHORTEST {shortest}F" in files["omni_s2.h"].decode()
+    assert f"every dt from {shortest} to {longest} s" in files["omni_s2.py"].decode()
+    assert all("margin_exact" not in p for p in document["properties"])
 
 
 def test_the_refusal_of_a_literal_tube_says_what_it_does() -> None:

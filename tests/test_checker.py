@@ -95,7 +95,7 @@ def claims_more(before: dict, after: dict) -> bool:
     keys = ("segments", "clearance", "min_width", "prescribed_time", "scalar", "certified")
     if any(before.get(k) != after.get(k) for k in keys) or before["parameters"]["segments"] != after["parameters"]["segments"]:
         return True
-    return any(before["sha256"][k] != after["sha256"][k] for k in ("task_data", "omni_s1.c"))
+    return any(before["sha256"].get(k) != after["sha256"].get(k) for k in ("task_data", "omni_s1.c"))
 
 
 @settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -66,7 +66,8 @@ class Certificate:
     """The findings for one tube, and the numbers that go with them.
 
     edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension.
-    method: "exact", or "sampled", which finds faults and proves nothing.
+    method: "exact" and "enclosure" are proofs; "sampled" finds faults and proves nothing.
+    steps: the shortest and longest step of alpha (seconds) for which an adaptive or literal tube is proved.
     speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
     start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set but for
     a thousandth of its width at each edge.
@@ -79,17 +80,23 @@ class Certificate:
     start: tuple[tuple[Fraction, Fraction], ...]
     whole_start: bool
     method: str = "exact"
+    steps: tuple[Fraction, Fraction] | None = None
+
+    @property
+    def proves(self) -> bool:
+        return self.method != "sampled"
 
     @property
     def holds(self) -> bool:
-        return self.method == "exact" and all(f.holds for f in self.findings)
+        return self.proves and all(f.holds for f in self.findings)
 
     def refusal(self) -> str:
         """All that fails, in one line. P7 is named only where the exact tube itself is sound."""
-        if self.method != "exact" and not self.failures:
+        if self.method == "sampled" and not self.failures:
             return 'P1 to P6 hold at the samples, but this design is not proved between them; use tube.design = "refined"'
         broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
-        return "; ".join(f.refusal() for f in broken or self.failures)
+        told = "; ".join(f.refusal() for f in broken or self.failures)
+        return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
 
     @property
     def failures(self) -> tuple[Finding, ...]:

@@ -86,6 +86,15 @@ def probe_program(task: Task, design: AdaptiveDesign) -> Program:
     return Program(task.name, frame.n, task.emit.scalar, tuple(tables), kernels, (_probe(frame),))
 
 
+def lines_program(task: Task, design: AdaptiveDesign) -> Program:
+    """What the certificate encloses, from the kernels that are printed: rho, beta, psi; and theta, the edges, bumps' rates."""
+    frame = Frame(design, kernels_of_the_paper(), control_law_of(task), task.emit.scalar)
+    names = {"hold", "profile", "reach_edge", "theta", "lower_edge", "upper_edge", "circumvent", "circumvent_rate", "join"}
+    kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
+    tables = tuple(t for t in tables_of(frame) if t.name != "u_max")
+    return Program(task.name, frame.n, task.emit.scalar, tables, kernels, (_lines(frame),))
+
+
 def _alpha_init(n: int) -> Function:
     block = Block({"alpha"})
     with block.loop("i", 2 * n) as loop:
@@ -123,7 +132,7 @@ def _alpha_step(frame: Frame) -> Function:
     doc = (
         "One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new",
         "alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.",
-        "Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.",
+        "Call it once after each control step. A late start begins at t = 0 too: alpha_init, then such steps up to that t.",
     )
     params = (Param("t", None), Param("dt", None), Param("alpha", 2 * n, True, True))
     return Function("alpha_step", params, tuple(block.statements), False, doc)
@@ -253,3 +262,20 @@ def _probe(frame: Frame) -> Function:
     block.leave()
     params = (Param("t", None), Param("sigma", n, True), *(Param(p, 2 * n, True) for p in names[1:]))
     return Function("probe", params, tuple(block.statements), False, ("sigma[0], and rho, beta, psi, theta laid out as alpha.",))
+
+
+def _lines(frame: Frame) -> Function:
+    """rho, beta and psi at time t, each laid out as alpha."""
+    n = frame.n
+    names = ("rho", "beta", "psi")
+    block = Block({"t", *names})
+    held, sigma, _ = profile(block, frame, Var("t", REAL), False)
+    with block.loop("i", n) as loop:
+        lines = lines_of(block, frame, loop.index, held, sigma, None)
+        psi = psi_of(block, lines)
+        for side, label in ((LOWER, "low"), (UPPER, "high")):
+            at = block.op(f"{label}_out_at", "iadd", loop.index, integer(n)) if side else loop.index
+            for name, pair in zip(names, (lines.rho, lines.beta, psi), strict=True):
+                block.store(name, at, pair[side])
+    block.leave()
+    return Function("lines", (Param("t", None), *(Param(p, 2 * n, True) for p in names)), tuple(block.statements), False)

@@ -25,6 +25,7 @@ from stt_codegen.paper.smooth import smooth_join, smooth_max
 from stt_codegen.task import Task
 
 GRID = 450  # time steps of the search's tube
+WALL_INSET = 0.02  # of the target margin: rest levels keep off the walls, since an enclosure cannot show equality
 BITS = 18  # significant bits of every parameter
 
 
@@ -116,14 +117,14 @@ def _short(value: float) -> Fraction:
 
 
 def _empty_design(task: Task, arena: Arena, start: Array, settings: Settings) -> AdaptiveDesign:
-    margin = settings.target_margin
+    margin, inset = settings.target_margin, WALL_INSET * settings.target_margin
 
     def pairs(lower: Array, upper: Array) -> tuple[tuple[Fraction, Fraction], ...]:
         return tuple((_short(float(a)), _short(float(b))) for a, b in zip(lower, upper, strict=True))
 
     return AdaptiveDesign(
         "adaptive", task.prescribed_time, pairs(start[0], start[1]),
-        pairs(arena.target[0] + margin, arena.target[1] - margin), pairs(arena.space[0], arena.space[1]), (),
+        pairs(arena.target[0] + margin, arena.target[1] - margin), pairs(arena.space[0] + inset, arena.space[1] - inset), (),
         _short(settings.theta0), _short(settings.kappa), _short(settings.mu), _short(settings.varsigma), _short(settings.nu),
     )  # fmt: skip
 

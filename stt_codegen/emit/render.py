@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -25,6 +26,7 @@ from stt_codegen.wording import decimal
 
 Files = dict[str, bytes]
 CERTIFICATE_FORMAT = 1
+DIGITS = {"exact": 6, "enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
 
 
 def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate) -> Files:
@@ -43,10 +45,12 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "kind": design.kind,
         "hash": design_hash(task, design),
         "notice": _notice(task, certificate),
+        "steps": certificate.steps if certificate.holds else None,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
+    shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
     files = {
-        header: _template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c)),
+        header: _template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
         source: _template("controller.c.j2").render(**common, c=printer),
         module: _template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
@@ -80,8 +84,8 @@ def certificate_document(
         "clearance": decimal(task.tube.clearance),
         "min_width": decimal(task.tube.min_width),
         "start": {
-            "lower": [_edge(a, certificate) for a, _ in certificate.start],
-            "upper": [_edge(b, certificate) for _, b in certificate.start],
+            "lower": [_edge(a, certificate, above) for a, _ in certificate.start],
+            "upper": [_edge(b, certificate, below) for _, b in certificate.start],
             "covers_initial_set": certificate.whole_start,
         },
         "control": {
@@ -89,10 +93,11 @@ def certificate_document(
             "e_max": decimal(task.control.e_max),
             "u_max": None if task.control.u_max is None else [decimal(v) for v in task.control.u_max],
         },
-        "least_width": below(certificate.least_width),
-        "speed_bound": [above(v) for v in certificate.speed],
+        "least_width": below(certificate.least_width, DIGITS[certificate.method]),
+        "speed_bound": [above(v, DIGITS[certificate.method]) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
-        "properties": [_finding(f, certificate.method == "exact") for f in certificate.findings],
+        **({} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}),
+        "properties": [_finding(f, certificate.method) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
 
@@ -115,21 +120,21 @@ def _parameters(design: RefinedDesign | AdaptiveDesign) -> dict[str, Any]:
     return {**{name: _nearest(getattr(design, name)) for name in names}, **seed, "circumvent_functions": bumps}
 
 
-def _edge(value: Fraction, certificate: Certificate) -> str:
-    """Exact where the certificate is; samples to six digits, so that no library's last digit reaches the file."""
-    return str(value) if certificate.method == "exact" else f"{float(value):.6g}"
+def _edge(value: Fraction, certificate: Certificate, inward: Callable[[Fraction, int], float]) -> str:
+    """Exact where the certificate is, else rounded inward."""
+    return str(value) if certificate.method == "exact" else f"{inward(value, DIGITS[certificate.method]):g}"
 
 
-def _finding(finding: Finding, exact: bool) -> dict[str, Any]:
+def _finding(finding: Finding, method: str) -> dict[str, Any]:
     entry: dict[str, Any] = {
         "property": finding.code,
         "title": finding.title,
         "statement": finding.statement,
         "holds": finding.holds,
-        "margin": below(finding.margin),
+        "margin": below(finding.margin, DIGITS[method]),
         "required": above(finding.required),
     }
-    if exact:
+    if method == "exact":
         entry["margin_exact"] = str(finding.margin)
     if finding.time is not None:
         entry["time"] = [_nearest(v) for v in finding.time]
@@ -151,6 +156,9 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
             f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and ends in the target set.",
         ]
+        if certificate.steps is not None:
+            shortest, longest = (decimal(v) for v in certificate.steps)
+            lines.append(f"It holds for alpha_init at t = 0 and then alpha_step with every dt from {shortest} to {longest} s.")
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
         if task.control.u_max is not None:

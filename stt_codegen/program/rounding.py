@@ -1,7 +1,8 @@
 """A reader that bounds the rounding error of a kernel: for every value its range and how far it may be from the truth.
 
 Forward analysis in exact fractions: each operation adds at most half a unit in the last place of its result's range
-(plus half the least subnormal). Arithmetic only; a kernel with other nodes is an error here.
+(plus half the least subnormal), a function of the C library 2 units. The operations are those of the refined tube and of the
+edges (10); a kernel with other nodes is an error here.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from fractions import Fraction
 
 from stt_codegen.program.number import FORMATS, round_to
 from stt_codegen.program.program import Kernel, Op, Operand, Var
+from stt_codegen.program.running import LIBRARY_ULPS
 
 
 @dataclass(frozen=True)
@@ -52,11 +54,23 @@ def rounding_error(kernel: Kernel, inputs: Mapping[str, Inexact], scalar: str) -
 def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fraction, Fraction], Inexact]) -> Inexact:
     a = args[0]
     result: Inexact
-    if op.name == "neg":
-        return Inexact(-a.high, -a.low, a.error)
-    if op.name not in ("add", "sub", "mul"):
-        raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
-    b = args[1]
+    match op.name:
+        case "neg":
+            return Inexact(-a.high, -a.low, a.error)
+        case "fabs":
+            return Inexact(Fraction(0) if a.low <= 0 <= a.high else min(abs(a.low), abs(a.high)), a.size, a.error)
+        case "div" if args[1].low == args[1].high > 0:  # by a constant
+            by = args[1]
+            least = by.low - by.error
+            return rounded(min(a.low / by.low, a.high / by.low), a.high / by.low, (a.error + a.size / by.low * by.error) / least)
+        case "exp" if a.high <= 0 and a.error <= 1:  # slope at most exp(error) <= 1 + 2 error
+            return _of_library(rounded, Fraction(0), Fraction(1), a.error * (1 + 2 * a.error))
+        case "log1p" if a.low >= 0:  # below its argument; slope at most 1, and the computed argument is not below 0
+            return _of_library(rounded, Fraction(0), a.high, a.error)
+        case "add" | "sub" | "mul":
+            b = args[1]
+        case _:
+            raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
     if op.name == "add":
         result = rounded(a.low + b.low, a.high + b.high, a.error + b.error)
     elif op.name == "sub":
@@ -65,4 +79,14 @@ def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fractio
         corners = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
         low = Fraction(0) if op.args[0] == op.args[1] and a.low <= 0 <= a.high else min(corners)
         result = rounded(low, max(corners), a.size * b.error + b.size * a.error + a.error * b.error)
+    return result
+
+
+def _of_library(
+    rounded: Callable[[Fraction, Fraction, Fraction], Inexact], low: Fraction, high: Fraction, error: Fraction
+) -> Inexact:
+    """A result with the roundings of a library function, each `rounded` adding half a unit."""
+    result = Inexact(low, high, error)
+    for _ in range(2 * LIBRARY_ULPS):
+        result = rounded(low, high, result.error)
     return result

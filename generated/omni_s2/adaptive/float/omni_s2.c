@@ -1,8 +1,9 @@
 /* omni_s2.c: prescribed-time reach-avoid-stay controller, adaptive tube, single precision.
  *
- * *** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
- * This controller was written with --uncertified. Do not run it on a machine. P1 to P6 hold at samples;
- * between the samples nothing is proved.
+ * Certified (omni_s2.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+ * It starts on a part of the initial set only: see `start` in the certificate.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  */
@@ -24,18 +25,18 @@ static const omni_s2_real omni_s2_reach[8] = {
 
 /* By dimension: rest levels of beta_L and beta_U. */
 static const omni_s2_real omni_s2_walls[4] = {
-    0.000030517578F, 4.9999695F,
-    0.000030517578F, 4.9999695F
+    0.0006303713F, 4.999359F,
+    0.0006303713F, 4.999359F
 };
 
 /* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
  * 1 each, filled up with height 0.
  */
 static const omni_s2_real omni_s2_bumps[16] = {
-    3.1799622F, 0.3336811F, 4.1700134F, 1.6699982F,
+    3.179367F, 0.33374405F, 4.1700134F, 1.6699982F,
     0.0F, 1.0F, 0.0F, 1.0F,
     0.0F, 1.0F, 0.0F, 1.0F,
-    4.679962F, 0.038954258F, 1.8899994F, 1.8899918F
+    4.679352F, 0.038959503F, 1.8899994F, 1.8899918F
 };
 
 /* t held within [0, t_c]. */
@@ -519,14 +520,14 @@ void omni_s2_alpha_step(omni_s2_real t, omni_s2_real dt, omni_s2_real alpha[2 * 
         const omni_s2_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s2_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 41.99951F;
-        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.99951F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
         const int32_t alpha_high_at = i + 2;
         const omni_s2_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s2_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 41.99951F;
-        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.99951F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
         const omni_s2_real psi_low = beta_high - rho_low;
         const omni_s2_real psi_high = rho_high - beta_low;
         omni_s2_real low_p;
@@ -629,14 +630,14 @@ void omni_s2_alpha_rate(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
         const omni_s2_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s2_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 41.99951F;
-        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.99951F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
         const int32_t alpha_high_at = i + 2;
         const omni_s2_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s2_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 41.99951F;
-        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.99951F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
         const omni_s2_real psi_low = beta_high - rho_low;
         const omni_s2_real psi_high = rho_high - beta_low;
         omni_s2_real rate_low;
@@ -725,14 +726,14 @@ void omni_s2_tube(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N], omni_
         const omni_s2_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s2_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 41.99951F;
-        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.99951F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
         const int32_t alpha_high_at = i + 2;
         const omni_s2_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s2_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 41.99951F;
-        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.99951F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
         const omni_s2_real gamma_low = omni_s2_lower_edge(rho_low, alpha_low, beta_low, 100.024414F);
         const omni_s2_real gamma_high = omni_s2_upper_edge(rho_high, alpha_high, beta_high, 100.024414F);
         lower[i] = gamma_low;
@@ -825,14 +826,14 @@ void omni_s2_tube_rate(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
         const omni_s2_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s2_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 41.99951F;
-        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.99951F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
         const int32_t alpha_high_at = i + 2;
         const omni_s2_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s2_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 41.99951F;
-        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.99951F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
         const omni_s2_real psi_low = beta_high - rho_low;
         const omni_s2_real psi_high = rho_high - beta_low;
         omni_s2_real alpha_low_rate;
@@ -931,14 +932,14 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
         const omni_s2_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s2_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
-        const bool alpha_low_small = alpha_low_raised < 41.99951F;
-        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.99951F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s2_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
         const int32_t alpha_high_at = i + 2;
         const omni_s2_real alpha_high_in = alpha[alpha_high_at];
         const bool alpha_high_positive = 0.0F < alpha_high_in;
         const omni_s2_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
-        const bool alpha_high_small = alpha_high_raised < 41.99951F;
-        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.99951F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s2_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
         const omni_s2_real gamma_low = omni_s2_lower_edge(rho_low, alpha_low, beta_low, 100.024414F);
         const omni_s2_real gamma_high = omni_s2_upper_edge(rho_high, alpha_high, beta_high, 100.024414F);
         const omni_s2_real x_i = x[i];

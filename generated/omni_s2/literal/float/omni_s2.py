@@ -422,7 +422,7 @@ def alpha_init():
 def alpha_step(t, dt, alpha):
     """One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
     alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
-    Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
+    Call it once after each control step. A late start begins at t = 0 too: alpha_init, then such steps up to that t.
     """
     t = float(t)
     dt = float(dt)

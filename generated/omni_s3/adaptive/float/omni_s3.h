@@ -1,8 +1,9 @@
 /* omni_s3.h: prescribed-time reach-avoid-stay controller, adaptive tube, single precision.
  *
- * *** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
- * This controller was written with --uncertified. Do not run it on a machine. P1 to P6 hold at samples;
- * between the samples nothing is proved.
+ * Certified (omni_s3.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+ * It starts on a part of the initial set only: see `start` in the certificate.
  *
  * At the start call omni_s3_alpha_init(alpha). Then once every period, with t the time since the start: first
  * omni_s3_control(t, alpha, x, u), then omni_s3_alpha_step(t, period, alpha). alpha is yours and the only state;
@@ -20,7 +21,9 @@ typedef float omni_s3_real;
 
 #define OMNI_S3_N 2
 #define OMNI_S3_T_C 9.0F /* prescribed time, seconds */
-#define OMNI_S3_DESIGN_HASH "419f8e491b0947bf" /* log it: names this design */
+#define OMNI_S3_DT_SHORTEST 0.00028F /* the certificate holds for alpha_step with dt, seconds, */
+#define OMNI_S3_DT_LONGEST 0.0045F /* within these two, from alpha_init at t = 0 on */
+#define OMNI_S3_DESIGN_HASH "467beb5fcaa242ef" /* log it: names this design */
 
 typedef enum {
     OMNI_S3_OK = 0,
@@ -33,7 +36,7 @@ void omni_s3_alpha_init(omni_s3_real alpha[2 * OMNI_S3_N]);
 
 /* One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
  * alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
- * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
+ * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then such steps up to that t.
  */
 void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * OMNI_S3_N]);
 

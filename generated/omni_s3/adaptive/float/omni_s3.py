@@ -1,8 +1,9 @@
 """omni_s3: prescribed-time reach-avoid-stay controller, adaptive tube.
 
-*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***
-This controller was written with --uncertified. Do not run it on a machine. P1 to P6 hold at samples;
-between the samples nothing is proved.
+Certified (omni_s3.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+It starts on a part of the initial set only: see `start` in the certificate.
 
 The same functions as omni_s3.c (single precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 2 numbers and go out as tuples.
@@ -13,7 +14,7 @@ import math
 
 N = 2
 T_C = 9.0  # prescribed time, seconds
-DESIGN_HASH = "419f8e491b0947bf"
+DESIGN_HASH = "467beb5fcaa242ef"
 
 OK = 0
 OUTSIDE_TUBE = 1
@@ -27,15 +28,15 @@ REACH = (
 
 # By dimension: rest levels of beta_L and beta_U.
 WALLS = (
-    0.000030517578125, 4.999969482421875,
-    0.000030517578125, 4.999969482421875,
+    0.0006303712725639343, 4.999359130859375,
+    0.0006303712725639343, 4.999359130859375,
 )
 
 # Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
 # 1 each, filled up with height 0.
 BUMPS = (
     0.0, 1.0, 0.0, 1.0,
-    1.179962158203125, 0.31764793395996094, 2.5500030517578125, 2.1699981689453125,
+    1.179351806640625, 0.31781768798828125, 2.5500030517578125, 2.1699981689453125,
     0.0, 1.0, 0.0, 1.0,
     0.0, 1.0, 0.0, 1.0,
 )
@@ -420,7 +421,7 @@ def alpha_init():
 def alpha_step(t, dt, alpha):
     """One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
     alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
-    Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
+    Call it once after each control step. A late start begins at t = 0 too: alpha_init, then such steps up to that t.
     """
     t = float(t)
     dt = float(dt)
@@ -494,14 +495,14 @@ def alpha_step(t, dt, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 41.99951171875
-        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 41.99951171875
-        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
@@ -594,14 +595,14 @@ def alpha_rate(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 41.99951171875
-        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 41.99951171875
-        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         rate_low, jacobian_low = _update_rate(psi_low, alpha_low, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
@@ -686,14 +687,14 @@ def tube(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 41.99951171875
-        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 41.99951171875
-        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         lower[i] = gamma_low
@@ -780,14 +781,14 @@ def tube_rate(t, alpha):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 41.99951171875
-        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 41.99951171875
-        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         alpha_low_rate, jacobian_low = _update_rate(psi_low, alpha_low, 1.4989013671875, 30.0, 0.199951171875, 20.0048828125)
@@ -879,14 +880,14 @@ def control(t, alpha, x):
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
-        alpha_low_small = alpha_low_raised < 41.99951171875
-        alpha_low = alpha_low_raised if alpha_low_small else 41.99951171875
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
         alpha_high_at = i + 2
         alpha_high_in = alpha[alpha_high_at]
         alpha_high_positive = 0.0 < alpha_high_in
         alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
-        alpha_high_small = alpha_high_raised < 41.99951171875
-        alpha_high = alpha_high_raised if alpha_high_small else 41.99951171875
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
         gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
         gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
         x_i = x[i]

@@ -35,7 +35,7 @@ void omni_s3_alpha_init(omni_s3_real alpha[2 * OMNI_S3_N]);
 
 /* One implicit (backward Euler) step of (11) from t to t + dt seconds; fixed cost, stable for every dt > 0. The new
  * alpha replaces the given one (C) or is returned (Python); it is the given one when dt <= 0 or a number is not finite.
- * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then one step from 0 to that t.
+ * Call it once after each control step. A late start begins at t = 0 too: alpha_init, then such steps up to that t.
  */
 void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * OMNI_S3_N]);
 

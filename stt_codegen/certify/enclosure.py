@@ -1,0 +1,362 @@
+"""P1 to P7 for an adaptive or literal tube by enclosures: a proof for every t, every cell of time being one ball.
+
+    rho, beta, psi   ball arithmetic (Arb) over the kernels that are printed, roundings included
+    alpha            two curves that hold for (11) and for every sequence of emitted steps (update.py)
+    gamma            (10) is monotone in rho, alpha and beta: its ends are its values at theirs, by Arb, and widened by
+                     the rounding of the printed kernel (rounding.py)
+    gammadot         the steepest slope of each circumvent function by Arb, that of sigma, and a bound on alphadot
+
+Time is cut so that no edge of rho or beta moves by more than a fraction of the tube's width in one cell. What is proved holds
+for the emitted arithmetic, in C and in Python.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import arb
+
+from stt_codegen import reference
+from stt_codegen.certify.certificate import Certificate, Finding, above
+from stt_codegen.certify.sampled import parameters_of
+from stt_codegen.certify.update import Steps, ahead, lower_curve, upper_curve
+from stt_codegen.controller.adapted import lines_program
+from stt_codegen.controller.component import LEAST_WIDTH
+from stt_codegen.controller.pieces import alpha_cap
+from stt_codegen.design.adapted import AdaptiveDesign, Bump
+from stt_codegen.design.tube import LOWER, UPPER
+from stt_codegen.paper.circumvent import CUT
+from stt_codegen.program.arb import Ball, Enclosure, ball, hull
+from stt_codegen.program.number import FORMATS
+from stt_codegen.program.rounding import Inexact, rounding_error
+from stt_codegen.task import Box, Task
+from stt_codegen.wording import decimal
+
+MOVE = 0.02  # of the narrowest start or target: how far an edge may move in one cell
+CELLS = 300  # at least, however slow the tube is
+LADDER = ((2000, 1.0), (8000, 1.0), (8000, 0.4))  # t_c over the longest step, and how much finer the cells
+STEP_RANGE = 16  # longest over shortest step
+THETA_ROUNDINGS = 256  # relative, of the emitted theta: 2 * 2 * 40 of the held exponent, those of exp, sum, quotient, and room
+
+Array = npt.NDArray[Any]
+COARSE, HALVINGS = 3, 3  # how many times wider than MOVE a ball of psi may be, and how often its cell is halved for that
+NAMES = ("rho", "beta", "psi")
+LOW, HIGH = 0, 1  # ends of an enclosure
+SIGMA_RATE = 1.83489  # above the maximum of t_c sigmadot (design of (4))
+SHARP, PIECES = 1.05, 400  # how near the bound on a slope comes to the steepest slope, and pieces at most
+SETTINGS = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Bounds over each cell, last those for all times from t_c on: arrays of shape (N + 1, n, 2 sides, 2 ends)."""
+
+    times: Array  # (N + 1,) boundaries
+    rho: Array
+    beta: Array
+    psi: Array
+
+
+def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
+    """The findings, each proved for all t where it holds; the first rung of the ladder on which all hold, or the last."""
+    program = lines_program(task, design)
+    printed, exact = Enclosure(program, rounding=True), Enclosure(program, rounding=False)
+    lines, finer = None, 0.0
+    for division, fine in LADDER:
+        if lines is None or fine != finer:
+            lines, finer = enclose_lines(design, printed, fine), fine
+        steps = steps_of(design, task.emit.scalar, division)
+        alpha = enclose_alpha(design, exact, lines, steps)
+        certificate = _certificate(task, design, exact, lines, alpha, steps)
+        if certificate.holds:
+            break
+    return certificate
+
+
+def steps_of(design: AdaptiveDesign, scalar: str, division: int) -> Steps:
+    """Steps from t_c / (16 division) to t_c / division, as short decimals; t is kept to 4 units in the last place."""
+    t_c, roundoff = float(design.prescribed_time), float(FORMATS[scalar].roundoff)
+    shortest, longest = (Fraction(f"{t_c / division / share:.2g}") for share in (STEP_RANGE, 1))
+    return Steps(shortest, longest, 8 * roundoff * t_c, roundoff)
+
+
+# ------------------------------------------------------------------------------------- rho, beta, psi, alpha
+
+
+def cells_of(design: AdaptiveDesign, fine: float) -> Array:
+    """Cell boundaries from 0 to t_c, close where rho or beta move fast; on a grid of t_c / 2**24."""
+    p = parameters_of(design)
+    grid = np.linspace(0.0, 1.0, 8193)
+    now = reference.lines(p, grid * float(design.prescribed_time))
+    moved = np.maximum(np.abs(np.diff(now.rho, axis=0)), np.abs(np.diff(now.beta, axis=0))).max(axis=(1, 2)).astype(float)
+    share = moved / (MOVE * fine * _narrowest(design)) + CELLS / fine / len(moved)
+    total = np.concatenate([[0.0], np.cumsum(share)])
+    cuts = np.interp(np.linspace(0.0, total[-1], math.ceil(total[-1]) + 1), total, grid)
+    fine_cuts = np.rint(np.append(cuts, 2.0**-20) * 2**24)  # a short first cell, so that P2 speaks about gamma(0)
+    return np.unique(fine_cuts) / 2**24 * float(design.prescribed_time)
+
+
+def _narrowest(design: AdaptiveDesign) -> float:
+    return min(float(b - a) for edges in (design.start, design.target) for a, b in edges)
+
+
+def enclose_lines(design: AdaptiveDesign, printed: Enclosure, fine: float) -> Lines:
+    """rho, beta and psi over every cell, for the emitted arithmetic and every t within rounding of the cell."""
+    times = cells_of(design, fine)
+    late = float(design.prescribed_time) * 8 * float(FORMATS[printed.program.scalar].roundoff)
+    coarse = COARSE * MOVE * fine * _narrowest(design)
+    found = [_lines_in(printed, max(a - late, 0.0), b + late, coarse) for a, b in itertools.pairwise(times.tolist())]
+    found.append(_lines_in(printed, times[-1], times[-1] + late, coarse))
+    n = design.dimension
+    parts = np.array(found).reshape(len(found), len(NAMES), 2, n, 2).transpose(1, 0, 3, 2, 4)
+    return Lines(times, *parts)
+
+
+def _lines_in(printed: Enclosure, begin: float, end: float, coarse: float, depth: int = 0) -> Array:
+    """Ends of rho, beta and psi over one cell, shape (3 * 2n, 2); halved where the balls are wider than `coarse`, as where
+    bumps are joined."""
+    found = printed.run("lines", t=hull(begin, end))[0]
+    ends = np.array([_ends(value) for name in NAMES for value in found[name]])
+    if depth < HALVINGS and not (ends[:, HIGH] - ends[:, LOW]).max() < coarse:
+        middle = (begin + end) / 2
+        halves = _lines_in(printed, begin, middle, coarse, depth + 1), _lines_in(printed, middle, end, coarse, depth + 1)
+        return np.stack([np.minimum(*halves)[:, LOW], np.maximum(*halves)[:, HIGH]], axis=1)
+    return ends
+
+
+def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps: Steps) -> Array:
+    """Bounds on alpha over every cell, and last for all later times: shape (N + 1, n, 2, 2)."""
+    result = np.zeros(lines.psi.shape)
+    least = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, LOW], steps.reach, False), lines.psi[-1:, :, :, LOW]])
+    most = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, HIGH], steps.reach, True), lines.psi[-1:, :, :, HIGH]])
+    constants = [ball(v) for v in (design.theta0, design.mu, design.varsigma)]
+    spread = THETA_ROUNDINGS * steps.roundoff
+    times, kappa = lines.times.tolist(), float(design.kappa)
+
+    @cache
+    def theta(psi: float) -> tuple[float, float]:
+        if not math.isfinite(psi):
+            return (0.0, 2 * float(design.theta0) * (1 + spread))
+        return _ends(exact.kernel("theta", ball(psi), *constants)[0])
+
+    for i, side in np.ndindex(*result.shape[1:3]):
+        low_psi, high_psi = least[:, i, side].tolist(), most[:, i, side].tolist()
+        strong = [theta(v)[HIGH] * (1 + spread) for v in low_psi]
+        weak = [theta(v)[LOW] * (1 - spread) for v in high_psi]
+        result[:, i, side, HIGH] = upper_curve(times, low_psi, strong, kappa, steps)
+        result[:, i, side, LOW] = lower_curve(times, high_psi, weak, kappa, steps)
+    return result
+
+
+def _ends(value: Ball) -> tuple[float, float]:
+    """Doubles that enclose a ball; infinite where the ball is not finite."""
+    if not value.is_finite():
+        return -math.inf, math.inf
+    return math.nextafter(float(value.lower()), -math.inf), math.nextafter(float(value.upper()), math.inf)
+
+
+# --------------------------------------------------------------------------------------------------- gamma
+
+
+def enclose_edges(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array) -> tuple[Array, Fraction]:
+    """gamma over every cell as the emitted `tube` gives it, shape (N + 1, n, 2, 2), and the rounding of its kernel.
+
+    gamma_L rises with rho and beta and falls with alpha_L, gamma_U rises with all three (weights in [0, 1]).
+    """
+    error = edge_rounding(task, design, exact)
+    spread = math.nextafter(float(error), math.inf)
+    nu = ball(design.nu)
+    result = np.empty(alpha.shape)
+    for name, side in (("lower_edge", LOWER), ("upper_edge", UPPER)):
+        for end, widen in ((LOW, -1), (HIGH, 1)):
+            a = alpha[:, :, side, HIGH - end if side == LOWER else end]
+            rows = zip(lines.rho[:, :, side, end].flat, a.flat, lines.beta[:, :, side, end].flat, strict=True)
+            values = [_ends(exact.kernel(name, arb(r), arb(v), arb(b), nu)[0])[end] for r, v, b in rows]
+            result[:, :, side, end] = np.nextafter(np.reshape(values, a.shape) + widen * spread, widen * np.inf)
+    return np.where(np.isnan(result), np.array([-np.inf, np.inf]), result), error
+
+
+def edge_rounding(task: Task, design: AdaptiveDesign, exact: Enclosure) -> Fraction:
+    """How far the emitted kernel of an edge may be from (10) for the same rho, alpha and beta, in the task's units."""
+    size = max(abs(v) for edge in (*design.start, *design.target, *design.walls) for v in edge)
+    size += max((b.height for b in design.bumps), default=Fraction(0)) * 2
+    line = Inexact(-size, size)
+    inputs = {"rho": line, "alpha": Inexact(Fraction(0), alpha_cap(design)), "beta": line, "nu": Inexact(design.nu, design.nu)}
+    kernels = (exact.program.kernel(name) for name in ("lower_edge", "upper_edge"))
+    return max(rounding_error(kernel, inputs, task.emit.scalar)[0].error for kernel in kernels)
+
+
+def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array) -> Array:
+    """A bound on |gammadot| along (11) by dimension, shape (n,).
+
+    gamma's weights lie in [0, 1], so |gammadot| <= max(|rhodot| + |alphadot|, |betadot|). With a = alphadot,
+    adot = F_psi psidot + F_alpha a and both derivatives negative: |a| <= max(|a(0)|, sup |F_psi / F_alpha| sup |psidot|).
+    """
+    t_c, kappa = float(design.prescribed_time), float(design.kappa)
+    theta0, sharp, mu = float(design.theta0), float(design.varsigma), float(design.mu)
+    bounds = []
+    for i in range(design.dimension):
+        reach = [abs(float(design.target[i][s] - design.start[i][s])) * SIGMA_RATE / t_c for s in (LOWER, UPPER)]
+        rise = [_beta_rate(task, design, exact, i, s) for s in (LOWER, UPPER)]
+        fastest = 0.0
+        for side in (LOWER, UPPER):
+            psi, a = lines.psi[:, i, side], alpha[:, i, side]
+            z = np.maximum(psi[:, LOW] + a[:, LOW], 1e-9)
+            with np.errstate(over="ignore"):
+                force = 2 * theta0 / (1 + np.exp(np.clip(2 * sharp * (psi[:, LOW] - mu), -700, 700)))
+            # |F_psi| = 2 theta/z^3 + |theta'|/z^2 with |theta'| <= 2 varsigma theta, |F_alpha| = 2 theta/z^3 + kappa
+            ratio = (2 * force / z**3 + 2 * sharp * force / z**2) / (2 * force / z**3 + kappa)
+            first = force[0] / z[0] ** 2
+            moving = max(first, float(ratio.max()) * (reach[side] + rise[1 - side]))
+            fastest = max(fastest, reach[side] + moving, rise[side])
+        bounds.append(fastest * (1 + 1e-9))
+    return np.array(bounds)
+
+
+def _beta_rate(task: Task, design: AdaptiveDesign, exact: Enclosure, i: int, side: int) -> float:
+    """A bound on |betadot|: the steepest slope of each circumvent function, summed over those alive at one time (joining
+    weights each by at most 1)."""
+    slopes = [
+        (float(b.middle - b.radius), float(b.middle + b.radius), steepest_slope(b, task.emit.scalar, exact))
+        for b in design.of(i, side)
+    ]
+    return max((sum(s for c, d, s in slopes if c <= a <= d) for a, _, _ in slopes), default=0.0)
+
+
+def steepest_slope(bump: Bump, scalar: str, exact: Enclosure) -> float:
+    """A bound on the slope of a circumvent function, at most SHARP above the steepest: pieces of its half are halved, the
+    steepest first."""
+    shape = [ball(v) for v in (bump.height, bump.steepness, Fraction(0), bump.radius, CUT[scalar])]
+
+    def bound(low: float, high: float) -> tuple[float, float, float]:
+        return -max(map(abs, _ends(exact.kernel("circumvent_rate", hull(low, high), *shape)[1]))), low, high
+
+    pieces, met = [bound(0.0, float(bump.radius))], 0.0
+    for _ in range(PIECES):
+        worst, low, high = pieces[0]
+        middle = (low + high) / 2
+        met = max(met, abs(float(exact.kernel("circumvent_rate", arb(middle), *shape)[1])))
+        if -worst <= SHARP * met:
+            break
+        heapq.heapreplace(pieces, bound(low, middle))
+        heapq.heappush(pieces, bound(middle, high))
+    return -pieces[0][0]
+
+
+# ------------------------------------------------------------------------------------------------ findings
+
+
+def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, steps: Steps) -> Certificate:
+    gamma, error = enclose_edges(task, design, exact, lines, alpha)
+    speed = tuple(_fraction(v) for v in speed_bound(task, design, exact, lines, alpha))
+    find = _Finder(task, lines.times, gamma)
+    width = _gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
+    least = max(task.tube.min_width, LEAST_WIDTH)
+    x_low, x_high = _outside(task.initial_state, task.initial_state)
+    inside = np.minimum(_gap(gamma[0, :, LOWER, HIGH], x_low), _gap(x_high, gamma[0, :, UPPER, LOW]))
+    stay, begin, end = (find.within(box) for box in (task.free_space, task.initial_set, task.target_set))
+    limit, fastest = task.tube.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
+    seventh = (
+        f"{task.emit.scalar} arithmetic is within the enclosures; "
+        f"alpha_step with dt from {decimal(steps.shortest)} to {decimal(steps.longest)} s, from t = 0 on"
+    )
+    return Certificate(
+        findings=(
+            find.least(_gap(_above(least), width), 0, "P1", f"width >= {decimal(least)} in every dimension"),
+            find.least(inside[None], 0, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
+            find.least(begin[:1], 0, "P2", "gamma(0) within the initial set"),
+            find.least(stay, 0, "P3", "gamma within the state space"),
+            find.avoid(),
+            find.least(end[-1:], len(end) - 1, "P5", "gamma(t_c) within the target set"),
+            Finding(
+                "P6", f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
+                Fraction(0) if limit is None else limit - max(speed), Fraction(0), advice="raise tube.max_speed",
+            ),
+            Finding("P7", seventh, Fraction(0), Fraction(0)),
+        ),
+        edge_error=(error,) * task.dimension,
+        speed=speed,
+        least_width=_fraction(width.min()),
+        start=tuple((_fraction(a), _fraction(b)) for a, b in zip(gamma[0, :, LOWER, HIGH], gamma[0, :, UPPER, LOW], strict=True)),
+        whole_start=False,
+        method="enclosure",
+        steps=(steps.shortest, steps.longest),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Finder:
+    """Findings from the enclosure of gamma, shape (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
+
+    task: Task
+    times: Array
+    gamma: Array
+
+    def within(self, box: Box) -> Array:
+        """Slack of the outer ends inside a box, (N + 1, n)."""
+        lower, upper = _inside(box.lower, box.upper)
+        return np.minimum(_gap(lower, self.gamma[:, :, LOWER, LOW]), _gap(self.gamma[:, :, UPPER, HIGH], upper))
+
+    def least(self, slack: Array, first: int, code: str, statement: str, advice: str = SETTINGS) -> Finding:
+        """The least slack (shape (cells, n), from cell `first` on) as a finding."""
+        k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
+        return Finding(
+            code, statement, _fraction(slack[k, i]), Fraction(0), self.interval(first + int(k)), int(i) + 1, None, advice
+        )
+
+    def avoid(self) -> Finding:
+        """P4: in every cell the best separating dimension and side of each unsafe set."""
+        unsafe, clearance = self.task.grown_unsafe, self.task.tube.clearance
+        if not unsafe:
+            return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
+        worst: tuple[float, int, str] = (math.inf, 0, "")
+        for s in unsafe:
+            lower, upper = _outside([v - clearance for v in s.lower], [v + clearance for v in s.upper])
+            below, above_it = _gap(self.gamma[:, :, UPPER, HIGH], lower), _gap(upper, self.gamma[:, :, LOWER, LOW])
+            slack = np.maximum(below, above_it).max(axis=1)
+            k = int(np.argmin(slack))
+            worst = min(worst, (float(slack[k]), k, s.name))
+        slack_, k, name = worst
+        statement = f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets"
+        return Finding("P4", statement, _fraction(slack_), Fraction(0), self.interval(k), None, name, SETTINGS)
+
+    def interval(self, cell: int) -> tuple[Fraction, Fraction]:
+        t_c = self.task.prescribed_time
+        return (t_c, t_c) if cell >= len(self.times) - 1 else (_fraction(self.times[cell]), _fraction(self.times[cell + 1]))
+
+
+def _gap(low: Any, high: Any) -> Array:
+    """A lower bound on high - low."""
+    return np.asarray(np.nextafter(np.asarray(high, dtype=float) - low, -np.inf))
+
+
+def _inside(lower: Sequence[Fraction], upper: Sequence[Fraction]) -> tuple[Array, Array]:
+    """Lower and upper edge of a box as doubles, each on its inner side: what keeps within them is in the box."""
+    return np.array([_above(v) for v in lower]), np.array([_below(v) for v in upper])
+
+
+def _outside(lower: Sequence[Fraction], upper: Sequence[Fraction]) -> tuple[Array, Array]:
+    """Lower and upper edge of a box as doubles, each on its outer side: what keeps off them is off the box."""
+    return np.array([_below(v) for v in lower]), np.array([_above(v) for v in upper])
+
+
+def _above(value: Fraction) -> float:
+    return math.nextafter(float(value), math.inf)
+
+
+def _below(value: Fraction) -> float:
+    return math.nextafter(float(value), -math.inf)
+
+
+def _fraction(value: float) -> Fraction:
+    """A bound as a fraction; what could not be bounded counts as far off."""
+    return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))
