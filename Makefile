@@ -5,10 +5,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+PEERS := $(VENV)/.peers
 TASKS := $(sort $(wildcard tasks/*.toml))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test generate check lock clean help
+.PHONY: demo test generate check peers lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -2
@@ -20,7 +21,7 @@ demo: $(STAMP)
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen compare $$task || exit; done
 	@echo "Look at demo/: pictures (.png), C (.h, .c), Python (.py) and certificates (.certificate.json)."
 
-test: $(STAMP)
+test: $(STAMP) $(if $(CI),$(PEERS))
 	@.ci/tools test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -45,9 +46,18 @@ $(STAMP): requirements.lock pyproject.toml
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
+# What the arenas benchmark compares with (planners, reachability, a solver); its tests are skipped where it is missing.
+peers: $(PEERS)
+
+$(PEERS): peers.lock $(STAMP)
+	@echo "installing the peers of the arenas benchmark (once)..."
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r peers.lock
+	@touch $@
+
 # After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers pyproject.toml -o peers.lock
 
 clean:
 	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis

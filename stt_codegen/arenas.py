@@ -1,7 +1,8 @@
 """Random reach-avoid arenas, the same for every test and benchmark: a seed gives axis-aligned cubes in [0, side]^n.
 
 Start [0, 0.5]^n, target [side - 0.5, side]^n, 9 s. Unsafe cubes touch neither and may overlap one another. Four unit
-squares in [0, 5]^2 is the paper's benchmark.
+squares in [0, 5]^2 is the paper's benchmark. A corridor is long in its first dimension and has upright slabs one behind the
+other, with gaps between.
 """
 
 from __future__ import annotations
@@ -19,23 +20,37 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Family:
-    """A family of arenas: so many cubes of this size in [0, side]^dimension."""
+    """A family of arenas: so many cubes of this size in [0, side]^dimension, or in a corridor of this length. `reach`: an arena
+    counts as feasible when a point keeps this much from every unsafe set."""
 
     name: str
     count: int = 4
     size: float = 1.0
     dimension: int = 2
     side: float = 5.0
+    reach: float = 0.1
+    length: float | None = None
+
+    @property
+    def upper(self) -> tuple[float, ...]:
+        """The upper corner of the state space."""
+        return (self.length or self.side, *[self.side] * (self.dimension - 1))
+
+    @property
+    def prescribed_time(self) -> float:
+        """Seconds; a corridor takes as long a unit as the paper's arena."""
+        return 9.0 * self.upper[0] / self.side
 
 
 FAMILIES = {
     f.name: f
     for f in (
         Family("paper"),
-        Family("dense12", count=12, size=0.6),
-        Family("dense24", count=24, size=0.5),
-        Family("space3", count=20, dimension=3),
-        Family("space6", count=10, dimension=6),
+        Family("dense12", count=12, size=0.6, reach=0.13),
+        Family("dense24", count=24, size=0.5, reach=0.13),
+        Family("space3", count=20, dimension=3, reach=0.13),
+        Family("space6", count=10, dimension=6, reach=0.13),
+        Family("corridor", count=1000, length=500.0, reach=0.06),
     )
 }
 
@@ -44,6 +59,12 @@ def cubes(family: Family, seed: int) -> Array:
     """The unsafe cubes of one arena, shape (count, dimension, 2): lower and upper edge by dimension."""
     random = np.random.default_rng(seed)
     n, side = family.dimension, family.side
+    if family.length is not None:
+        pitch = (family.length - 4.0) / family.count
+        left = 2.0 + pitch * np.arange(family.count)
+        low = random.uniform(0.0, side - family.size, family.count)
+        thick = min(family.size, 0.6 * pitch)
+        return np.stack([np.stack([left, left + thick], axis=1), np.stack([low, low + family.size], axis=1)], axis=1)
     free = (np.array([[0.0, BOX]] * n), np.array([[side - BOX, side]] * n))
     found: list[Array] = []
     while len(found) < family.count:
@@ -56,16 +77,16 @@ def cubes(family: Family, seed: int) -> Array:
 
 def arena_text(family: Family, seed: int, clearance: float = 0.03, min_width: float = 0.05) -> str:
     """One arena as the text of a task file."""
-    n, side = family.dimension, family.side
+    n, upper = family.dimension, list(family.upper)
 
-    def box(lower: float, upper: float) -> str:
-        return f"lower = {[lower] * n}\nupper = {[upper] * n}\n"
+    def box(low: list[float], high: list[float]) -> str:
+        return f"lower = {low}\nupper = {high}\n"
 
     parts = [
-        f'name = "arena"\nprescribed_time = 9.0\ninitial_state = {[BOX / 2] * n}\n',
-        "[state_space]\n" + box(0.0, side),
-        "[initial_set]\n" + box(0.0, BOX),
-        "[target_set]\n" + box(side - BOX, side),
+        f'name = "arena"\nprescribed_time = {family.prescribed_time}\ninitial_state = {[BOX / 2] * n}\n',
+        "[state_space]\n" + box([0.0] * n, upper),
+        "[initial_set]\n" + box([0.0] * n, [BOX] * n),
+        "[target_set]\n" + box([v - BOX for v in upper], upper),
         f"[tube]\nclearance = {clearance}\nmin_width = {min_width}\n",
     ]
     for k, cube in enumerate(cubes(family, seed), 1):
@@ -78,15 +99,17 @@ def arena_task(family: Family, seed: int, clearance: float = 0.03, min_width: fl
     return parse_task(arena_text(family, seed, clearance, min_width), f"{family.name} {seed}")
 
 
-def feasible(family: Family, seed: int, reach: float) -> bool:
+def feasible(family: Family, seed: int, reach: float | None = None) -> bool:
     """Whether a point can go from the start's centre to the target's centre when every cube grows, and the space
-    shrinks, by `reach` < 0.25. Exact: flood fill of the cells between the cubes' edges."""
-    boxes, side, n = cubes(family, seed), family.side, family.dimension
+    shrinks, by `reach` < 0.25 (the family's when None). Exact: flood fill of the cells between the cubes' edges."""
+    boxes, n = cubes(family, seed), family.dimension
+    reach = family.reach if reach is None else reach
     edges = []
     for i in range(n):
         grown = np.concatenate([boxes[:, i, 0] - reach, boxes[:, i, 1] + reach])
-        inner = grown[(grown > reach) & (grown < side - reach)]
-        edges.append(np.unique(np.concatenate([inner, [reach, side - reach]])))
+        end = family.upper[i] - reach
+        inner = grown[(grown > reach) & (grown < end)]
+        edges.append(np.unique(np.concatenate([inner, [reach, end]])))
     free = np.ones([len(axis) - 1 for axis in edges], dtype=bool)
     for box in boxes:
         spans = []
@@ -95,10 +118,10 @@ def feasible(family: Family, seed: int, reach: float) -> bool:
             spans.append(slice(*np.searchsorted(middles, (box[i, 0] - reach, box[i, 1] + reach))))
         free[tuple(spans)] = False
 
-    def cell(value: float) -> tuple[int, ...]:
-        return tuple(int(np.searchsorted(axis, value, side="right")) - 1 for axis in edges)
+    def cell(point: list[float]) -> tuple[int, ...]:
+        return tuple(int(np.searchsorted(axis, v, side="right")) - 1 for axis, v in zip(edges, point, strict=True))
 
-    start, goal = cell(BOX / 2), cell(side - BOX / 2)
+    start, goal = cell([BOX / 2] * n), cell([v - BOX / 2 for v in family.upper])
     if not (free[start] and free[goal]):
         return False
     free[start] = False

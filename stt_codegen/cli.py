@@ -30,6 +30,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+bench = typer.Typer(help="Measure: designs over random arenas.", no_args_is_help=True)
+app.add_typer(bench, name="bench")
+
 TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
 TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
@@ -344,6 +347,25 @@ def certify(
         print(said.getvalue(), end="")
     if code:
         raise typer.Exit(code)
+
+
+@bench.command()
+def arenas(
+    family: Annotated[list[str] | None, typer.Option(help="families of arenas (default: all, and both stretches)")] = None,
+    design: Annotated[list[str] | None, typer.Option(help="refined, adaptive, literal (default: all with --family)")] = None,
+    count: Annotated[int | None, typer.Option(min=1, help="at most so many arenas of each family")] = None,
+    clearance: Annotated[float | None, typer.Option(help="override tube.clearance", show_default="0.03")] = None,
+    min_width: Annotated[float | None, typer.Option(help="override tube.min_width", show_default="0.05")] = None,
+    processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
+    peers: Annotated[bool, typer.Option("--peers", help="planners, reachability and a barrier filter in the same run")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Design and certify random arenas by the hundred; tables of how many, how fast, how wide, how slow."""
+    from stt_codegen.bench.command import run_arenas
+
+    run_arenas(family, design, count, clearance, min_width, processes, scheduler, peers, record, json)
 
 
 @app.command()

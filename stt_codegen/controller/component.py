@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
@@ -53,18 +54,25 @@ def control_law_of(task: Task) -> Law:
             f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
         )
     return Law(
-        normalized_error=lower(
-            control_law.normalized_error(),
-            ("Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x.",),
-        ),
-        transformed_error=lower(
-            control_law.transformed_error(),
-            ("Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b.",),
-        ),
-        law=lower(control_law.law(), ("Control law (13): u = -k xi epsilon.",)),
+        *_kernels_of_the_law(),
         gain=gain,
         e_max=e_max,
         u_max=None if task.control.u_max is None else tuple(round_down(v, scalar) for v in task.control.u_max),
+    )
+
+
+@cache  # they depend on no task
+def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
+    return (
+        lower(
+            control_law.normalized_error(),
+            ("Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x.",),
+        ),
+        lower(
+            control_law.transformed_error(),
+            ("Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b.",),
+        ),
+        lower(control_law.law(), ("Control law (13): u = -k xi epsilon.",)),
     )
 
 

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from stt_codegen.controller.component import (
     Law,
@@ -66,6 +67,7 @@ class Kernels:
         return tuple(k for name, k in vars(self).items() if name not in unused)
 
 
+@cache  # they depend on no task
 def kernels_of_the_paper() -> Kernels:
     return Kernels(
         hold=_hold(),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from stt_codegen.controller.component import (
     Law,
@@ -57,15 +58,7 @@ class SplineKernels:
 def refined_program(task: Task, design: RefinedDesign) -> Program:
     """Everything that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar."""
     n = design.dimension
-    spline = SplineKernels(
-        segment=_segment(design),
-        basis=lower(
-            refined_tube.basis(),
-            ("6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6.",),
-        ),
-        basis_rate=lower(refined_tube.basis_rate(), ("Derivative of the weights with respect to s.",)),
-        blend=lower(refined_tube.blend(), ("An edge of the tube (or its slope in spline time): sum of w_j q_j.",)),
-    )
+    spline = SplineKernels(_segment(design), *_kernels_of_the_tube())
     law = control_law_of(task)
     tables = [_coefficients(design)]
     if law.u_max is not None:
@@ -83,6 +76,15 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
         tables=tuple(tables),
         kernels=(spline.segment, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
         functions=functions,
+    )
+
+
+@cache  # they depend on no task
+def _kernels_of_the_tube() -> tuple[Kernel, Kernel, Kernel]:
+    return (
+        lower(refined_tube.basis(), ("6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6.",)),
+        lower(refined_tube.basis_rate(), ("Derivative of the weights with respect to s.",)),
+        lower(refined_tube.blend(), ("An edge of the tube (or its slope in spline time): sum of w_j q_j.",)),
     )
 
 

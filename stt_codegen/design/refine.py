@@ -64,18 +64,21 @@ class Shape:
         return float(self.widths.min())
 
 
-def refine(task: Task) -> RefinedDesign:
-    """Design a refined tube. Raises `NotCertified` with the reason when none is found."""
+def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
+    """Design a refined tube. Raises `NotCertified` with the reason when none is found.
+
+    room: the peak speed over the least that was found; at 1 the tube is as slow, and so as narrow, as it gets.
+    """
     arena = normalised(arena_of(task), magnitude(task))
     start = starting_box(arena)
     ladder = (task.tube.segments,) if task.tube.segments else SEGMENTS
     *wide, shortest = candidate_routes(arena, start)
     for route in wide:
         with suppress(NotCertified):  # too fast along this one; the shortest may do
-            shape = _follow(arena, start, route, ladder[:1])
+            shape = _follow(arena, start, route, ladder[:1], room)
             if shape is not None:
                 return round_design(task, shape)
-    shape = _follow(arena, start, shortest, ladder)
+    shape = _follow(arena, start, shortest, ladder, room)
     if shape is not None:
         return round_design(task, shape)
     raise NotCertified(
@@ -99,7 +102,7 @@ def candidate_routes(arena: Arena, start: Array) -> list[Route]:
     return [*routes, shortest]
 
 
-def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...]) -> Shape | None:
+def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...], room: float) -> Shape | None:
     """A spline tube along the route, with the fewest segments of the ladder that do."""
     sides = choose_sides(arena, route, start)
     timing = least_times(arena, sides, start, route) if sides is not None else None
@@ -110,7 +113,7 @@ def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...]) -
             changes = _changes(timing, sides, shares, segments)
             if changes is None:
                 continue
-            shape = _shape(arena, start, bounds_by_stretch(arena, sides, changes, segments), segments, timing)
+            shape = _shape(arena, start, bounds_by_stretch(arena, sides, changes, segments), segments, timing, room)
             if shape is not None:
                 return shape
     return None
@@ -191,23 +194,25 @@ def _changes(timing: Timing, sides: Sides, shares: tuple[float, ...], segments: 
 # ------------------------------------------------------------------------------------------------- shape
 
 
-def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Timing) -> Shape | None:
+def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Timing, room: float) -> Shape | None:
     """Least peak speed, then greatest width, with sides chosen anew after each while that helps; then each dimension
     as slow as its width allows."""
-    best = _solve_all(arena, start, bounds, segments)
+    programs = _programs(arena, start, bounds, segments)
+    best = _solve_all(programs)
     if best is None:
         return None
     floor = timing.length / segments
     for _ in range(ROUNDS):
         if best.pace <= 1.03 * floor:
             break
-        trial_bounds = _sides_of(arena, best, segments)
-        trial = _solve_all(arena, start, trial_bounds, segments)
+        others = _programs(arena, start, _sides_of(arena, best, segments), segments)
+        trial = _solve_all(others)
         if trial is None or trial.pace * GAIN > best.pace:
             break
-        best, bounds = trial, trial_bounds
+        best, programs = trial, others
     per_segment = arena.prescribed_time / segments
-    pace = min(max(SPEED_ROOM * best.pace, timing.narrowest / segments), arena.max_speed * per_segment - arena.allowance)
+    freely = max(room * best.pace, timing.narrowest / segments) if room > 1 else best.pace
+    pace = min(freely, arena.max_speed * per_segment - arena.allowance)
     if best.pace > pace:
         needed = (best.pace + arena.allowance) / per_segment * 1.00001  # so that the printed digits are enough
         speed = arena.length_unit / arena.time_unit
@@ -215,29 +220,26 @@ def _shape(arena: Arena, start: Array, bounds: Array, segments: int, timing: Tim
             f"P6 speed: the slowest tube found needs {needed * speed:.6g}, above tube.max_speed {arena.max_speed * speed:.6g}; "
             f"raise tube.max_speed to that, or prescribed_time to {arena.time_unit * needed / arena.max_speed:.6g} s"
         )
-    widest = _solve_all(arena, start, bounds, segments, pace)
+    widest = _solve_all(programs, pace)
     if widest is None:
         return best
     for _ in range(ROUNDS):
         if widest.width >= 1.0:
             break
-        trial_bounds = _sides_of(arena, widest, segments)
-        trial = _solve_all(arena, start, trial_bounds, segments, pace)
+        others = _programs(arena, start, _sides_of(arena, widest, segments), segments)
+        trial = _solve_all(others, pace)
         if trial is None or trial.width < GAIN * widest.width:
             break
-        widest, bounds = trial, trial_bounds
-    calm = _solve_all(arena, start, bounds, segments, pace, widest.widths)
+        widest, programs = trial, others
+    calm = _solve_all(programs, pace, widest.widths)
     return calm or widest
 
 
-def _solve_all(
-    arena: Arena, start: Array, bounds: Array, segments: int, pace: float | None = None, widths: Array | None = None
-) -> Shape | None:
+def _solve_all(programs: list[_Dimension], pace: float | None = None, widths: Array | None = None) -> Shape | None:
     """Every dimension by itself (with the sides fixed, nothing couples them); None when one has no tube."""
     solved = []
-    for i in range(arena.dimension):
-        keep = None if widths is None else float(widths[i])
-        one = solve_dimension(arena, start[:, i], bounds[:, :, i], i, segments, pace, keep)
+    for i, program in enumerate(programs):
+        one = program.solve(pace, None if widths is None else float(widths[i]))
         if one is None:
             return None
         solved.append(one)
@@ -248,71 +250,80 @@ def _solve_all(
     )
 
 
-def solve_dimension(
-    arena: Arena, start: Array, bounds: Array, i: int, segments: int, pace: float | None, width: float | None
-) -> tuple[Array, float, float] | None:
-    """The tube of dimension i by one linear program: control points of shape (2, K + 3), pace, relative width.
+def _programs(arena: Arena, start: Array, bounds: Array, segments: int) -> list[_Dimension]:
+    return [_Dimension(arena, start[:, i], bounds[:, :, i], i, segments) for i in range(arena.dimension)]
 
-    Pace is the most that an edge moves in one segment's time. pace None: least pace. pace given, width None: greatest
-    width at that pace. Both given: least pace at that width. Widths are relative to the narrower of start and target,
-    so 1 fills it. start: the edges at t = 0. bounds: shape (K, 2), from `bounds_by_stretch`. Constraints are on Bezier
-    coefficients (hull property); the last control point equals the last but two: zero slope at t_c, exactly.
+
+class _Dimension:
+    """The tube of dimension i as a linear program in its control points, its pace and its relative width.
+
+    Pace is the most that an edge moves in one segment's time. Widths are relative to the narrower of start and target, so 1
+    fills it. start: the edges at t = 0. bounds: shape (K, 2), from `bounds_by_stretch`. Constraints are on Bezier coefficients
+    (hull property); the last control point equals the last but two: zero slope at t_c, exactly.
     """
-    points = segments + 2  # the point K + 2 is the point K
-    column = np.arange(2 * points).reshape(2, points)
-    column = np.concatenate([column, column[:, segments : segments + 1]], axis=1)
-    width_column, pace_column = 2 * points, 2 * points + 1
-    program = LinearProgram(2 * points + 2)
-    relative = float(min(start[1] - start[0], arena.target[1, i] - arena.target[0, i]))
-    ends = ((segments, segments + 1),)
 
-    for e in (LOWER, UPPER):
-        c = column[e]
-        free = np.full(segments, np.inf)
-        low, high = (bounds[:, 0], free) if e == LOWER else (-free, bounds[:, 1])
-        program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [2 / 3, 1 / 3], low, high)
-        program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [1 / 3, 2 / 3], low, high)
-        program.rows(
-            np.stack([c[1:-3], c[2:-2], c[3:-1]], axis=1),
-            [1 / 6, 4 / 6, 1 / 6],
-            np.maximum(low[1:], low[:-1]),
-            np.minimum(high[1:], high[:-1]),
-        )
-        program.rows(c[None, :3], [1 / 6, 4 / 6, 1 / 6], start[e], start[e])
-        program.rows(
-            c[np.array(ends)],
-            [2 / 6, 4 / 6],
-            max(arena.target[0, i], low[-1]) if e == LOWER else -np.inf,
-            min(arena.target[1, i], high[-1]) if e == UPPER else np.inf,
-        )
-        # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
-        pairs = np.concatenate([np.stack([c[2:], c[1:-1]], axis=1), c[None, [2, 0]]])
-        share = np.concatenate([np.full(segments + 1, 1.0), [0.5]])[:, None]
-        shared = np.hstack([pairs, np.full((len(pairs), 1), pace_column)])
-        ones = np.ones((len(pairs), 1))
-        program.rows(shared, np.hstack([share, -share, -ones]), -np.inf, 0.0)
-        program.rows(shared, np.hstack([share, -share, ones]), 0.0, np.inf)
-    inner, outer = column[LOWER, :points], column[UPPER, :points]
-    pairs = np.stack([outer, inner], axis=1)
-    program.rows(pairs, [1, -1], arena.min_width, np.inf)
-    program.lower[width_column], program.upper[width_column] = 0.0, 1.0
-    program.lower[pace_column], program.upper[pace_column] = 0.0, np.inf if pace is None else pace
-    if pace is None:
-        program.cost[pace_column] = 1.0
-        program.upper[width_column] = 0.0
-    else:
-        program.rows(np.hstack([pairs, np.full((points, 1), width_column)]), [1, -1, -relative], 0.0, np.inf)
-        program.cost[outer] -= ROOM_FOR_SHAPE / (points * relative)
-        program.cost[inner] += ROOM_FOR_SHAPE / (points * relative)
-        if width is None:
-            program.cost[width_column] = -1.0
+    def __init__(self, arena: Arena, start: Array, bounds: Array, i: int, segments: int) -> None:
+        points = segments + 2  # the point K + 2 is the point K
+        column = np.arange(2 * points).reshape(2, points)
+        self.column = column = np.concatenate([column, column[:, segments : segments + 1]], axis=1)
+        self.width, self.pace = 2 * points, 2 * points + 1
+        self.program = program = LinearProgram(2 * points + 2)
+        relative = float(min(start[1] - start[0], arena.target[1, i] - arena.target[0, i]))
+
+        for e in (LOWER, UPPER):
+            c = column[e]
+            free = np.full(segments, np.inf)
+            low, high = (bounds[:, 0], free) if e == LOWER else (-free, bounds[:, 1])
+            program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [2 / 3, 1 / 3], low, high)
+            program.rows(np.stack([c[1:-2], c[2:-1]], axis=1), [1 / 3, 2 / 3], low, high)
+            program.rows(
+                np.stack([c[1:-3], c[2:-2], c[3:-1]], axis=1),
+                [1 / 6, 4 / 6, 1 / 6],
+                np.maximum(low[1:], low[:-1]),
+                np.minimum(high[1:], high[:-1]),
+            )
+            program.rows(c[None, :3], [1 / 6, 4 / 6, 1 / 6], start[e], start[e])
+            program.rows(
+                c[None, segments : segments + 2],
+                [2 / 6, 4 / 6],
+                max(arena.target[0, i], low[-1]) if e == LOWER else -np.inf,
+                min(arena.target[1, i], high[-1]) if e == UPPER else np.inf,
+            )
+            # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
+            pairs = np.concatenate([np.stack([c[2:], c[1:-1]], axis=1), c[None, [2, 0]]])
+            share = np.concatenate([np.full(segments + 1, 1.0), [0.5]])[:, None]
+            shared = np.hstack([pairs, np.full((len(pairs), 1), self.pace)])
+            ones = np.ones((len(pairs), 1))
+            program.rows(shared, np.hstack([share, -share, -ones]), -np.inf, 0.0)
+            program.rows(shared, np.hstack([share, -share, ones]), 0.0, np.inf)
+        inner, outer = column[LOWER, :points], column[UPPER, :points]
+        pairs = np.stack([outer, inner], axis=1)
+        program.rows(pairs, [1, -1], arena.min_width, np.inf)
+        program.rows(np.hstack([pairs, np.full((points, 1), self.width)]), [1, -1, -relative], 0.0, np.inf)
+        self.towards_shape = np.zeros(2 * points + 2)
+        self.towards_shape[outer] = -ROOM_FOR_SHAPE / (points * relative)
+        self.towards_shape[inner] = ROOM_FOR_SHAPE / (points * relative)
+
+    def solve(self, pace: float | None, width: float | None) -> tuple[Array, float, float] | None:
+        """Control points of shape (2, K + 3), pace, relative width; None when there is no tube.
+
+        pace None: least pace. pace given, width None: greatest width at that pace. Both given: least pace at that width.
+        """
+        program = self.program
+        program.lower[self.pace], program.upper[self.pace] = 0.0, np.inf if pace is None else pace
+        program.lower[self.width] = 0.0 if width is None else width * KEEP
+        program.upper[self.width] = 0.0 if pace is None else 1.0
+        program.cost = np.zeros(len(program.cost)) if pace is None else self.towards_shape.copy()
+        if pace is None:
+            program.cost[self.pace] = 1.0
+        elif width is None:
+            program.cost[self.width] = -1.0
         else:
-            program.lower[width_column] = width * KEEP
-            program.cost[pace_column] = 1.0 / pace
-    solution = program.solve()
-    if solution is None:
-        return None
-    return solution[column], float(solution[pace_column]), float(solution[width_column])
+            program.cost[self.pace] = 1.0 / pace
+        solution = program.solve()
+        if solution is None:
+            return None
+        return solution[self.column], float(solution[self.pace]), float(solution[self.width])
 
 
 def _sides_of(arena: Arena, shape: Shape, segments: int) -> Array:

@@ -18,8 +18,22 @@ Columns = npt.NDArray[np.int64]
 FEASIBILITY = 1e-9  # the least HiGHS accepts is 1e-10; the allowance of the arena is thousands of times larger
 
 
+# Found by timing on the arenas: the programs are small, so presolve costs more than it saves, and Devex prices them quickest.
+OPTIONS: dict[str, bool | int | float | str] = {
+    "output_flag": False,
+    "threads": 1,
+    "random_seed": 0,
+    "primal_feasibility_tolerance": FEASIBILITY,
+    "presolve": "off",
+    "simplex_dual_edge_weight_strategy": 1,
+}
+
+
 class LinearProgram:
-    """minimise cost @ x subject to row_lower <= A x <= row_upper and lower <= x <= upper."""
+    """minimise cost @ x subject to row_lower <= A x <= row_upper and lower <= x <= upper.
+
+    Once solved, `cost`, `lower` and `upper` may be changed and the program solved again, from where it stood; rows are fixed.
+    """
 
     def __init__(self, columns: int) -> None:
         self.cost = np.zeros(columns)
@@ -29,19 +43,41 @@ class LinearProgram:
         self._values: list[Array] = []
         self._row_lower: list[Array] = []
         self._row_upper: list[Array] = []
+        self._solver: highspy.Highs | None = None
 
     def rows(self, columns: npt.ArrayLike, values: Sequence[float] | Array, lower: npt.ArrayLike, upper: npt.ArrayLike) -> None:
         """Add R rows of k entries each: `columns` of shape (R, k), `values` of length k or (R, k), bounds broadcast to R."""
         index = np.atleast_2d(np.asarray(columns, dtype=np.int64))
         self._columns.append(index)
-        self._values.append(np.broadcast_to(np.asarray(values, dtype=float), index.shape))
-        self._row_lower.append(np.broadcast_to(np.asarray(lower, dtype=float), len(index)))
-        self._row_upper.append(np.broadcast_to(np.asarray(upper, dtype=float), len(index)))
+        for store, value, shape in (
+            (self._values, values, index.shape),
+            (self._row_lower, lower, len(index)),
+            (self._row_upper, upper, len(index)),
+        ):
+            full = np.empty(shape)
+            full[...] = value
+            store.append(full)
 
     def solve(self) -> Array | None:
         """The optimal x, or None when there is none (infeasible, or given up)."""
         if np.any(self.lower > self.upper):
             return None
+        if self._solver is None:
+            self._solver = self._first()
+            if self._solver is None:
+                return None
+        else:
+            count = len(self.cost)
+            every = np.arange(count, dtype=np.int32)
+            self._solver.changeColsCost(count, every, self.cost)
+            self._solver.changeColsBounds(count, every, self.lower, self.upper)
+        self._solver.run()
+        if self._solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            return None
+        return np.array(self._solver.getSolution().col_value)
+
+    def _first(self) -> highspy.Highs | None:
+        """The solver with the program handed over; None when two bounds of a row cross."""
         model = highspy.HighsLp()
         model.num_col_ = len(self.cost)
         model.col_cost_, model.col_lower_, model.col_upper_ = self.cost, self.lower, self.upper
@@ -56,15 +92,7 @@ class LinearProgram:
         model.a_matrix_.index_ = np.concatenate([c.ravel() for c in self._columns]).astype(np.int32)
         model.a_matrix_.value_ = np.concatenate([v.ravel() for v in self._values])
         solver = highspy.Highs()  # type: ignore[no-untyped-call]
-        for option, value in (
-            ("output_flag", False),
-            ("threads", 1),
-            ("random_seed", 0),
-            ("primal_feasibility_tolerance", FEASIBILITY),
-        ):
+        for option, value in OPTIONS.items():
             solver.setOptionValue(option, value)
         solver.passModel(model)
-        solver.run()
-        if solver.getModelStatus() != highspy.HighsModelStatus.kOptimal:
-            return None
-        return np.array(solver.getSolution().col_value)
+        return solver

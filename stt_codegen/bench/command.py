@@ -1,0 +1,118 @@
+"""What `stt-codegen bench` does: choose the parts, show progress, print and record the tables."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+from stt_codegen.arenas import FAMILIES
+from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, results_of, row, run_peers, summary
+from stt_codegen.bench.report import machine, record, table
+from stt_codegen.errors import BadInput
+
+DESIGNS = ("refined", "adaptive", "literal")
+PEER_HEADINGS = ("peer", "asked", "success", "median / 95 %", "guarantees", "does not")
+
+
+def run_arenas(
+    family: list[str] | None,
+    design: list[str] | None,
+    count: int | None,
+    clearance: float | None,
+    min_width: float | None,
+    processes: int,
+    scheduler: str | None,
+    peers: bool,
+    out: Path | None,
+    as_json: bool,
+) -> None:
+    """`stt-codegen bench arenas`; the arguments are its options."""
+    parts = parts_of(family, design, count, clearance, min_width)
+    processes = processes or os.cpu_count() or 1
+    jobs = [job for part in parts for job in part.jobs()]
+    found: list[Result] = []
+    with _progress(len(jobs)) as advance:
+        for result in results_of(jobs, processes, scheduler):
+            found.append(result)
+            advance()
+    by_job = {r.job: r for r in found}
+    summaries = [(part, summary(by_job[job] for job in part.jobs())) for part in parts]
+    rows = [row(part, s) for part, s in summaries]
+    lines = [line for part, s in summaries for line in failures(part, s)]
+    peer_rows, steps = run_peers(parts[0].count, processes) if peers else ([], {})
+    if as_json:
+        rows_of_peers = [dict(zip(PEER_HEADINGS, r, strict=True)) for r in peer_rows]
+        print(json.dumps({"arenas": [asdict(s) for _, s in summaries], "peers": rows_of_peers, "steps": steps}, indent=2))
+    else:
+        print(text(rows, lines, peer_rows, steps))
+    if out is not None:
+        where = f"a Dask cluster, {scheduler}" if scheduler else f"{processes} process{'es' if processes > 1 else ''}"
+        head = f"## Arenas\n\nMade by `{_command()}` in {where}; {machine()}."
+        record(out, "arenas", f"{head}\n\n{text(rows, lines, peer_rows, steps)}")
+
+
+def parts_of(
+    family: list[str] | None, design: list[str] | None, count: int | None, clearance: float | None, min_width: float | None
+) -> list[Part]:
+    """The rows of the table. Raises `BadInput` for a family or design that there is not."""
+    for option, given, known in (("--family", family, tuple(FAMILIES)), ("--design", design, DESIGNS)):
+        for name in given or ():
+            if name not in known:
+                raise BadInput(f"{option} {name}: is none of {', '.join(known)}")
+    if family is None and design is None and clearance is None and min_width is None:
+        parts = list(EVERYTHING)
+    else:
+        usual = {p.family: p.count for p in reversed(EVERYTHING) if p.design == "refined"}
+        parts = [
+            Part(f, d, usual[f], 0.03 if clearance is None else clearance, 0.05 if min_width is None else min_width)
+            for f in family or FAMILIES
+            for d in design or DESIGNS
+            if FAMILIES[f].length is None or d == "refined"
+        ]
+    return [Part(p.family, p.design, min(p.count, count or p.count), p.clearance, p.min_width) for p in parts]
+
+
+READING = """
+Two figures are median and 95 %. Times: processor time of one arena. speed: bound on the edges' speed over the least possible
+(shortest route in the largest-component metric among unsafe sets grown by clearance + min_width/2, over t_c); slowest: of the
+slowest tube found, which the shipped one exceeds by up to a quarter for width. Adaptive bounds on speed are proved, not sharp. A
+corridor's slowest tube is not computed.
+""".strip()
+STEPS = """
+In closed loop at 1 kHz (xdot = u, {arenas:.0f} arenas, states checked at the samples) the barrier filter takes
+{cbf_microseconds:.2g} us a step, arrives in {cbf_reaches:.0%} and collides in {cbf_collides:.0%}. The emitted C step of the
+{certified:.0f} certified designs takes {own_microseconds:.2g} us (the filter {ratio:.2g} times as long), arrives in
+{own_reaches:.0%} and collides in {own_collides:.0%}: where it leaves the tube, that is narrower than 1 kHz allows. The
+certificate is about the tube; the law keeps it in continuous time (docs/c.md, sampling).
+""".strip()
+
+
+def text(rows: list[list[str]], lines: list[str], peer_rows: list[list[str]], steps: dict[str, float]) -> str:
+    """The tables and what is to be said about them."""
+    parts = [table(HEADINGS, rows), READING]
+    if lines:
+        parts.append("\n".join(f"- {line}" for line in lines))
+    if peer_rows:
+        parts += ["### Peers, in the same run, on the paper's arenas", table(PEER_HEADINGS, peer_rows), STEPS.format(**steps)]
+    return "\n\n".join(parts)
+
+
+@contextmanager
+def _progress(total: int) -> Iterator[Callable[[], None]]:
+    """A progress bar on stderr where that is a terminal, else nothing."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), "left", TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task("arenas", total=total)
+        yield lambda: bar.advance(task)
+
+
+def _command() -> str:
+    return " ".join(["stt-codegen", *sys.argv[1:]])

@@ -1,0 +1,56 @@
+"""Benchmark results as Markdown, and where they are recorded: one section a benchmark, with the command that made it."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from stt_codegen.errors import BadInput
+
+
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table, columns aligned so that it reads well as text too."""
+    lines = [list(headings), *map(list, rows)]
+    widths = [max(len(line[c]) for line in lines) for c in range(len(headings))]
+
+    def text(line: Sequence[str]) -> str:
+        return "| " + " | ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)) + " |"
+
+    return "\n".join([text(headings), "|" + "|".join("-" * (w + 2) for w in widths) + "|", *map(text, rows)])
+
+
+def number(value: float, digits: int = 3) -> str:
+    """So many significant digits, a dash where there is no number."""
+    if not math.isfinite(value):
+        return "-"
+    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+
+
+def machine() -> str:
+    """What the times were measured on."""
+    model = platform.machine()
+    try:
+        found = re.search(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(), re.M)
+        model = found.group(1) if found else model
+    except OSError:
+        pass
+    return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
+
+
+def record(path: Path, section: str, text: str) -> None:
+    """Put `text` into the file's section of that name, replacing what it held; the other sections stay."""
+    begin, end = f"<!-- {section} -->", f"<!-- end of {section} -->"
+    block = f"{begin}\n{text.strip()}\n{end}\n"
+    try:
+        old = path.read_text(encoding="utf-8") if path.exists() else "# Measured\n"
+        if begin in old and end in old:
+            new = old[: old.index(begin)] + block + old[old.index(end) + len(end) :].lstrip("\n")
+        else:
+            new = old.rstrip("\n") + "\n\n" + block
+        path.write_text(new, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be written ({error.strerror})") from None
