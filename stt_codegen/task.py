@@ -143,7 +143,7 @@ class TubeOptions(_Table):
     min_width: NotNegative = Field(default=Fraction(5, 100), description="least width of the tube in each dimension")
     max_speed: NotNegative | None = Field(default=None, description="bound on the speed of every edge of the tube")
     segments: Annotated[int, BeforeValidator(_integer)] | None = Field(
-        default=None, ge=4, le=1024, description="spline segments; chosen when absent"
+        default=None, ge=4, le=8192, description="spline segments; chosen when absent"
     )
     seed: Annotated[int, BeforeValidator(_integer)] = Field(default=0, ge=0, description="literal design: the random sides")
     adaptive: AdaptiveOptions = AdaptiveOptions()

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from conftest import NAMES, ROOT, controller_of
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from stt_codegen.arenas import FAMILIES, arena_task, feasible
+from stt_codegen.arenas import FAMILIES, arena_task, cubes, feasible
+from stt_codegen.design import route
 from stt_codegen.design.arena import arena_of, starting_box
+from stt_codegen.design.cells import way_through_cells
 from stt_codegen.design.refine import SPEED_ROOM
-from stt_codegen.design.route import shortest_route
+from stt_codegen.design.route import find_route, shortest_route
+from stt_codegen.design.sides import _common_changes
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import build_task, design_tube
+from stt_codegen.program.cost import cost_of
 from stt_codegen.task import load_task, parse_task
 
 PAPER = FAMILIES["paper"]
@@ -258,3 +265,97 @@ def test_lengths_below_the_least_width_of_the_law_are_refused() -> None:
     )
     with pytest.raises(NotCertified, match="P1"):
         build_task(small)
+
+
+# ---------------------------------------------------------------------- many unsafe sets, windows, legs
+
+
+def test_a_corridor_of_two_hundred_slabs_is_certified_with_a_step_that_costs_the_same() -> None:
+    family = replace(FAMILIES["corridor"], count=200, length=100.0)
+    controller = build_task(arena_task(family, 0))
+    assert controller.certificate.holds
+    small = controller_of("omni_s1").program
+    for function in ("control", "tube"):
+        assert cost_of(controller.program, function) == cost_of(small, function)
+
+
+def test_looking_among_near_nodes_finds_hardly_a_longer_route_than_among_all() -> None:
+    family = replace(FAMILIES["corridor"], count=60, length=30.0)
+    for seed in range(3):
+        arena = arena_of(arena_task(family, seed))
+        start = starting_box(arena)
+        near = shortest_route(arena, start, arena.min_width)
+        centre, half = (start[0] + start[1]) / 2, arena.min_width / 2
+        every = route._search(arena, centre, arena.clearance + half, half, None)
+        assert every is not None
+        assert every.length - 1e-9 <= near.length <= 1.02 * every.length
+
+
+WINDOW = [
+    ("left", [2.0, 0.0, 0.0], [2.5, 1.2, 5.0]),
+    ("right", [2.0, 2.0, 0.0], [2.5, 5.0, 5.0]),
+    ("bottom", [2.0, 0.0, 0.0], [2.5, 5.0, 3.0]),
+    ("top", [2.0, 0.0, 3.7], [2.5, 5.0, 5.0]),
+]
+
+
+def window(bottom: float) -> str:
+    """A wall of four boxes with a window that has no corner of its own; its lower rim at `bottom`, its upper at 3.7."""
+    boxes = [(n, low, [*high[:2], bottom] if n == "bottom" else high) for n, low, high in WINDOW]
+    head = (
+        'name = "window"\nprescribed_time = 9.0\ninitial_state = [0.25, 0.25, 0.25]\n'
+        + "[state_space]\nlower = [0.0, 0.0, 0.0]\nupper = [5.0, 5.0, 5.0]\n"
+        + "[initial_set]\nlower = [0.0, 0.0, 0.0]\nupper = [0.5, 0.5, 0.5]\n"
+        + "[target_set]\nlower = [4.5, 4.5, 4.5]\nupper = [5.0, 5.0, 5.0]\n"
+    )
+    return head + "".join(unsafe(*b) for b in boxes)
+
+
+def test_a_window_in_space_that_no_corner_marks_is_found_and_a_closed_one_refused() -> None:
+    task = parse_task(window(3.0))
+    arena = arena_of(task)
+    assert find_route(arena, starting_box(arena), arena.min_width) is None  # the corners alone do not see it
+    assert build_task(task).certificate.holds
+    with pytest.raises(NotCertified, match="no way leads .*min_width = 0.049"):
+        build_task(parse_task(window(3.65)))
+    with pytest.raises(NotCertified, match="whatever the clearance"):
+        build_task(parse_task(window(3.8)))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_way_through_cells_is_free_and_is_there_exactly_when_flood_fill_says_so(seed: int) -> None:
+    family = replace(FAMILIES["dense24"], count=30)
+    boxes, reach = cubes(family, seed), 0.1
+    lower, upper = boxes[:, :, 0] - reach, boxes[:, :, 1] + reach
+    space, goal = np.array([[reach] * 2, [5 - reach] * 2]), np.array([[4.7] * 2, [4.8] * 2])
+    way = way_through_cells(lower, upper, space, goal, np.array([0.25, 0.25]))
+    assert (way is not None) == feasible(family, seed, reach)
+    if way is not None:
+        for a, b in itertools.pairwise(way):
+            for s in np.linspace(0, 1, 101):
+                p = a + s * (b - a)
+                assert not np.any(np.all((lower < p) & (p < upper), axis=1))
+        assert np.all((goal[0] <= way[-1]) & (way[-1] <= goal[1]))
+
+
+@settings(max_examples=60)
+@given(st.lists(st.tuples(st.floats(0, 10), st.floats(0, 3)), min_size=1, max_size=30))
+def test_changes_of_side_fall_into_their_intervals_and_are_as_few_as_can_be(raw: list[tuple[float, float]]) -> None:
+    intervals = [(a, a + width) for a, width in raw]
+    moments = _common_changes(intervals)
+    assert all(a <= m <= b for m, (a, b) in zip(moments, intervals, strict=True))
+    apart, last = 0, -1.0  # intervals that are pairwise disjoint need as many moments
+    for a, b in sorted(intervals, key=lambda v: v[1]):
+        if a > last:
+            apart, last = apart + 1, b
+    assert len(set(moments)) <= apart
+
+
+def test_each_leg_of_the_mission_ends_where_the_next_one_may_start() -> None:
+    legs = [controller_of(f"mission_leg{k}").certificate for k in (1, 2, 3)]
+    ends = [controller_of(f"mission_leg{k}").design.bezier()[-1, :, :, 3] for k in (1, 2, 3)]
+    for k in (0, 1):
+        unit, error = controller_of(f"mission_leg{k + 1}").design.unit, max(legs[k].edge_error)
+        for (low, high), (begin, end) in zip(ends[k], legs[k + 1].start, strict=True):
+            assert begin + error <= int(low) * unit - error
+            assert int(high) * unit + error <= end - error

@@ -210,12 +210,16 @@ def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lin
         fastest = 0.0
         for side in (LOWER, UPPER):
             psi, a = lines.psi[:, i, side], alpha[:, i, side]
-            z = np.maximum(psi[:, LOW] + a[:, LOW], 1e-9)
-            with np.errstate(over="ignore"):
-                force = 2 * theta0 / (1 + np.exp(np.clip(2 * sharp * (psi[:, LOW] - mu), -700, 700)))
-            # |F_psi| = 2 theta/z^3 + |theta'|/z^2 with |theta'| <= 2 varsigma theta, |F_alpha| = 2 theta/z^3 + kappa
-            ratio = (2 * force / z**3 + 2 * sharp * force / z**2) / (2 * force / z**3 + kappa)
-            first = force[0] / z[0] ** 2
+            least, most = np.maximum(psi[:, LOW] + a[:, LOW], 1e-9), psi[:, HIGH] + a[:, HIGH]  # of z = psi + alpha
+            # theta/(2 theta0) at most, and at most how far from 1 it is
+            share, rest = (
+                1 / (1 + np.exp(np.clip(s * 2 * sharp * (psi[:, e] - mu), -700, 700))) for s, e in ((1, LOW), (-1, HIGH))
+            )
+            force = 2 * theta0 * share
+            # |F_psi| z^3 = 2 theta + |theta'| z, |theta'| = 2 varsigma theta (1 - share); |F_alpha| z^3 = 2 theta + kappa z^3;
+            # the quotient rises with theta
+            ratio = (2 * force + 2 * sharp * force * rest * most) / (2 * force + kappa * least**3)
+            first = force[0] / least[0] ** 2
             moving = max(first, float(ratio.max()) * (reach[side] + rise[1 - side]))
             fastest = max(fastest, reach[side] + moving, rise[side])
         bounds.append(fastest * (1 + 1e-9))

@@ -24,7 +24,10 @@ from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task
 
-SEGMENTS = (32, 48, 64, 96, 128)  # tried in this order when the task names no number
+SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
+FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
+PLENTY = 128
+CALM = (0, 1, 4)  # segments that every stretch of the polyline tube gets at least; tried in this order
 SPEED_ROOM = 1.25  # peak speed given up for width, times the least
 WIDE_ROUTES = (1.0, 0.5)  # widths to find a route for before the least width, relative to start and target
 DETOUR = 1.1  # how much longer than the shortest such a route may be
@@ -71,7 +74,7 @@ def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
     """
     arena = normalised(arena_of(task), magnitude(task))
     start = starting_box(arena)
-    ladder = (task.tube.segments,) if task.tube.segments else SEGMENTS
+    ladder = (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
     *wide, shortest = candidate_routes(arena, start)
     for route in wide:
         with suppress(NotCertified):  # too fast along this one; the shortest may do
@@ -83,10 +86,15 @@ def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
         return round_design(task, shape)
     raise NotCertified(
         "P4 avoid: no spline tube keeps the clearance with "
-        + (f"{task.tube.segments} segments" if task.tube.segments else f"up to {SEGMENTS[-1]} segments")
+        + (f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments")
         + " along the shortest route; lower tube.clearance or tube.min_width"
         + (", or leave tube.segments out" if task.tube.segments else "")
     )
+
+
+def segments_for(unsafe: int) -> tuple[int, ...]:
+    """The numbers of segments to try for so many unsafe sets."""
+    return tuple(k for k in SEGMENTS if FEWEST * unsafe <= k <= max(PLENTY, MOST * unsafe))
 
 
 def candidate_routes(arena: Arena, start: Array) -> list[Route]:
@@ -164,13 +172,15 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timin
 
 
 def _time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
-    """Shares of time to try: as the linear program has them, then with at least one segment for every stretch."""
-    least = 1.0 / segments
-    stretched = [max(share, least) for share in timing.shares]
-    total = float(np.cumsum(stretched)[-1])
-    plans = [timing.shares]
-    if total > 1.0 and len(stretched) < segments:
-        plans.append(tuple(share / total for share in stretched))
+    """Shares of time to try: as the linear program has them, then with some segments at least for every stretch, so that a
+    spline can turn where the polyline has a corner."""
+    plans: list[tuple[float, ...]] = []
+    for least in CALM:
+        stretched = [max(share, least / segments) for share in timing.shares]
+        total = float(np.cumsum(stretched)[-1])
+        plan = tuple(share / total for share in stretched)
+        if least * len(stretched) < segments and plan not in plans:
+            plans.append(plan)
     return plans
 
 

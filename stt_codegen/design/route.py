@@ -2,7 +2,8 @@
 
 Nodes are the corners of the grown sets (a shortest path in any norm bends only there in the plane); edges are the
 straight lines that meet no grown set's interior. Searched by A*, edges found when a node is first expanded.
-In three and more dimensions the corners give a good route rather than the shortest; the linear programs improve it.
+In three and more dimensions the corners give a good route rather than the shortest; the linear programs improve it. They may
+miss a window between sets that has no corner of its own: then the cells between the edges are flooded (`cells.py`).
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import below
 from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.cells import decides, way_through_cells
 from stt_codegen.errors import NotCertified
 
 TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
 STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
+NEAR = 96  # nodes looked at from one, before all are
 CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
 
 
@@ -40,14 +43,39 @@ def shortest_route(arena: Arena, start: Array, width: float) -> Route:
 
     Raises `NotCertified` when there is none, with the largest clearance (or width) for which there is one.
     """
+    centre = (start[0] + start[1]) / 2
     route = find_route(arena, start, width)
+    if route is None and 4 * len(arena.names) > NEAR:
+        route = _search(arena, centre, arena.clearance + width / 2, width / 2, None)
     if route is None:
-        raise NotCertified(_why_blocked(arena, (start[0] + start[1]) / 2))
+        route = _cell_route(arena, centre, arena.clearance + width / 2, width / 2)
+    if route is None:
+        raise NotCertified(_why_blocked(arena, centre))
     return route
 
 
+def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+    """A route through the cells between the grown sets' edges, shortened where the line of sight is free; in space only, as
+    in the plane the corners already find every way, and None where there are too many cells."""
+    if arena.dimension < 3 or not decides(len(arena.names), arena.dimension):
+        return None
+    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
+    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
+    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    points = way_through_cells(lower, upper, space, goal, centre)
+    if points is None:
+        return None
+    kept = [0]
+    while kept[-1] < len(points) - 1:
+        here = kept[-1]
+        seen = np.nonzero(_visible(points[here], points[here + 1 :], lower, upper))[0]
+        kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
+    polyline = points[kept]
+    return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
+
+
 def find_route(arena: Arena, start: Array, width: float) -> Route | None:
-    """As `shortest_route`, None when there is none."""
+    """As `shortest_route`, None when there is none, or none is found among near nodes where there are many."""
     return _search(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
 
 
@@ -55,7 +83,9 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
     """The refusal when there is no route: what the largest clearance, or else width, with a way would be."""
 
     def way(clearance: float, width: float) -> bool:
-        return _search(arena, centre, clearance + width / 2, width / 2) is not None
+        reach = clearance + width / 2
+        found = _search(arena, centre, reach, width / 2) or _cell_route(arena, centre, reach, width / 2)
+        return found is not None
 
     def largest(holds: Callable[[float], bool], limit: float) -> float:
         low, high = 0.0, limit
@@ -64,7 +94,8 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
             low, high = (middle, high) if holds(middle) else (low, middle)
         return max(low - 2 * arena.allowance, 0.0) * arena.length_unit
 
-    start = "P4 avoid: no way leads from the initial set to the target set between the unsafe sets"
+    final = arena.dimension == 2 or decides(len(arena.names), arena.dimension)
+    start = f"P4 avoid: no way {'leads' if final else 'was found'} from the initial set to the target set between the unsafe sets"
     if not way(arena.allowance, 2 * arena.allowance):
         return f"{start}, whatever the clearance; remove or shrink an unsafe set, or enlarge the state space"
     width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
@@ -77,7 +108,9 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
     return f"{start} for a tube of width {width:.6g}; {wide}"
 
 
-def _search(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int | None = NEAR) -> Route | None:
+    """The shortest route with these distances from unsafe sets and walls. `near`: from a node only so many of the nearest
+    are looked at, all when None (thorough, and slow with a thousand unsafe sets)."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
@@ -103,11 +136,16 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float) -> Route | 
         if closed[v]:
             continue
         closed[v] = True
-        seen = _visible(nodes[v], np.vstack([nodes, ends[v]]), lower, upper)
-        if seen[-1] and end_free[v] and cost[v] + remaining[v] < best:
+        if end_free[v] and cost[v] + remaining[v] < best and _visible(nodes[v], ends[v : v + 1], lower, upper)[0]:
             best, last = float(cost[v] + remaining[v]), v
         candidate = cost[v] + _length(nodes - nodes[v])
-        for w in np.nonzero(seen[:-1] & (candidate < cost))[0]:
+        open_ = np.nonzero(candidate < cost)[0]
+        if near is not None and len(open_) > near:
+            open_ = open_[np.argpartition(candidate[open_], near)[:near]]
+        around = np.vstack([nodes[v], nodes[open_]])
+        between = np.all((lower < around.max(axis=0)) & (upper > around.min(axis=0)), axis=1)
+        seen = _visible(nodes[v], nodes[open_], lower[between], upper[between])
+        for w in open_[seen]:
             cost[w] = candidate[w]
             parent[w] = v
             heapq.heappush(queue, (float(candidate[w] + remaining[w]), int(w)))
@@ -153,22 +191,27 @@ def _nodes(lower: Array, upper: Array, space: Array, goal: Array, centre: Array)
 
 def _inside(points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
     """Which points (shape (P, n)) lie in the interior of some grown set (shape (J, n) each edge)."""
-    within = (points[:, None] > lower[None]) & (points[:, None] < upper[None])
-    return np.asarray(np.any(np.all(within, axis=2), axis=1))
+    within = np.ones((len(points), len(lower)), dtype=bool)
+    for i in range(points.shape[1]):  # NumPy reduces over a short last axis slowly
+        within &= (points[:, i, None] > lower[:, i]) & (points[:, i, None] < upper[:, i])
+    return np.asarray(within.any(axis=1))
 
 
 def _visible(a: Array, points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
     """Which of `points` can be seen from `a`: the straight line meets no grown set's interior."""
-    step = (points - a)[:, None]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        t_low, t_high = (lower[None] - a) / step, (upper[None] - a) / step
-    enter, leave = np.minimum(t_low, t_high), np.maximum(t_low, t_high)
-    parallel = np.broadcast_to(step == 0, enter.shape)
-    between = np.broadcast_to(((a > lower) & (a < upper))[None], enter.shape)
-    enter = np.where(parallel, np.where(between, -np.inf, np.inf), enter)
-    leave = np.where(parallel, np.where(between, np.inf, -np.inf), leave)
-    first = np.maximum(enter.max(axis=2), 0.0)
-    final = np.minimum(leave.min(axis=2), 1.0)
+    first, final = np.zeros((len(points), len(lower))), np.ones((len(points), len(lower)))
+    for i in range(len(a)):
+        step = (points[:, i] - a[i])[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t_low, t_high = (lower[:, i] - a[i]) / step, (upper[:, i] - a[i]) / step
+        enter, leave = np.minimum(t_low, t_high), np.maximum(t_low, t_high)
+        parallel = step[:, 0] == 0
+        if parallel.any():
+            between = (a[i] > lower[:, i]) & (a[i] < upper[:, i])
+            enter[parallel] = np.where(between, -np.inf, np.inf)
+            leave[parallel] = np.where(between, np.inf, -np.inf)
+        np.maximum(first, enter, out=first)
+        np.minimum(final, leave, out=final)
     return np.asarray(~np.any(first < final - TOUCH, axis=1))
 
 

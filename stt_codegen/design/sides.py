@@ -35,14 +35,41 @@ def choose_sides(arena: Arena, route: Route, start: Array) -> tuple[tuple[Stay, 
     choice for some set.
     """
     found = [_choices(arena, route, start, j) for j in range(len(arena.names))]
-    return tuple(stays for stays in found if stays) if all(found) else None
+    if not all(found):
+        return None
+    changes = _common_changes([choice.change for choices in found for choice in choices])
+    moment = iter(changes)
+    return tuple(tuple(Stay(next(moment), c.dimension, c.side) for c in choices) for choices in found)
 
 
-def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[Stay, ...]:
-    """The choices for U_j; empty when none separates the start, or the route touches the grown set.
+@dataclass(frozen=True)
+class _Choice:
+    """A choice that may end at any route parameter within `change`: until then it holds, from there the next one does."""
 
-    Each time, the choice that lasts longest is taken; the change is made in the middle of the time both hold.
-    """
+    dimension: int
+    side: int
+    change: tuple[float, float]
+
+
+def _common_changes(intervals: list[tuple[float, float]]) -> list[float]:
+    """A moment in each interval, as few different ones as there can be: each is the middle of what its intervals share."""
+    order = sorted(range(len(intervals)), key=lambda k: intervals[k][1])
+    moments = [0.0] * len(intervals)
+    group: list[int] = []
+    for k in [*order, -1]:
+        if k >= 0 and (not group or intervals[k][0] <= intervals[group[0]][1]):
+            group.append(k)
+            continue
+        middle = (max(intervals[g][0] for g in group) + intervals[group[0]][1]) / 2 if group else 0.0
+        for g in group:
+            moments[g] = middle
+        group = [k]
+    return moments
+
+
+def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice, ...]:
+    """The choices for U_j; empty when none separates the start, or the route touches the grown set. Each time, the choice
+    that lasts longest is taken."""
     end = float(len(route.points) - 1)
     spans: list[tuple[float, float, float, int, int]] = []  # from, to, least gap, dimension, side
     for i in range(arena.dimension):
@@ -63,16 +90,15 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[Stay, ..
     if not here:
         return ()
     until, _, i, side = max(here)
-    chosen, since = [], 0.0
+    chosen, before = [], 0.0  # `before`: where the last choice ended at the latest
     while until < end - TOLERANCE:
         onward = [(b, gap, k, s, a) for a, b, gap, k, s in spans if a <= until + 1e-7 and b > until + 1e-7]
         if not onward:
             return ()
         to, _, next_i, next_side, a = max(onward)
-        change = (max(a, since) + until) / 2 if a < until else until
-        chosen.append(Stay(change, i, side))
-        since, i, side, until = change, next_i, next_side, to
-    return (*chosen, Stay(end, i, side))
+        chosen.append(_Choice(i, side, (min(max(a, before), until), until)))
+        before, i, side, until = until, next_i, next_side, to
+    return (*chosen, _Choice(i, side, (end, end)))
 
 
 def _where_positive(gap: Array) -> list[tuple[float, float]]:

@@ -1,0 +1,382 @@
+"""mission_leg1: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (mission_leg1.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+
+The same functions as mission_leg1.c (double precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 9.5  # prescribed time, seconds
+DESIGN_HASH = "e7fdaefb96d65766"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-18: exact in float and double.
+COEFFICIENTS = (
+    0.6162109375, 0.7827949523925781, 0.6061210632324219, 0.7792930603027344,
+    0.6667060852050781, 0.8332939147949219, 0.6700019836425781, 0.8332939147949219,
+    0.7172050476074219, 0.8837890625, 0.7141227722167969, 0.8872909545898438,
+    0.7677040100097656, 0.9342880249023438, 0.7330207824707031, 0.9412918090820312,
+    0.8182029724121094, 0.9847869873046875, 0.7870216369628906, 0.9952926635742188,
+    0.8686981201171875, 1.0352859497070312, 0.8410186767578125, 1.0492935180664062,
+    0.9191970825195312, 1.0857810974121094, 0.89501953125, 1.1032943725585938,
+    0.969696044921875, 1.1362800598144531, 0.9490203857421875, 1.1572914123535156,
+    1.0201950073242188, 1.1867790222167969, 1.003021240234375, 1.2112922668457031,
+    1.0706901550292969, 1.2372779846191406, 1.0570220947265625, 1.2652931213378906,
+    1.1211891174316406, 1.2877731323242188, 1.1110191345214844, 1.2743148803710938,
+    1.1716880798339844, 1.3382720947265625, 1.1650199890136719, 1.3283119201660156,
+    1.2221832275390625, 1.3887710571289062, 1.2190208435058594, 1.3823127746582031,
+    1.1716880798339844, 1.43927001953125, 1.2730216979980469, 1.4363136291503906,
+    1.1716880798339844, 1.4897651672363281, 1.3270187377929688, 1.4903144836425781,
+    1.1716880798339844, 1.5402641296386719, 1.3810195922851562, 1.5443115234375,
+    1.1716880798339844, 1.5907630920410156, 1.4350204467773438, 1.5983123779296875,
+    1.1716880798339844, 1.6412582397460938, 1.4890213012695312, 1.652313232421875,
+    1.1716880798339844, 1.6917572021484375, 1.5430221557617188, 1.7063140869140625,
+    1.1716880798339844, 1.7422561645507812, 1.5970191955566406, 1.7603111267089844,
+    1.1716880798339844, 1.792755126953125, 1.6510200500488281, 1.8143119812011719,
+    1.1716880798339844, 1.8432502746582031, 1.7050209045410156, 1.8683128356933594,
+    1.1716880798339844, 1.8937492370605469, 1.7590217590332031, 1.9223136901855469,
+    1.1716880798339844, 1.9442481994628906, 1.813018798828125, 1.9763145446777344,
+    1.1716880798339844, 1.9359626770019531, 1.8670196533203125, 2.0303115844726562,
+    1.1716880798339844, 1.8854637145996094, 1.9210205078125, 2.0843124389648438,
+    1.1716880798339844, 1.8349647521972656, 1.9750213623046875, 2.1383132934570312,
+    1.1716880798339844, 1.7844696044921875, 2.029022216796875, 2.1923141479492188,
+    1.1716880798339844, 1.7339706420898438, 2.083019256591797, 2.2463111877441406,
+    1.2171897888183594, 1.6834716796875, 2.1370201110839844, 2.300312042236328,
+    1.2676887512207031, 1.6329727172851562, 2.191020965576172, 2.3543128967285156,
+    1.3181877136230469, 1.5824775695800781, 2.2450218200683594, 2.408313751220703,
+    1.3686866760253906, 1.5319786071777344, 2.2990188598632812, 2.4623146057128906,
+    1.3181877136230469, 1.4814796447753906, 2.3530197143554688, 2.5163116455078125,
+    1.3686866760253906, 1.5319786071777344, 2.2990188598632812, 2.4623146057128906,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    At and after t_c: the last segment and s = 1, exactly (t_c = 9.5 s).
+    """
+    positive = 0.0 < t
+    running = t < 9.5
+    started = t if positive else 0.0
+    held = started if running else 0.0
+    scaled = held * 3.3684210526315788
+    early = scaled < 32.0
+    use = running and early
+    u = scaled if use else 32.0
+    whole = int(u)
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 9.5
+    per_second = 3.3684210526315788 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite = finite_t
+    for j in range(2):
+        x_j = x[j]
+        finite_x = math.isfinite(x_j)
+        both = finite and finite_x
+        finite = both
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    inside = True
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = lower_edge < x_i
+        below = x_i < upper_edge
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.99 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.99
+        e_held_over = 0.99 < e_held_raised
+        e_held = 0.99 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

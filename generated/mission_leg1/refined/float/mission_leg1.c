@@ -1,0 +1,400 @@
+/* mission_leg1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (mission_leg1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "mission_leg1.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "mission_leg1.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-18: exact in float and double.
+ */
+static const mission_leg1_real mission_leg1_coefficients[140] = {
+    0.61621094F, 0.78279495F, 0.60612106F, 0.77929306F,
+    0.6667061F, 0.8332939F, 0.670002F, 0.8332939F,
+    0.71720505F, 0.88378906F, 0.7141228F, 0.88729095F,
+    0.767704F, 0.934288F, 0.7330208F, 0.9412918F,
+    0.818203F, 0.984787F, 0.78702164F, 0.99529266F,
+    0.8686981F, 1.035286F, 0.8410187F, 1.0492935F,
+    0.9191971F, 1.0857811F, 0.89501953F, 1.1032944F,
+    0.96969604F, 1.1362801F, 0.9490204F, 1.1572914F,
+    1.020195F, 1.186779F, 1.0030212F, 1.2112923F,
+    1.0706902F, 1.237278F, 1.0570221F, 1.2652931F,
+    1.1211891F, 1.2877731F, 1.1110191F, 1.2743149F,
+    1.1716881F, 1.3382721F, 1.16502F, 1.3283119F,
+    1.2221832F, 1.388771F, 1.2190208F, 1.3823128F,
+    1.1716881F, 1.43927F, 1.2730217F, 1.4363136F,
+    1.1716881F, 1.4897652F, 1.3270187F, 1.4903145F,
+    1.1716881F, 1.5402641F, 1.3810196F, 1.5443115F,
+    1.1716881F, 1.5907631F, 1.4350204F, 1.5983124F,
+    1.1716881F, 1.6412582F, 1.4890213F, 1.6523132F,
+    1.1716881F, 1.6917572F, 1.5430222F, 1.7063141F,
+    1.1716881F, 1.7422562F, 1.5970192F, 1.7603111F,
+    1.1716881F, 1.7927551F, 1.65102F, 1.814312F,
+    1.1716881F, 1.8432503F, 1.7050209F, 1.8683128F,
+    1.1716881F, 1.8937492F, 1.7590218F, 1.9223137F,
+    1.1716881F, 1.9442482F, 1.8130188F, 1.9763145F,
+    1.1716881F, 1.9359627F, 1.8670197F, 2.0303116F,
+    1.1716881F, 1.8854637F, 1.9210205F, 2.0843124F,
+    1.1716881F, 1.8349648F, 1.9750214F, 2.1383133F,
+    1.1716881F, 1.7844696F, 2.0290222F, 2.1923141F,
+    1.1716881F, 1.7339706F, 2.0830193F, 2.2463112F,
+    1.2171898F, 1.6834717F, 2.13702F, 2.300312F,
+    1.2676888F, 1.6329727F, 2.191021F, 2.354313F,
+    1.3181877F, 1.5824776F, 2.2450218F, 2.4083138F,
+    1.3686867F, 1.5319786F, 2.2990189F, 2.4623146F,
+    1.3181877F, 1.4814796F, 2.3530197F, 2.5163116F,
+    1.3686867F, 1.5319786F, 2.2990189F, 2.4623146F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 9.5 s).
+ */
+static void mission_leg1_segment(mission_leg1_real t, int32_t *row, mission_leg1_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 9.5F;
+    const mission_leg1_real started = positive ? t : 0.0F;
+    const mission_leg1_real held = running ? started : 0.0F;
+    const mission_leg1_real scaled = held * 3.368421F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const mission_leg1_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const mission_leg1_real base = (mission_leg1_real)segment;
+    const mission_leg1_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void mission_leg1_basis(mission_leg1_real s, mission_leg1_real *w0, mission_leg1_real *w1,
+                               mission_leg1_real *w2, mission_leg1_real *w3)
+{
+    const mission_leg1_real v0 = 1.0F - s;
+    const mission_leg1_real v1 = v0 * v0;
+    const mission_leg1_real v2 = v1 * v0;
+    const mission_leg1_real v3 = v0 * s;
+    const mission_leg1_real v4 = 1.0F + v3;
+    const mission_leg1_real v5 = 3.0F * v4;
+    const mission_leg1_real v6 = v0 * v5;
+    const mission_leg1_real v7 = 1.0F + v6;
+    const mission_leg1_real v8 = s * v5;
+    const mission_leg1_real v9 = 1.0F + v8;
+    const mission_leg1_real v10 = s * s;
+    const mission_leg1_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void mission_leg1_basis_rate(mission_leg1_real s, mission_leg1_real *dw0, mission_leg1_real *dw1,
+                                    mission_leg1_real *dw2, mission_leg1_real *dw3)
+{
+    const mission_leg1_real v0 = 1.0F - s;
+    const mission_leg1_real v1 = v0 + v0;
+    const mission_leg1_real v2 = v0 * v1;
+    const mission_leg1_real v3 = v0 * v0;
+    const mission_leg1_real v4 = v2 + v3;
+    const mission_leg1_real v5 = -v4;
+    const mission_leg1_real v6 = v0 - s;
+    const mission_leg1_real v7 = 3.0F * v6;
+    const mission_leg1_real v8 = v0 * v7;
+    const mission_leg1_real v9 = v0 * s;
+    const mission_leg1_real v10 = 1.0F + v9;
+    const mission_leg1_real v11 = 3.0F * v10;
+    const mission_leg1_real v12 = v8 - v11;
+    const mission_leg1_real v13 = s * v7;
+    const mission_leg1_real v14 = v11 + v13;
+    const mission_leg1_real v15 = s + s;
+    const mission_leg1_real v16 = s * v15;
+    const mission_leg1_real v17 = s * s;
+    const mission_leg1_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static mission_leg1_real mission_leg1_blend(mission_leg1_real w0, mission_leg1_real w1, mission_leg1_real w2,
+                                            mission_leg1_real w3, mission_leg1_real q0, mission_leg1_real q1,
+                                            mission_leg1_real q2, mission_leg1_real q3)
+{
+    const mission_leg1_real v0 = w0 * q0;
+    const mission_leg1_real v1 = w1 * q1;
+    const mission_leg1_real v2 = v0 + v1;
+    const mission_leg1_real v3 = w2 * q2;
+    const mission_leg1_real v4 = w3 * q3;
+    const mission_leg1_real v5 = v3 + v4;
+    const mission_leg1_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static mission_leg1_real mission_leg1_normalized_error(mission_leg1_real a, mission_leg1_real b,
+                                                       mission_leg1_real width)
+{
+    const mission_leg1_real v0 = a - b;
+    const mission_leg1_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void mission_leg1_transformed_error(mission_leg1_real a, mission_leg1_real b, mission_leg1_real *epsilon,
+                                           mission_leg1_real *xi)
+{
+    const mission_leg1_real v0 = a / b;
+    const mission_leg1_real v1 = logf(v0);
+    const mission_leg1_real v2 = 1.0F + v0;
+    const mission_leg1_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static mission_leg1_real mission_leg1_law(mission_leg1_real k, mission_leg1_real xi, mission_leg1_real epsilon)
+{
+    const mission_leg1_real v0 = k * xi;
+    const mission_leg1_real v1 = v0 * epsilon;
+    const mission_leg1_real v2 = -v1;
+    return v2;
+}
+
+void mission_leg1_tube(mission_leg1_real t, mission_leg1_real lower[MISSION_LEG1_N],
+                       mission_leg1_real upper[MISSION_LEG1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (mission_leg1_real)NAN;
+            upper[j] = (mission_leg1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg1_real s;
+    mission_leg1_segment(t, &row, &s);
+    mission_leg1_real w0;
+    mission_leg1_real w1;
+    mission_leg1_real w2;
+    mission_leg1_real w3;
+    mission_leg1_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg1_real lower_q0 = mission_leg1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg1_real lower_q1 = mission_leg1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg1_real lower_q2 = mission_leg1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg1_real lower_q3 = mission_leg1_coefficients[lower_3];
+        const mission_leg1_real lower_edge = mission_leg1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const mission_leg1_real upper_q0 = mission_leg1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg1_real upper_q1 = mission_leg1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg1_real upper_q2 = mission_leg1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg1_real upper_q3 = mission_leg1_coefficients[upper_3];
+        const mission_leg1_real upper_edge = mission_leg1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void mission_leg1_tube_rate(mission_leg1_real t, mission_leg1_real lower_rate[MISSION_LEG1_N],
+                            mission_leg1_real upper_rate[MISSION_LEG1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (mission_leg1_real)NAN;
+            upper_rate[j] = (mission_leg1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg1_real s;
+    mission_leg1_segment(t, &row, &s);
+    mission_leg1_real dw0;
+    mission_leg1_real dw1;
+    mission_leg1_real dw2;
+    mission_leg1_real dw3;
+    mission_leg1_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.5F;
+    const mission_leg1_real per_second = moving ? 3.368421F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg1_real lower_q0 = mission_leg1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg1_real lower_q1 = mission_leg1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg1_real lower_q2 = mission_leg1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg1_real lower_q3 = mission_leg1_coefficients[lower_3];
+        const mission_leg1_real lower_slope = mission_leg1_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const mission_leg1_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const mission_leg1_real upper_q0 = mission_leg1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg1_real upper_q1 = mission_leg1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg1_real upper_q2 = mission_leg1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg1_real upper_q3 = mission_leg1_coefficients[upper_3];
+        const mission_leg1_real upper_slope = mission_leg1_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg1_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
+                                         mission_leg1_real u[MISSION_LEG1_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg1_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return MISSION_LEG1_BAD_INPUT;
+    }
+    int32_t row;
+    mission_leg1_real s;
+    mission_leg1_segment(t, &row, &s);
+    mission_leg1_real w0;
+    mission_leg1_real w1;
+    mission_leg1_real w2;
+    mission_leg1_real w3;
+    mission_leg1_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg1_real lower_q0 = mission_leg1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg1_real lower_q1 = mission_leg1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg1_real lower_q2 = mission_leg1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg1_real lower_q3 = mission_leg1_coefficients[lower_3];
+        const mission_leg1_real lower_edge = mission_leg1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg1_real upper_q0 = mission_leg1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg1_real upper_q1 = mission_leg1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg1_real upper_q2 = mission_leg1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg1_real upper_q3 = mission_leg1_coefficients[upper_3];
+        const mission_leg1_real upper_edge = mission_leg1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg1_real x_i = x[i];
+        const mission_leg1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg1_real width = wide ? room : 9.536743e-7F;
+        const mission_leg1_real least = width * 0.005F;
+        const mission_leg1_real most = width * 0.995F;
+        const mission_leg1_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg1_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg1_real a = a_over ? most : a_raised;
+        const mission_leg1_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg1_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg1_real b = b_over ? most : b_raised;
+        mission_leg1_real epsilon;
+        mission_leg1_real xi;
+        mission_leg1_transformed_error(a, b, &epsilon, &xi);
+        const mission_leg1_real push = mission_leg1_law(0.5F, xi, epsilon);
+        const mission_leg1_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? MISSION_LEG1_OK : MISSION_LEG1_OUTSIDE_TUBE;
+}
+
+void mission_leg1_transform(const mission_leg1_real lower[MISSION_LEG1_N],
+                            const mission_leg1_real upper[MISSION_LEG1_N],
+                            const mission_leg1_real x[MISSION_LEG1_N], mission_leg1_real e[MISSION_LEG1_N],
+                            mission_leg1_real epsilon[MISSION_LEG1_N], mission_leg1_real xi[MISSION_LEG1_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg1_real lower_edge = lower[i];
+        const mission_leg1_real upper_edge = upper[i];
+        const mission_leg1_real x_i = x[i];
+        const mission_leg1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg1_real width = wide ? room : 9.536743e-7F;
+        const mission_leg1_real least = width * 0.005F;
+        const mission_leg1_real most = width * 0.995F;
+        const mission_leg1_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg1_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg1_real a = a_over ? most : a_raised;
+        const mission_leg1_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg1_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg1_real b = b_over ? most : b_raised;
+        const mission_leg1_real e_raw = mission_leg1_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const mission_leg1_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const mission_leg1_real e_held = e_held_over ? 0.99F : e_held_raised;
+        mission_leg1_real epsilon_i;
+        mission_leg1_real xi_i;
+        mission_leg1_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const mission_leg1_real e_settled = empty ? 0.0F : e_held;
+        const mission_leg1_real e_out = finite ? e_settled : (mission_leg1_real)NAN;
+        e[i] = e_out;
+        const mission_leg1_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const mission_leg1_real epsilon_out = finite ? epsilon_settled : (mission_leg1_real)NAN;
+        epsilon[i] = epsilon_out;
+        const mission_leg1_real xi_settled = empty ? 0.0F : xi_i;
+        const mission_leg1_real xi_out = finite ? xi_settled : (mission_leg1_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,65 @@
+/* mission_leg1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (mission_leg1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * Call mission_leg1_control once every period with the time since the start and the measured state. It keeps no state and
+ * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
+ */
+#ifndef MISSION_LEG1_H
+#define MISSION_LEG1_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef float mission_leg1_real;
+
+#define MISSION_LEG1_N 2
+#define MISSION_LEG1_T_C 9.5F /* prescribed time, seconds */
+#define MISSION_LEG1_DESIGN_HASH "a247d749e85b0991" /* log it: names this design */
+
+typedef enum {
+    MISSION_LEG1_OK = 0,
+    MISSION_LEG1_OUTSIDE_TUBE = 1,
+    MISSION_LEG1_BAD_INPUT = 2
+} mission_leg1_status;
+
+/* Edges of the tube gamma at time t (seconds), in the task's units.
+ * t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+ */
+void mission_leg1_tube(mission_leg1_real t, mission_leg1_real lower[MISSION_LEG1_N],
+                       mission_leg1_real upper[MISSION_LEG1_N]);
+
+/* Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+ * The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+ */
+void mission_leg1_tube_rate(mission_leg1_real t, mission_leg1_real lower_rate[MISSION_LEG1_N],
+                            mission_leg1_real upper_rate[MISSION_LEG1_N]);
+
+/* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+ * t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+ */
+mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
+                                         mission_leg1_real u[MISSION_LEG1_N]);
+
+/* Error transform of section IV for the state x in the box (lower, upper), by component:
+ *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+ *   epsilon = ln((1 + e) / (1 - e))
+ *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
+ */
+void mission_leg1_transform(const mission_leg1_real lower[MISSION_LEG1_N],
+                            const mission_leg1_real upper[MISSION_LEG1_N],
+                            const mission_leg1_real x[MISSION_LEG1_N], mission_leg1_real e[MISSION_LEG1_N],
+                            mission_leg1_real epsilon[MISSION_LEG1_N], mission_leg1_real xi[MISSION_LEG1_N]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

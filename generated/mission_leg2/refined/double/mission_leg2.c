@@ -1,0 +1,400 @@
+/* mission_leg2.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (mission_leg2.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "mission_leg2.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "mission_leg2.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-18: exact in float and double.
+ */
+static const mission_leg2_real mission_leg2_coefficients[140] = {
+    1.3017425537109375, 1.4683265686035156, 2.3650054931640625, 2.5315895080566406,
+    1.3333740234375, 1.4999580383300781, 2.3333740234375, 2.499958038330078,
+    1.3650054931640625, 1.5315895080566406, 2.3017425537109375, 2.4683265686035156,
+    1.396636962890625, 1.5632209777832031, 2.270111083984375, 2.4366989135742188,
+    1.4282684326171875, 1.5948524475097656, 2.2384796142578125, 2.4050674438476562,
+    1.4598960876464844, 1.6264839172363281, 2.2068519592285156, 2.3734359741210938,
+    1.4915275573730469, 1.6581153869628906, 2.175220489501953, 2.3418045043945312,
+    1.5231590270996094, 1.6897430419921875, 2.1435890197753906, 2.3101730346679688,
+    1.5547904968261719, 1.72137451171875, 2.111957550048828, 2.2785415649414062,
+    1.5864219665527344, 1.7530059814453125, 2.0803260803222656, 2.2469100952148438,
+    1.6180534362792969, 1.784637451171875, 2.048694610595703, 2.215282440185547,
+    1.6496849060058594, 1.8162689208984375, 2.0170631408691406, 2.1836509704589844,
+    1.6813125610351562, 1.847900390625, 1.9854354858398438, 2.152019500732422,
+    1.7129440307617188, 1.8795318603515625, 1.9538040161132812, 2.1203880310058594,
+    1.7445755004882812, 1.911163330078125, 1.9221725463867188, 2.088756561279297,
+    1.7762069702148438, 1.9427909851074219, 1.8905410766601562, 2.0571250915527344,
+    1.8078384399414062, 1.9744224548339844, 1.8589096069335938, 2.025493621826172,
+    1.8394699096679688, 2.006053924560547, 1.8272781372070312, 1.993865966796875,
+    1.8711013793945312, 2.0376853942871094, 1.7956466674804688, 1.9622344970703125,
+    1.9027290344238281, 2.069316864013672, 1.7640190124511719, 1.93060302734375,
+    1.9343605041503906, 2.1009483337402344, 1.7323875427246094, 1.8989715576171875,
+    1.9659919738769531, 2.132579803466797, 1.7007560729980469, 1.867340087890625,
+    1.9976234436035156, 2.1642074584960938, 1.6691246032714844, 1.8357086181640625,
+    2.029254913330078, 2.1958389282226562, 1.6374931335449219, 1.8040771484375,
+    2.0608863830566406, 2.2274703979492188, 1.6058616638183594, 1.7724494934082031,
+    2.092517852783203, 2.2591018676757812, 1.5742301940917969, 1.7408180236816406,
+    2.1241493225097656, 2.2907333374023438, 1.5425987243652344, 1.7091865539550781,
+    2.1557769775390625, 2.3223648071289062, 1.5109710693359375, 1.6775550842285156,
+    2.187408447265625, 2.3539962768554688, 1.479339599609375, 1.6459236145019531,
+    2.2190399169921875, 2.3856239318847656, 1.4477081298828125, 1.6142921447753906,
+    2.25067138671875, 2.417255401611328, 1.41607666015625, 1.5826606750488281,
+    2.2823028564453125, 2.4488868713378906, 1.3844451904296875, 1.5510330200195312,
+    2.313934326171875, 2.4772262573242188, 1.3561058044433594, 1.5194015502929688,
+    2.3455657958984375, 2.5088577270507812, 1.3244781494140625, 1.4877700805664062,
+    2.313934326171875, 2.4772262573242188, 1.3561058044433594, 1.5194015502929688
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 3 s).
+ */
+static void mission_leg2_segment(mission_leg2_real t, int32_t *row, mission_leg2_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 3.0;
+    const mission_leg2_real started = positive ? t : 0.0;
+    const mission_leg2_real held = running ? started : 0.0;
+    const mission_leg2_real scaled = held * 10.666666666666666;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const mission_leg2_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const mission_leg2_real base = (mission_leg2_real)segment;
+    const mission_leg2_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void mission_leg2_basis(mission_leg2_real s, mission_leg2_real *w0, mission_leg2_real *w1,
+                               mission_leg2_real *w2, mission_leg2_real *w3)
+{
+    const mission_leg2_real v0 = 1.0 - s;
+    const mission_leg2_real v1 = v0 * v0;
+    const mission_leg2_real v2 = v1 * v0;
+    const mission_leg2_real v3 = v0 * s;
+    const mission_leg2_real v4 = 1.0 + v3;
+    const mission_leg2_real v5 = 3.0 * v4;
+    const mission_leg2_real v6 = v0 * v5;
+    const mission_leg2_real v7 = 1.0 + v6;
+    const mission_leg2_real v8 = s * v5;
+    const mission_leg2_real v9 = 1.0 + v8;
+    const mission_leg2_real v10 = s * s;
+    const mission_leg2_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void mission_leg2_basis_rate(mission_leg2_real s, mission_leg2_real *dw0, mission_leg2_real *dw1,
+                                    mission_leg2_real *dw2, mission_leg2_real *dw3)
+{
+    const mission_leg2_real v0 = 1.0 - s;
+    const mission_leg2_real v1 = v0 + v0;
+    const mission_leg2_real v2 = v0 * v1;
+    const mission_leg2_real v3 = v0 * v0;
+    const mission_leg2_real v4 = v2 + v3;
+    const mission_leg2_real v5 = -v4;
+    const mission_leg2_real v6 = v0 - s;
+    const mission_leg2_real v7 = 3.0 * v6;
+    const mission_leg2_real v8 = v0 * v7;
+    const mission_leg2_real v9 = v0 * s;
+    const mission_leg2_real v10 = 1.0 + v9;
+    const mission_leg2_real v11 = 3.0 * v10;
+    const mission_leg2_real v12 = v8 - v11;
+    const mission_leg2_real v13 = s * v7;
+    const mission_leg2_real v14 = v11 + v13;
+    const mission_leg2_real v15 = s + s;
+    const mission_leg2_real v16 = s * v15;
+    const mission_leg2_real v17 = s * s;
+    const mission_leg2_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static mission_leg2_real mission_leg2_blend(mission_leg2_real w0, mission_leg2_real w1, mission_leg2_real w2,
+                                            mission_leg2_real w3, mission_leg2_real q0, mission_leg2_real q1,
+                                            mission_leg2_real q2, mission_leg2_real q3)
+{
+    const mission_leg2_real v0 = w0 * q0;
+    const mission_leg2_real v1 = w1 * q1;
+    const mission_leg2_real v2 = v0 + v1;
+    const mission_leg2_real v3 = w2 * q2;
+    const mission_leg2_real v4 = w3 * q3;
+    const mission_leg2_real v5 = v3 + v4;
+    const mission_leg2_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static mission_leg2_real mission_leg2_normalized_error(mission_leg2_real a, mission_leg2_real b,
+                                                       mission_leg2_real width)
+{
+    const mission_leg2_real v0 = a - b;
+    const mission_leg2_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void mission_leg2_transformed_error(mission_leg2_real a, mission_leg2_real b, mission_leg2_real *epsilon,
+                                           mission_leg2_real *xi)
+{
+    const mission_leg2_real v0 = a / b;
+    const mission_leg2_real v1 = log(v0);
+    const mission_leg2_real v2 = 1.0 + v0;
+    const mission_leg2_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static mission_leg2_real mission_leg2_law(mission_leg2_real k, mission_leg2_real xi, mission_leg2_real epsilon)
+{
+    const mission_leg2_real v0 = k * xi;
+    const mission_leg2_real v1 = v0 * epsilon;
+    const mission_leg2_real v2 = -v1;
+    return v2;
+}
+
+void mission_leg2_tube(mission_leg2_real t, mission_leg2_real lower[MISSION_LEG2_N],
+                       mission_leg2_real upper[MISSION_LEG2_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (mission_leg2_real)NAN;
+            upper[j] = (mission_leg2_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real w0;
+    mission_leg2_real w1;
+    mission_leg2_real w2;
+    mission_leg2_real w3;
+    mission_leg2_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_edge = mission_leg2_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void mission_leg2_tube_rate(mission_leg2_real t, mission_leg2_real lower_rate[MISSION_LEG2_N],
+                            mission_leg2_real upper_rate[MISSION_LEG2_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (mission_leg2_real)NAN;
+            upper_rate[j] = (mission_leg2_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real dw0;
+    mission_leg2_real dw1;
+    mission_leg2_real dw2;
+    mission_leg2_real dw3;
+    mission_leg2_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 3.0;
+    const mission_leg2_real per_second = moving ? 10.666666666666666 : 0.0;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_slope = mission_leg2_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const mission_leg2_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_slope = mission_leg2_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg2_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N],
+                                         mission_leg2_real u[MISSION_LEG2_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg2_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0;
+        }
+        return MISSION_LEG2_BAD_INPUT;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real w0;
+    mission_leg2_real w1;
+    mission_leg2_real w2;
+    mission_leg2_real w3;
+    mission_leg2_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_edge = mission_leg2_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = 9.5367431640625e-7 < room;
+        const mission_leg2_real width = wide ? room : 9.5367431640625e-7;
+        const mission_leg2_real least = width * 0.005;
+        const mission_leg2_real most = width * 0.995;
+        const mission_leg2_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg2_real a = a_over ? most : a_raised;
+        const mission_leg2_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg2_real b = b_over ? most : b_raised;
+        mission_leg2_real epsilon;
+        mission_leg2_real xi;
+        mission_leg2_transformed_error(a, b, &epsilon, &xi);
+        const mission_leg2_real push = mission_leg2_law(0.5, xi, epsilon);
+        const mission_leg2_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? MISSION_LEG2_OK : MISSION_LEG2_OUTSIDE_TUBE;
+}
+
+void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
+                            const mission_leg2_real upper[MISSION_LEG2_N],
+                            const mission_leg2_real x[MISSION_LEG2_N], mission_leg2_real e[MISSION_LEG2_N],
+                            mission_leg2_real epsilon[MISSION_LEG2_N], mission_leg2_real xi[MISSION_LEG2_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg2_real lower_edge = lower[i];
+        const mission_leg2_real upper_edge = upper[i];
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = 9.5367431640625e-7 < room;
+        const mission_leg2_real width = wide ? room : 9.5367431640625e-7;
+        const mission_leg2_real least = width * 0.005;
+        const mission_leg2_real most = width * 0.995;
+        const mission_leg2_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg2_real a = a_over ? most : a_raised;
+        const mission_leg2_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg2_real b = b_over ? most : b_raised;
+        const mission_leg2_real e_raw = mission_leg2_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99) < e_raw;
+        const mission_leg2_real e_held_raised = e_held_above ? e_raw : (-0.99);
+        const bool e_held_over = 0.99 < e_held_raised;
+        const mission_leg2_real e_held = e_held_over ? 0.99 : e_held_raised;
+        mission_leg2_real epsilon_i;
+        mission_leg2_real xi_i;
+        mission_leg2_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const mission_leg2_real e_settled = empty ? 0.0 : e_held;
+        const mission_leg2_real e_out = finite ? e_settled : (mission_leg2_real)NAN;
+        e[i] = e_out;
+        const mission_leg2_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const mission_leg2_real epsilon_out = finite ? epsilon_settled : (mission_leg2_real)NAN;
+        epsilon[i] = epsilon_out;
+        const mission_leg2_real xi_settled = empty ? 0.0 : xi_i;
+        const mission_leg2_real xi_out = finite ? xi_settled : (mission_leg2_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,382 @@
+"""mission_leg2: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (mission_leg2.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+
+The same functions as mission_leg2.c (double precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 3.0  # prescribed time, seconds
+DESIGN_HASH = "5493f59bc18d1d37"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-18: exact in float and double.
+COEFFICIENTS = (
+    1.3017425537109375, 1.4683265686035156, 2.3650054931640625, 2.5315895080566406,
+    1.3333740234375, 1.4999580383300781, 2.3333740234375, 2.499958038330078,
+    1.3650054931640625, 1.5315895080566406, 2.3017425537109375, 2.4683265686035156,
+    1.396636962890625, 1.5632209777832031, 2.270111083984375, 2.4366989135742188,
+    1.4282684326171875, 1.5948524475097656, 2.2384796142578125, 2.4050674438476562,
+    1.4598960876464844, 1.6264839172363281, 2.2068519592285156, 2.3734359741210938,
+    1.4915275573730469, 1.6581153869628906, 2.175220489501953, 2.3418045043945312,
+    1.5231590270996094, 1.6897430419921875, 2.1435890197753906, 2.3101730346679688,
+    1.5547904968261719, 1.72137451171875, 2.111957550048828, 2.2785415649414062,
+    1.5864219665527344, 1.7530059814453125, 2.0803260803222656, 2.2469100952148438,
+    1.6180534362792969, 1.784637451171875, 2.048694610595703, 2.215282440185547,
+    1.6496849060058594, 1.8162689208984375, 2.0170631408691406, 2.1836509704589844,
+    1.6813125610351562, 1.847900390625, 1.9854354858398438, 2.152019500732422,
+    1.7129440307617188, 1.8795318603515625, 1.9538040161132812, 2.1203880310058594,
+    1.7445755004882812, 1.911163330078125, 1.9221725463867188, 2.088756561279297,
+    1.7762069702148438, 1.9427909851074219, 1.8905410766601562, 2.0571250915527344,
+    1.8078384399414062, 1.9744224548339844, 1.8589096069335938, 2.025493621826172,
+    1.8394699096679688, 2.006053924560547, 1.8272781372070312, 1.993865966796875,
+    1.8711013793945312, 2.0376853942871094, 1.7956466674804688, 1.9622344970703125,
+    1.9027290344238281, 2.069316864013672, 1.7640190124511719, 1.93060302734375,
+    1.9343605041503906, 2.1009483337402344, 1.7323875427246094, 1.8989715576171875,
+    1.9659919738769531, 2.132579803466797, 1.7007560729980469, 1.867340087890625,
+    1.9976234436035156, 2.1642074584960938, 1.6691246032714844, 1.8357086181640625,
+    2.029254913330078, 2.1958389282226562, 1.6374931335449219, 1.8040771484375,
+    2.0608863830566406, 2.2274703979492188, 1.6058616638183594, 1.7724494934082031,
+    2.092517852783203, 2.2591018676757812, 1.5742301940917969, 1.7408180236816406,
+    2.1241493225097656, 2.2907333374023438, 1.5425987243652344, 1.7091865539550781,
+    2.1557769775390625, 2.3223648071289062, 1.5109710693359375, 1.6775550842285156,
+    2.187408447265625, 2.3539962768554688, 1.479339599609375, 1.6459236145019531,
+    2.2190399169921875, 2.3856239318847656, 1.4477081298828125, 1.6142921447753906,
+    2.25067138671875, 2.417255401611328, 1.41607666015625, 1.5826606750488281,
+    2.2823028564453125, 2.4488868713378906, 1.3844451904296875, 1.5510330200195312,
+    2.313934326171875, 2.4772262573242188, 1.3561058044433594, 1.5194015502929688,
+    2.3455657958984375, 2.5088577270507812, 1.3244781494140625, 1.4877700805664062,
+    2.313934326171875, 2.4772262573242188, 1.3561058044433594, 1.5194015502929688,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    At and after t_c: the last segment and s = 1, exactly (t_c = 3 s).
+    """
+    positive = 0.0 < t
+    running = t < 3.0
+    started = t if positive else 0.0
+    held = started if running else 0.0
+    scaled = held * 10.666666666666666
+    early = scaled < 32.0
+    use = running and early
+    u = scaled if use else 32.0
+    whole = int(u)
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 3.0
+    per_second = 10.666666666666666 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite = finite_t
+    for j in range(2):
+        x_j = x[j]
+        finite_x = math.isfinite(x_j)
+        both = finite and finite_x
+        finite = both
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    inside = True
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = lower_edge < x_i
+        below = x_i < upper_edge
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.99 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.99
+        e_held_over = 0.99 < e_held_raised
+        e_held = 0.99 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

@@ -1,0 +1,400 @@
+/* mission_leg2.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (mission_leg2.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "mission_leg2.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "mission_leg2.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-18: exact in float and double.
+ */
+static const mission_leg2_real mission_leg2_coefficients[140] = {
+    1.3017426F, 1.4683266F, 2.3650055F, 2.5315895F,
+    1.333374F, 1.499958F, 2.333374F, 2.499958F,
+    1.3650055F, 1.5315895F, 2.3017426F, 2.4683266F,
+    1.396637F, 1.563221F, 2.270111F, 2.436699F,
+    1.4282684F, 1.5948524F, 2.2384796F, 2.4050674F,
+    1.4598961F, 1.6264839F, 2.206852F, 2.373436F,
+    1.4915276F, 1.6581154F, 2.1752205F, 2.3418045F,
+    1.523159F, 1.689743F, 2.143589F, 2.310173F,
+    1.5547905F, 1.7213745F, 2.1119576F, 2.2785416F,
+    1.586422F, 1.753006F, 2.080326F, 2.24691F,
+    1.6180534F, 1.7846375F, 2.0486946F, 2.2152824F,
+    1.6496849F, 1.8162689F, 2.0170631F, 2.183651F,
+    1.6813126F, 1.8479004F, 1.9854355F, 2.1520195F,
+    1.712944F, 1.8795319F, 1.953804F, 2.120388F,
+    1.7445755F, 1.9111633F, 1.9221725F, 2.0887566F,
+    1.776207F, 1.942791F, 1.8905411F, 2.057125F,
+    1.8078384F, 1.9744225F, 1.8589096F, 2.0254936F,
+    1.8394699F, 2.006054F, 1.8272781F, 1.993866F,
+    1.8711014F, 2.0376854F, 1.7956467F, 1.9622345F,
+    1.902729F, 2.0693169F, 1.764019F, 1.930603F,
+    1.9343605F, 2.1009483F, 1.7323875F, 1.8989716F,
+    1.965992F, 2.1325798F, 1.7007561F, 1.8673401F,
+    1.9976234F, 2.1642075F, 1.6691246F, 1.8357086F,
+    2.029255F, 2.195839F, 1.6374931F, 1.8040771F,
+    2.0608864F, 2.2274704F, 1.6058617F, 1.7724495F,
+    2.0925179F, 2.2591019F, 1.5742302F, 1.740818F,
+    2.1241493F, 2.2907333F, 1.5425987F, 1.7091866F,
+    2.155777F, 2.3223648F, 1.5109711F, 1.6775551F,
+    2.1874084F, 2.3539963F, 1.4793396F, 1.6459236F,
+    2.21904F, 2.385624F, 1.4477081F, 1.6142921F,
+    2.2506714F, 2.4172554F, 1.4160767F, 1.5826607F,
+    2.2823029F, 2.4488869F, 1.3844452F, 1.551033F,
+    2.3139343F, 2.4772263F, 1.3561058F, 1.5194016F,
+    2.3455658F, 2.5088577F, 1.3244781F, 1.4877701F,
+    2.3139343F, 2.4772263F, 1.3561058F, 1.5194016F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 3 s).
+ */
+static void mission_leg2_segment(mission_leg2_real t, int32_t *row, mission_leg2_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 3.0F;
+    const mission_leg2_real started = positive ? t : 0.0F;
+    const mission_leg2_real held = running ? started : 0.0F;
+    const mission_leg2_real scaled = held * 10.666667F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const mission_leg2_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const mission_leg2_real base = (mission_leg2_real)segment;
+    const mission_leg2_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void mission_leg2_basis(mission_leg2_real s, mission_leg2_real *w0, mission_leg2_real *w1,
+                               mission_leg2_real *w2, mission_leg2_real *w3)
+{
+    const mission_leg2_real v0 = 1.0F - s;
+    const mission_leg2_real v1 = v0 * v0;
+    const mission_leg2_real v2 = v1 * v0;
+    const mission_leg2_real v3 = v0 * s;
+    const mission_leg2_real v4 = 1.0F + v3;
+    const mission_leg2_real v5 = 3.0F * v4;
+    const mission_leg2_real v6 = v0 * v5;
+    const mission_leg2_real v7 = 1.0F + v6;
+    const mission_leg2_real v8 = s * v5;
+    const mission_leg2_real v9 = 1.0F + v8;
+    const mission_leg2_real v10 = s * s;
+    const mission_leg2_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void mission_leg2_basis_rate(mission_leg2_real s, mission_leg2_real *dw0, mission_leg2_real *dw1,
+                                    mission_leg2_real *dw2, mission_leg2_real *dw3)
+{
+    const mission_leg2_real v0 = 1.0F - s;
+    const mission_leg2_real v1 = v0 + v0;
+    const mission_leg2_real v2 = v0 * v1;
+    const mission_leg2_real v3 = v0 * v0;
+    const mission_leg2_real v4 = v2 + v3;
+    const mission_leg2_real v5 = -v4;
+    const mission_leg2_real v6 = v0 - s;
+    const mission_leg2_real v7 = 3.0F * v6;
+    const mission_leg2_real v8 = v0 * v7;
+    const mission_leg2_real v9 = v0 * s;
+    const mission_leg2_real v10 = 1.0F + v9;
+    const mission_leg2_real v11 = 3.0F * v10;
+    const mission_leg2_real v12 = v8 - v11;
+    const mission_leg2_real v13 = s * v7;
+    const mission_leg2_real v14 = v11 + v13;
+    const mission_leg2_real v15 = s + s;
+    const mission_leg2_real v16 = s * v15;
+    const mission_leg2_real v17 = s * s;
+    const mission_leg2_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static mission_leg2_real mission_leg2_blend(mission_leg2_real w0, mission_leg2_real w1, mission_leg2_real w2,
+                                            mission_leg2_real w3, mission_leg2_real q0, mission_leg2_real q1,
+                                            mission_leg2_real q2, mission_leg2_real q3)
+{
+    const mission_leg2_real v0 = w0 * q0;
+    const mission_leg2_real v1 = w1 * q1;
+    const mission_leg2_real v2 = v0 + v1;
+    const mission_leg2_real v3 = w2 * q2;
+    const mission_leg2_real v4 = w3 * q3;
+    const mission_leg2_real v5 = v3 + v4;
+    const mission_leg2_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static mission_leg2_real mission_leg2_normalized_error(mission_leg2_real a, mission_leg2_real b,
+                                                       mission_leg2_real width)
+{
+    const mission_leg2_real v0 = a - b;
+    const mission_leg2_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void mission_leg2_transformed_error(mission_leg2_real a, mission_leg2_real b, mission_leg2_real *epsilon,
+                                           mission_leg2_real *xi)
+{
+    const mission_leg2_real v0 = a / b;
+    const mission_leg2_real v1 = logf(v0);
+    const mission_leg2_real v2 = 1.0F + v0;
+    const mission_leg2_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static mission_leg2_real mission_leg2_law(mission_leg2_real k, mission_leg2_real xi, mission_leg2_real epsilon)
+{
+    const mission_leg2_real v0 = k * xi;
+    const mission_leg2_real v1 = v0 * epsilon;
+    const mission_leg2_real v2 = -v1;
+    return v2;
+}
+
+void mission_leg2_tube(mission_leg2_real t, mission_leg2_real lower[MISSION_LEG2_N],
+                       mission_leg2_real upper[MISSION_LEG2_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (mission_leg2_real)NAN;
+            upper[j] = (mission_leg2_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real w0;
+    mission_leg2_real w1;
+    mission_leg2_real w2;
+    mission_leg2_real w3;
+    mission_leg2_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_edge = mission_leg2_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void mission_leg2_tube_rate(mission_leg2_real t, mission_leg2_real lower_rate[MISSION_LEG2_N],
+                            mission_leg2_real upper_rate[MISSION_LEG2_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (mission_leg2_real)NAN;
+            upper_rate[j] = (mission_leg2_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real dw0;
+    mission_leg2_real dw1;
+    mission_leg2_real dw2;
+    mission_leg2_real dw3;
+    mission_leg2_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 3.0F;
+    const mission_leg2_real per_second = moving ? 10.666667F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_slope = mission_leg2_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const mission_leg2_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_slope = mission_leg2_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg2_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N],
+                                         mission_leg2_real u[MISSION_LEG2_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg2_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return MISSION_LEG2_BAD_INPUT;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real w0;
+    mission_leg2_real w1;
+    mission_leg2_real w2;
+    mission_leg2_real w3;
+    mission_leg2_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_edge = mission_leg2_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg2_real width = wide ? room : 9.536743e-7F;
+        const mission_leg2_real least = width * 0.005F;
+        const mission_leg2_real most = width * 0.995F;
+        const mission_leg2_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg2_real a = a_over ? most : a_raised;
+        const mission_leg2_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg2_real b = b_over ? most : b_raised;
+        mission_leg2_real epsilon;
+        mission_leg2_real xi;
+        mission_leg2_transformed_error(a, b, &epsilon, &xi);
+        const mission_leg2_real push = mission_leg2_law(0.5F, xi, epsilon);
+        const mission_leg2_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? MISSION_LEG2_OK : MISSION_LEG2_OUTSIDE_TUBE;
+}
+
+void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
+                            const mission_leg2_real upper[MISSION_LEG2_N],
+                            const mission_leg2_real x[MISSION_LEG2_N], mission_leg2_real e[MISSION_LEG2_N],
+                            mission_leg2_real epsilon[MISSION_LEG2_N], mission_leg2_real xi[MISSION_LEG2_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg2_real lower_edge = lower[i];
+        const mission_leg2_real upper_edge = upper[i];
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg2_real width = wide ? room : 9.536743e-7F;
+        const mission_leg2_real least = width * 0.005F;
+        const mission_leg2_real most = width * 0.995F;
+        const mission_leg2_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg2_real a = a_over ? most : a_raised;
+        const mission_leg2_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg2_real b = b_over ? most : b_raised;
+        const mission_leg2_real e_raw = mission_leg2_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const mission_leg2_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const mission_leg2_real e_held = e_held_over ? 0.99F : e_held_raised;
+        mission_leg2_real epsilon_i;
+        mission_leg2_real xi_i;
+        mission_leg2_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const mission_leg2_real e_settled = empty ? 0.0F : e_held;
+        const mission_leg2_real e_out = finite ? e_settled : (mission_leg2_real)NAN;
+        e[i] = e_out;
+        const mission_leg2_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const mission_leg2_real epsilon_out = finite ? epsilon_settled : (mission_leg2_real)NAN;
+        epsilon[i] = epsilon_out;
+        const mission_leg2_real xi_settled = empty ? 0.0F : xi_i;
+        const mission_leg2_real xi_out = finite ? xi_settled : (mission_leg2_real)NAN;
+        xi[i] = xi_out;
+    }
+}

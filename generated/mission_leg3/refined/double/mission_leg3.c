@@ -1,0 +1,400 @@
+/* mission_leg3.c: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (mission_leg3.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "mission_leg3.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "mission_leg3.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-18: exact in float and double.
+ */
+static const mission_leg3_real mission_leg3_coefficients[140] = {
+    2.2828750610351562, 2.449462890625, 1.279296875, 1.4458847045898438,
+    2.3333740234375, 2.499958038330078, 1.3333740234375, 1.4999580383300781,
+    2.3838729858398438, 2.550457000732422, 1.3874473571777344, 1.5540351867675781,
+    2.434368133544922, 2.6009559631347656, 1.3957939147949219, 1.6081085205078125,
+    2.4848670959472656, 2.6514549255371094, 1.4498710632324219, 1.6621856689453125,
+    2.5353660583496094, 2.7019500732421875, 1.5039443969726562, 1.7162590026855469,
+    2.585865020751953, 2.7524490356445312, 1.5580177307128906, 1.7703361511230469,
+    2.6363601684570312, 2.802947998046875, 1.6120948791503906, 1.8244094848632812,
+    2.686859130859375, 2.8534469604492188, 1.666168212890625, 1.8784828186035156,
+    2.7373580932617188, 2.903942108154297, 1.720245361328125, 1.9325599670410156,
+    2.7878570556640625, 2.9544410705566406, 1.7743186950683594, 1.9409065246582031,
+    2.8383522033691406, 3.0049400329589844, 1.8283958435058594, 1.9949798583984375,
+    2.8888511657714844, 3.0554351806640625, 1.8824691772460938, 2.049053192138672,
+    2.8383522033691406, 3.1059341430664062, 1.9365463256835938, 2.103130340576172,
+    2.8383522033691406, 3.15643310546875, 1.9906196594238281, 2.1572036743164062,
+    2.8383522033691406, 3.2069320678710938, 2.0446929931640625, 2.2112808227539062,
+    2.8383522033691406, 3.257427215576172, 2.0987701416015625, 2.2653541564941406,
+    2.8383522033691406, 3.3079261779785156, 2.152843475341797, 2.3194313049316406,
+    2.8383522033691406, 3.33331298828125, 2.206920623779297, 2.373504638671875,
+    2.8383522033691406, 3.33331298828125, 2.2609939575195312, 2.427581787109375,
+    2.8383522033691406, 3.33331298828125, 2.3150711059570312, 2.4816551208496094,
+    2.8383522033691406, 3.33331298828125, 2.3691444396972656, 2.5357284545898438,
+    2.8383522033691406, 3.33331298828125, 2.4232215881347656, 2.5898056030273438,
+    2.8383522033691406, 3.33331298828125, 2.477294921875, 2.643878936767578,
+    2.8383522033691406, 3.33331298828125, 2.5313682556152344, 2.697956085205078,
+    2.8383522033691406, 3.33331298828125, 2.5854454040527344, 2.7520294189453125,
+    2.8383522033691406, 3.33331298828125, 2.6395187377929688, 2.8061065673828125,
+    2.8383522033691406, 3.33331298828125, 2.6935958862304688, 2.860179901123047,
+    2.8383522033691406, 3.33331298828125, 2.747669219970703, 2.914257049560547,
+    2.8383522033691406, 3.3080482482910156, 2.801746368408203, 2.9683303833007812,
+    2.8888511657714844, 3.2575531005859375, 2.8558197021484375, 3.0224037170410156,
+    2.939350128173828, 3.2070541381835938, 2.9098968505859375, 3.0764808654785156,
+    2.989849090576172, 3.15655517578125, 2.963970184326172, 3.13055419921875,
+    3.005107879638672, 3.17169189453125, 3.0180435180664062, 3.18463134765625,
+    2.989849090576172, 3.15655517578125, 2.963970184326172, 3.13055419921875
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 5 s).
+ */
+static void mission_leg3_segment(mission_leg3_real t, int32_t *row, mission_leg3_real *s)
+{
+    const bool positive = 0.0 < t;
+    const bool running = t < 5.0;
+    const mission_leg3_real started = positive ? t : 0.0;
+    const mission_leg3_real held = running ? started : 0.0;
+    const mission_leg3_real scaled = held * 6.4;
+    const bool early = scaled < 32.0;
+    const bool use = running && early;
+    const mission_leg3_real u = use ? scaled : 32.0;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const mission_leg3_real base = (mission_leg3_real)segment;
+    const mission_leg3_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void mission_leg3_basis(mission_leg3_real s, mission_leg3_real *w0, mission_leg3_real *w1,
+                               mission_leg3_real *w2, mission_leg3_real *w3)
+{
+    const mission_leg3_real v0 = 1.0 - s;
+    const mission_leg3_real v1 = v0 * v0;
+    const mission_leg3_real v2 = v1 * v0;
+    const mission_leg3_real v3 = v0 * s;
+    const mission_leg3_real v4 = 1.0 + v3;
+    const mission_leg3_real v5 = 3.0 * v4;
+    const mission_leg3_real v6 = v0 * v5;
+    const mission_leg3_real v7 = 1.0 + v6;
+    const mission_leg3_real v8 = s * v5;
+    const mission_leg3_real v9 = 1.0 + v8;
+    const mission_leg3_real v10 = s * s;
+    const mission_leg3_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void mission_leg3_basis_rate(mission_leg3_real s, mission_leg3_real *dw0, mission_leg3_real *dw1,
+                                    mission_leg3_real *dw2, mission_leg3_real *dw3)
+{
+    const mission_leg3_real v0 = 1.0 - s;
+    const mission_leg3_real v1 = v0 + v0;
+    const mission_leg3_real v2 = v0 * v1;
+    const mission_leg3_real v3 = v0 * v0;
+    const mission_leg3_real v4 = v2 + v3;
+    const mission_leg3_real v5 = -v4;
+    const mission_leg3_real v6 = v0 - s;
+    const mission_leg3_real v7 = 3.0 * v6;
+    const mission_leg3_real v8 = v0 * v7;
+    const mission_leg3_real v9 = v0 * s;
+    const mission_leg3_real v10 = 1.0 + v9;
+    const mission_leg3_real v11 = 3.0 * v10;
+    const mission_leg3_real v12 = v8 - v11;
+    const mission_leg3_real v13 = s * v7;
+    const mission_leg3_real v14 = v11 + v13;
+    const mission_leg3_real v15 = s + s;
+    const mission_leg3_real v16 = s * v15;
+    const mission_leg3_real v17 = s * s;
+    const mission_leg3_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static mission_leg3_real mission_leg3_blend(mission_leg3_real w0, mission_leg3_real w1, mission_leg3_real w2,
+                                            mission_leg3_real w3, mission_leg3_real q0, mission_leg3_real q1,
+                                            mission_leg3_real q2, mission_leg3_real q3)
+{
+    const mission_leg3_real v0 = w0 * q0;
+    const mission_leg3_real v1 = w1 * q1;
+    const mission_leg3_real v2 = v0 + v1;
+    const mission_leg3_real v3 = w2 * q2;
+    const mission_leg3_real v4 = w3 * q3;
+    const mission_leg3_real v5 = v3 + v4;
+    const mission_leg3_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static mission_leg3_real mission_leg3_normalized_error(mission_leg3_real a, mission_leg3_real b,
+                                                       mission_leg3_real width)
+{
+    const mission_leg3_real v0 = a - b;
+    const mission_leg3_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void mission_leg3_transformed_error(mission_leg3_real a, mission_leg3_real b, mission_leg3_real *epsilon,
+                                           mission_leg3_real *xi)
+{
+    const mission_leg3_real v0 = a / b;
+    const mission_leg3_real v1 = log(v0);
+    const mission_leg3_real v2 = 1.0 + v0;
+    const mission_leg3_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static mission_leg3_real mission_leg3_law(mission_leg3_real k, mission_leg3_real xi, mission_leg3_real epsilon)
+{
+    const mission_leg3_real v0 = k * xi;
+    const mission_leg3_real v1 = v0 * epsilon;
+    const mission_leg3_real v2 = -v1;
+    return v2;
+}
+
+void mission_leg3_tube(mission_leg3_real t, mission_leg3_real lower[MISSION_LEG3_N],
+                       mission_leg3_real upper[MISSION_LEG3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (mission_leg3_real)NAN;
+            upper[j] = (mission_leg3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real w0;
+    mission_leg3_real w1;
+    mission_leg3_real w2;
+    mission_leg3_real w3;
+    mission_leg3_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_edge = mission_leg3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_edge = mission_leg3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void mission_leg3_tube_rate(mission_leg3_real t, mission_leg3_real lower_rate[MISSION_LEG3_N],
+                            mission_leg3_real upper_rate[MISSION_LEG3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (mission_leg3_real)NAN;
+            upper_rate[j] = (mission_leg3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real dw0;
+    mission_leg3_real dw1;
+    mission_leg3_real dw2;
+    mission_leg3_real dw3;
+    mission_leg3_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 5.0;
+    const mission_leg3_real per_second = moving ? 6.4 : 0.0;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_slope = mission_leg3_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const mission_leg3_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_slope = mission_leg3_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg3_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+mission_leg3_status mission_leg3_control(mission_leg3_real t, const mission_leg3_real x[MISSION_LEG3_N],
+                                         mission_leg3_real u[MISSION_LEG3_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg3_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0;
+        }
+        return MISSION_LEG3_BAD_INPUT;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real w0;
+    mission_leg3_real w1;
+    mission_leg3_real w2;
+    mission_leg3_real w3;
+    mission_leg3_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_edge = mission_leg3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_edge = mission_leg3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg3_real x_i = x[i];
+        const mission_leg3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = 9.5367431640625e-7 < room;
+        const mission_leg3_real width = wide ? room : 9.5367431640625e-7;
+        const mission_leg3_real least = width * 0.005;
+        const mission_leg3_real most = width * 0.995;
+        const mission_leg3_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg3_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg3_real a = a_over ? most : a_raised;
+        const mission_leg3_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg3_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg3_real b = b_over ? most : b_raised;
+        mission_leg3_real epsilon;
+        mission_leg3_real xi;
+        mission_leg3_transformed_error(a, b, &epsilon, &xi);
+        const mission_leg3_real push = mission_leg3_law(0.5, xi, epsilon);
+        const mission_leg3_real u_law = empty ? 0.0 : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? MISSION_LEG3_OK : MISSION_LEG3_OUTSIDE_TUBE;
+}
+
+void mission_leg3_transform(const mission_leg3_real lower[MISSION_LEG3_N],
+                            const mission_leg3_real upper[MISSION_LEG3_N],
+                            const mission_leg3_real x[MISSION_LEG3_N], mission_leg3_real e[MISSION_LEG3_N],
+                            mission_leg3_real epsilon[MISSION_LEG3_N], mission_leg3_real xi[MISSION_LEG3_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg3_real lower_edge = lower[i];
+        const mission_leg3_real upper_edge = upper[i];
+        const mission_leg3_real x_i = x[i];
+        const mission_leg3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0 < room;
+        const bool empty = !filled;
+        const bool wide = 9.5367431640625e-7 < room;
+        const mission_leg3_real width = wide ? room : 9.5367431640625e-7;
+        const mission_leg3_real least = width * 0.005;
+        const mission_leg3_real most = width * 0.995;
+        const mission_leg3_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg3_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg3_real a = a_over ? most : a_raised;
+        const mission_leg3_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg3_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg3_real b = b_over ? most : b_raised;
+        const mission_leg3_real e_raw = mission_leg3_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99) < e_raw;
+        const mission_leg3_real e_held_raised = e_held_above ? e_raw : (-0.99);
+        const bool e_held_over = 0.99 < e_held_raised;
+        const mission_leg3_real e_held = e_held_over ? 0.99 : e_held_raised;
+        mission_leg3_real epsilon_i;
+        mission_leg3_real xi_i;
+        mission_leg3_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const mission_leg3_real e_settled = empty ? 0.0 : e_held;
+        const mission_leg3_real e_out = finite ? e_settled : (mission_leg3_real)NAN;
+        e[i] = e_out;
+        const mission_leg3_real epsilon_settled = empty ? 0.0 : epsilon_i;
+        const mission_leg3_real epsilon_out = finite ? epsilon_settled : (mission_leg3_real)NAN;
+        epsilon[i] = epsilon_out;
+        const mission_leg3_real xi_settled = empty ? 0.0 : xi_i;
+        const mission_leg3_real xi_out = finite ? xi_settled : (mission_leg3_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,382 @@
+"""mission_leg3: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (mission_leg3.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+
+The same functions as mission_leg3.c (double precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 5.0  # prescribed time, seconds
+DESIGN_HASH = "86b0b5b64e4ea591"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-18: exact in float and double.
+COEFFICIENTS = (
+    2.2828750610351562, 2.449462890625, 1.279296875, 1.4458847045898438,
+    2.3333740234375, 2.499958038330078, 1.3333740234375, 1.4999580383300781,
+    2.3838729858398438, 2.550457000732422, 1.3874473571777344, 1.5540351867675781,
+    2.434368133544922, 2.6009559631347656, 1.3957939147949219, 1.6081085205078125,
+    2.4848670959472656, 2.6514549255371094, 1.4498710632324219, 1.6621856689453125,
+    2.5353660583496094, 2.7019500732421875, 1.5039443969726562, 1.7162590026855469,
+    2.585865020751953, 2.7524490356445312, 1.5580177307128906, 1.7703361511230469,
+    2.6363601684570312, 2.802947998046875, 1.6120948791503906, 1.8244094848632812,
+    2.686859130859375, 2.8534469604492188, 1.666168212890625, 1.8784828186035156,
+    2.7373580932617188, 2.903942108154297, 1.720245361328125, 1.9325599670410156,
+    2.7878570556640625, 2.9544410705566406, 1.7743186950683594, 1.9409065246582031,
+    2.8383522033691406, 3.0049400329589844, 1.8283958435058594, 1.9949798583984375,
+    2.8888511657714844, 3.0554351806640625, 1.8824691772460938, 2.049053192138672,
+    2.8383522033691406, 3.1059341430664062, 1.9365463256835938, 2.103130340576172,
+    2.8383522033691406, 3.15643310546875, 1.9906196594238281, 2.1572036743164062,
+    2.8383522033691406, 3.2069320678710938, 2.0446929931640625, 2.2112808227539062,
+    2.8383522033691406, 3.257427215576172, 2.0987701416015625, 2.2653541564941406,
+    2.8383522033691406, 3.3079261779785156, 2.152843475341797, 2.3194313049316406,
+    2.8383522033691406, 3.33331298828125, 2.206920623779297, 2.373504638671875,
+    2.8383522033691406, 3.33331298828125, 2.2609939575195312, 2.427581787109375,
+    2.8383522033691406, 3.33331298828125, 2.3150711059570312, 2.4816551208496094,
+    2.8383522033691406, 3.33331298828125, 2.3691444396972656, 2.5357284545898438,
+    2.8383522033691406, 3.33331298828125, 2.4232215881347656, 2.5898056030273438,
+    2.8383522033691406, 3.33331298828125, 2.477294921875, 2.643878936767578,
+    2.8383522033691406, 3.33331298828125, 2.5313682556152344, 2.697956085205078,
+    2.8383522033691406, 3.33331298828125, 2.5854454040527344, 2.7520294189453125,
+    2.8383522033691406, 3.33331298828125, 2.6395187377929688, 2.8061065673828125,
+    2.8383522033691406, 3.33331298828125, 2.6935958862304688, 2.860179901123047,
+    2.8383522033691406, 3.33331298828125, 2.747669219970703, 2.914257049560547,
+    2.8383522033691406, 3.3080482482910156, 2.801746368408203, 2.9683303833007812,
+    2.8888511657714844, 3.2575531005859375, 2.8558197021484375, 3.0224037170410156,
+    2.939350128173828, 3.2070541381835938, 2.9098968505859375, 3.0764808654785156,
+    2.989849090576172, 3.15655517578125, 2.963970184326172, 3.13055419921875,
+    3.005107879638672, 3.17169189453125, 3.0180435180664062, 3.18463134765625,
+    2.989849090576172, 3.15655517578125, 2.963970184326172, 3.13055419921875,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    At and after t_c: the last segment and s = 1, exactly (t_c = 5 s).
+    """
+    positive = 0.0 < t
+    running = t < 5.0
+    started = t if positive else 0.0
+    held = started if running else 0.0
+    scaled = held * 6.4
+    early = scaled < 32.0
+    use = running and early
+    u = scaled if use else 32.0
+    whole = int(u)
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = a / b
+    v1 = math.log(v0)
+    v2 = 1.0 + v0
+    v3 = v2 / a
+    return v1, v3
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 5.0
+    per_second = 6.4 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    finite_t = math.isfinite(t)
+    finite = finite_t
+    for j in range(2):
+        x_j = x[j]
+        finite_x = math.isfinite(x_j)
+        both = finite and finite_x
+        finite = both
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    inside = True
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        epsilon, xi = _transformed_error(a, b)
+        push = _law(0.5, xi, epsilon)
+        u_law = 0.0 if empty else push
+        u[i] = u_law
+        above = lower_edge < x_i
+        below = x_i < upper_edge
+        within = above and below
+        inside_all = inside and within
+        inside = inside_all
+    return OK if inside else OUTSIDE_TUBE, tuple(u)
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        least = width * 0.005
+        most = width * 0.995
+        to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
+        to_upper = upper_edge - x_i
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.99 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.99
+        e_held_over = 0.99 < e_held_raised
+        e_held = 0.99 if e_held_over else e_held_raised
+        epsilon_i, xi_i = _transformed_error(a, b)
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

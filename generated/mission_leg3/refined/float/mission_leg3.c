@@ -1,0 +1,400 @@
+/* mission_leg3.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (mission_leg3.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "mission_leg3.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "mission_leg3.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-18: exact in float and double.
+ */
+static const mission_leg3_real mission_leg3_coefficients[140] = {
+    2.282875F, 2.449463F, 1.2792969F, 1.4458847F,
+    2.333374F, 2.499958F, 1.333374F, 1.499958F,
+    2.383873F, 2.550457F, 1.3874474F, 1.5540352F,
+    2.4343681F, 2.600956F, 1.3957939F, 1.6081085F,
+    2.484867F, 2.651455F, 1.4498711F, 1.6621857F,
+    2.535366F, 2.70195F, 1.5039444F, 1.716259F,
+    2.585865F, 2.752449F, 1.5580177F, 1.7703362F,
+    2.6363602F, 2.802948F, 1.6120949F, 1.8244095F,
+    2.6868591F, 2.853447F, 1.6661682F, 1.8784828F,
+    2.737358F, 2.903942F, 1.7202454F, 1.93256F,
+    2.787857F, 2.954441F, 1.7743187F, 1.9409065F,
+    2.8383522F, 3.00494F, 1.8283958F, 1.9949799F,
+    2.8888512F, 3.0554352F, 1.8824692F, 2.0490532F,
+    2.8383522F, 3.1059341F, 1.9365463F, 2.1031303F,
+    2.8383522F, 3.156433F, 1.9906197F, 2.1572037F,
+    2.8383522F, 3.206932F, 2.044693F, 2.2112808F,
+    2.8383522F, 3.2574272F, 2.0987701F, 2.2653542F,
+    2.8383522F, 3.3079262F, 2.1528435F, 2.3194313F,
+    2.8383522F, 3.333313F, 2.2069206F, 2.3735046F,
+    2.8383522F, 3.333313F, 2.260994F, 2.4275818F,
+    2.8383522F, 3.333313F, 2.315071F, 2.4816551F,
+    2.8383522F, 3.333313F, 2.3691444F, 2.5357285F,
+    2.8383522F, 3.333313F, 2.4232216F, 2.5898056F,
+    2.8383522F, 3.333313F, 2.477295F, 2.643879F,
+    2.8383522F, 3.333313F, 2.5313683F, 2.697956F,
+    2.8383522F, 3.333313F, 2.5854454F, 2.7520294F,
+    2.8383522F, 3.333313F, 2.6395187F, 2.8061066F,
+    2.8383522F, 3.333313F, 2.693596F, 2.86018F,
+    2.8383522F, 3.333313F, 2.7476692F, 2.914257F,
+    2.8383522F, 3.3080482F, 2.8017464F, 2.9683304F,
+    2.8888512F, 3.257553F, 2.8558197F, 3.0224037F,
+    2.9393501F, 3.2070541F, 2.9098969F, 3.0764809F,
+    2.989849F, 3.1565552F, 2.9639702F, 3.1305542F,
+    3.0051079F, 3.171692F, 3.0180435F, 3.1846313F,
+    2.989849F, 3.1565552F, 2.9639702F, 3.1305542F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * At and after t_c: the last segment and s = 1, exactly (t_c = 5 s).
+ */
+static void mission_leg3_segment(mission_leg3_real t, int32_t *row, mission_leg3_real *s)
+{
+    const bool positive = 0.0F < t;
+    const bool running = t < 5.0F;
+    const mission_leg3_real started = positive ? t : 0.0F;
+    const mission_leg3_real held = running ? started : 0.0F;
+    const mission_leg3_real scaled = held * 6.4F;
+    const bool early = scaled < 32.0F;
+    const bool use = running && early;
+    const mission_leg3_real u = use ? scaled : 32.0F;
+    const int32_t whole = (int32_t)u;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const mission_leg3_real base = (mission_leg3_real)segment;
+    const mission_leg3_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static void mission_leg3_basis(mission_leg3_real s, mission_leg3_real *w0, mission_leg3_real *w1,
+                               mission_leg3_real *w2, mission_leg3_real *w3)
+{
+    const mission_leg3_real v0 = 1.0F - s;
+    const mission_leg3_real v1 = v0 * v0;
+    const mission_leg3_real v2 = v1 * v0;
+    const mission_leg3_real v3 = v0 * s;
+    const mission_leg3_real v4 = 1.0F + v3;
+    const mission_leg3_real v5 = 3.0F * v4;
+    const mission_leg3_real v6 = v0 * v5;
+    const mission_leg3_real v7 = 1.0F + v6;
+    const mission_leg3_real v8 = s * v5;
+    const mission_leg3_real v9 = 1.0F + v8;
+    const mission_leg3_real v10 = s * s;
+    const mission_leg3_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static void mission_leg3_basis_rate(mission_leg3_real s, mission_leg3_real *dw0, mission_leg3_real *dw1,
+                                    mission_leg3_real *dw2, mission_leg3_real *dw3)
+{
+    const mission_leg3_real v0 = 1.0F - s;
+    const mission_leg3_real v1 = v0 + v0;
+    const mission_leg3_real v2 = v0 * v1;
+    const mission_leg3_real v3 = v0 * v0;
+    const mission_leg3_real v4 = v2 + v3;
+    const mission_leg3_real v5 = -v4;
+    const mission_leg3_real v6 = v0 - s;
+    const mission_leg3_real v7 = 3.0F * v6;
+    const mission_leg3_real v8 = v0 * v7;
+    const mission_leg3_real v9 = v0 * s;
+    const mission_leg3_real v10 = 1.0F + v9;
+    const mission_leg3_real v11 = 3.0F * v10;
+    const mission_leg3_real v12 = v8 - v11;
+    const mission_leg3_real v13 = s * v7;
+    const mission_leg3_real v14 = v11 + v13;
+    const mission_leg3_real v15 = s + s;
+    const mission_leg3_real v16 = s * v15;
+    const mission_leg3_real v17 = s * s;
+    const mission_leg3_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static mission_leg3_real mission_leg3_blend(mission_leg3_real w0, mission_leg3_real w1, mission_leg3_real w2,
+                                            mission_leg3_real w3, mission_leg3_real q0, mission_leg3_real q1,
+                                            mission_leg3_real q2, mission_leg3_real q3)
+{
+    const mission_leg3_real v0 = w0 * q0;
+    const mission_leg3_real v1 = w1 * q1;
+    const mission_leg3_real v2 = v0 + v1;
+    const mission_leg3_real v3 = w2 * q2;
+    const mission_leg3_real v4 = w3 * q3;
+    const mission_leg3_real v5 = v3 + v4;
+    const mission_leg3_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static mission_leg3_real mission_leg3_normalized_error(mission_leg3_real a, mission_leg3_real b,
+                                                       mission_leg3_real width)
+{
+    const mission_leg3_real v0 = a - b;
+    const mission_leg3_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static void mission_leg3_transformed_error(mission_leg3_real a, mission_leg3_real b, mission_leg3_real *epsilon,
+                                           mission_leg3_real *xi)
+{
+    const mission_leg3_real v0 = a / b;
+    const mission_leg3_real v1 = logf(v0);
+    const mission_leg3_real v2 = 1.0F + v0;
+    const mission_leg3_real v3 = v2 / a;
+    *epsilon = v1;
+    *xi = v3;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static mission_leg3_real mission_leg3_law(mission_leg3_real k, mission_leg3_real xi, mission_leg3_real epsilon)
+{
+    const mission_leg3_real v0 = k * xi;
+    const mission_leg3_real v1 = v0 * epsilon;
+    const mission_leg3_real v2 = -v1;
+    return v2;
+}
+
+void mission_leg3_tube(mission_leg3_real t, mission_leg3_real lower[MISSION_LEG3_N],
+                       mission_leg3_real upper[MISSION_LEG3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (mission_leg3_real)NAN;
+            upper[j] = (mission_leg3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real w0;
+    mission_leg3_real w1;
+    mission_leg3_real w2;
+    mission_leg3_real w3;
+    mission_leg3_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_edge = mission_leg3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_edge = mission_leg3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void mission_leg3_tube_rate(mission_leg3_real t, mission_leg3_real lower_rate[MISSION_LEG3_N],
+                            mission_leg3_real upper_rate[MISSION_LEG3_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (mission_leg3_real)NAN;
+            upper_rate[j] = (mission_leg3_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real dw0;
+    mission_leg3_real dw1;
+    mission_leg3_real dw2;
+    mission_leg3_real dw3;
+    mission_leg3_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 5.0F;
+    const mission_leg3_real per_second = moving ? 6.4F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_slope = mission_leg3_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const mission_leg3_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_slope = mission_leg3_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg3_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+mission_leg3_status mission_leg3_control(mission_leg3_real t, const mission_leg3_real x[MISSION_LEG3_N],
+                                         mission_leg3_real u[MISSION_LEG3_N])
+{
+    const bool finite_t = isfinite(t) != 0;
+    bool finite = finite_t;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg3_real x_j = x[j];
+        const bool finite_x = isfinite(x_j) != 0;
+        const bool both = finite && finite_x;
+        finite = both;
+    }
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return MISSION_LEG3_BAD_INPUT;
+    }
+    int32_t row;
+    mission_leg3_real s;
+    mission_leg3_segment(t, &row, &s);
+    mission_leg3_real w0;
+    mission_leg3_real w1;
+    mission_leg3_real w2;
+    mission_leg3_real w3;
+    mission_leg3_basis(s, &w0, &w1, &w2, &w3);
+    bool inside = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg3_real lower_q0 = mission_leg3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg3_real lower_q1 = mission_leg3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg3_real lower_q2 = mission_leg3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg3_real lower_q3 = mission_leg3_coefficients[lower_3];
+        const mission_leg3_real lower_edge = mission_leg3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg3_real upper_q0 = mission_leg3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg3_real upper_q1 = mission_leg3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg3_real upper_q2 = mission_leg3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg3_real upper_q3 = mission_leg3_coefficients[upper_3];
+        const mission_leg3_real upper_edge = mission_leg3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg3_real x_i = x[i];
+        const mission_leg3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg3_real width = wide ? room : 9.536743e-7F;
+        const mission_leg3_real least = width * 0.005F;
+        const mission_leg3_real most = width * 0.995F;
+        const mission_leg3_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg3_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg3_real a = a_over ? most : a_raised;
+        const mission_leg3_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg3_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg3_real b = b_over ? most : b_raised;
+        mission_leg3_real epsilon;
+        mission_leg3_real xi;
+        mission_leg3_transformed_error(a, b, &epsilon, &xi);
+        const mission_leg3_real push = mission_leg3_law(0.5F, xi, epsilon);
+        const mission_leg3_real u_law = empty ? 0.0F : push;
+        u[i] = u_law;
+        const bool above = lower_edge < x_i;
+        const bool below = x_i < upper_edge;
+        const bool within = above && below;
+        const bool inside_all = inside && within;
+        inside = inside_all;
+    }
+    return inside ? MISSION_LEG3_OK : MISSION_LEG3_OUTSIDE_TUBE;
+}
+
+void mission_leg3_transform(const mission_leg3_real lower[MISSION_LEG3_N],
+                            const mission_leg3_real upper[MISSION_LEG3_N],
+                            const mission_leg3_real x[MISSION_LEG3_N], mission_leg3_real e[MISSION_LEG3_N],
+                            mission_leg3_real epsilon[MISSION_LEG3_N], mission_leg3_real xi[MISSION_LEG3_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg3_real lower_edge = lower[i];
+        const mission_leg3_real upper_edge = upper[i];
+        const mission_leg3_real x_i = x[i];
+        const mission_leg3_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg3_real width = wide ? room : 9.536743e-7F;
+        const mission_leg3_real least = width * 0.005F;
+        const mission_leg3_real most = width * 0.995F;
+        const mission_leg3_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const mission_leg3_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const mission_leg3_real a = a_over ? most : a_raised;
+        const mission_leg3_real to_upper = upper_edge - x_i;
+        const bool b_above = least < to_upper;
+        const mission_leg3_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const mission_leg3_real b = b_over ? most : b_raised;
+        const mission_leg3_real e_raw = mission_leg3_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const mission_leg3_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const mission_leg3_real e_held = e_held_over ? 0.99F : e_held_raised;
+        mission_leg3_real epsilon_i;
+        mission_leg3_real xi_i;
+        mission_leg3_transformed_error(a, b, &epsilon_i, &xi_i);
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const mission_leg3_real e_settled = empty ? 0.0F : e_held;
+        const mission_leg3_real e_out = finite ? e_settled : (mission_leg3_real)NAN;
+        e[i] = e_out;
+        const mission_leg3_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const mission_leg3_real epsilon_out = finite ? epsilon_settled : (mission_leg3_real)NAN;
+        epsilon[i] = epsilon_out;
+        const mission_leg3_real xi_settled = empty ? 0.0F : xi_i;
+        const mission_leg3_real xi_out = finite ? xi_settled : (mission_leg3_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,81 @@
+"""A way through the cells between the edges of the grown unsafe sets: complete, where the corners of `route.py` are not.
+
+In the plane a shortest path bends only at corners of the grown sets; in space it may pass a window between them that has no
+corner of its own. Flood fill over the cells finds every way there is, in time that grows with the power of the dimension.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.design.arena import Array
+
+LARGEST = 2_000_000  # cells; above, the flood is not tried
+
+
+def decides(unsafe: int, dimension: int) -> bool:
+    """Whether the flood can be tried for so many unsafe sets, so that its answer is final."""
+    return bool((2 * unsafe + 2) ** dimension <= LARGEST)
+
+
+def way_through_cells(lower: Array, upper: Array, space: Array, goal: Array, start: Array) -> Array | None:
+    """A polyline, shape (m, n), from `start` into `goal` that meets no open box [lower, upper] (shape (J, n)) and stays in
+    `space`; None when there is none. space, goal: shape (2, n)."""
+    n = len(start)
+    edges = []
+    for i in range(n):
+        inner = np.concatenate([lower[:, i], upper[:, i], goal[:, i]])
+        inside = inner[(inner > space[0, i]) & (inner < space[1, i])]
+        edges.append(np.unique(np.concatenate([inside, space[:, i]])))
+    middles = [(axis[:-1] + axis[1:]) / 2 for axis in edges]
+    free = np.ones([len(m) for m in middles], dtype=bool)
+    for low, high in zip(lower, upper, strict=True):
+        free[_between(middles, low, high)] = False
+    wanted = np.zeros(free.shape, dtype=bool)
+    wanted[_between(middles, goal[0], goal[1])] = True
+    first = tuple(
+        int(np.clip(np.searchsorted(axis, v, side="right") - 1, 0, len(axis) - 2)) for axis, v in zip(edges, start, strict=True)
+    )
+    if not free[first]:
+        return None
+    reached = _flood(free, first)
+    found = np.argwhere(wanted & (reached >= 0))
+    if not len(found):
+        return None
+    cell = tuple(int(v) for v in min(found, key=lambda c: int(reached[tuple(c)])))
+    cells = [cell]
+    while cell != first:
+        cell = next(c for c in _neighbours(cell, free.shape) if reached[c] == reached[cell] - 1)
+        cells.append(cell)
+    return np.array([start, *([middles[i][c[i]] for i in range(n)] for c in cells[::-1])])
+
+
+def _between(middles: list[Array], low: Array, high: Array) -> tuple[slice, ...]:
+    """The cells whose middles lie in a box."""
+    return tuple(slice(*np.searchsorted(m, (a, b))) for m, a, b in zip(middles, low, high, strict=True))
+
+
+def _flood(free: npt.NDArray[np.bool_], first: tuple[int, ...]) -> npt.NDArray[np.int64]:
+    """Steps from `first` to every free cell, -1 where there is no way."""
+    reached = np.full(free.shape, -1, dtype=np.int64)
+    front = np.zeros(free.shape, dtype=bool)
+    front[first] = True
+    steps = 0
+    while front.any():
+        reached[front] = steps
+        steps += 1
+        spread = np.zeros(free.shape, dtype=bool)
+        for i in range(free.ndim):
+            ahead = [slice(None)] * free.ndim
+            behind = [slice(None)] * free.ndim
+            ahead[i], behind[i] = slice(1, None), slice(None, -1)
+            spread[tuple(ahead)] |= front[tuple(behind)]
+            spread[tuple(behind)] |= front[tuple(ahead)]
+        front = spread & free & (reached < 0)
+    return reached
+
+
+def _neighbours(cell: tuple[int, ...], shape: tuple[int, ...]) -> list[tuple[int, ...]]:
+    steps = [(*cell[:i], cell[i] + d, *cell[i + 1 :]) for i in range(len(cell)) for d in (-1, 1)]
+    return [c for c in steps if all(0 <= v < s for v, s in zip(c, shape, strict=True))]
