@@ -378,7 +378,7 @@ def test_psi_plus_alpha_stays_positive_for_every_step_length(name: str, dt: floa
         assert np.all(alpha >= 0)
 
 
-@pytest.mark.parametrize("name", [n for n in NAMES if n != "empty"])  # there alpha is below 1e-5
+@pytest.mark.parametrize("name", NAMES)
 def test_the_implicit_step_is_of_first_order_against_a_stiff_integrator(name: str) -> None:
     """Radau at 1e-10; halving the step halves the error (a quarter of tolerance for the next term)."""
     sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -387,6 +387,10 @@ def test_the_implicit_step_is_of_first_order_against_a_stiff_integrator(name: st
     design = adaptive(task_of(name))
     times, truth = stiff_alpha(design)
     errors = [np.abs(stepped_alpha(design, float(design.prescribed_time) / n, times) - truth).max() for n in (3600, 7200)]
+    if not design.bumps:  # alpha hardly wakes: nothing to compare
+        assert truth.max() < 1e-4
+        assert errors[1] < 1e-5
+        return
     assert 1.5 <= errors[0] / errors[1] <= 2.5
 
 
