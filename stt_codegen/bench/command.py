@@ -12,7 +12,7 @@ from pathlib import Path
 
 from stt_codegen.arenas import FAMILIES
 from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, results_of, row, run_peers, summary
-from stt_codegen.bench.report import machine, record, table
+from stt_codegen.bench.report import command, machine, record, table
 from stt_codegen.errors import BadInput
 
 DESIGNS = ("refined", "adaptive", "literal")
@@ -52,7 +52,7 @@ def run_arenas(
         print(text(rows, lines, peer_rows, steps))
     if out is not None:
         where = f"a Dask cluster, {scheduler}" if scheduler else f"{processes} process{'es' if processes > 1 else ''}"
-        head = f"## Arenas\n\nMade by `{_command()}` in {where}; {machine()}."
+        head = f"## Arenas\n\nMade by `{command()}` in {where}; {machine()}."
         record(out, "arenas", f"{head}\n\n{text(rows, lines, peer_rows, steps)}")
 
 
@@ -112,7 +112,3 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
     with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("arenas", total=total)
         yield lambda: bar.advance(task)
-
-
-def _command() -> str:
-    return " ".join(["stt-codegen", *sys.argv[1:]])

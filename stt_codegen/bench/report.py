@@ -6,6 +6,7 @@ import math
 import os
 import platform
 import re
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -39,6 +40,13 @@ def machine() -> str:
     except OSError:
         pass
     return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
+
+
+def command() -> str:
+    """The command line that runs, without folders."""
+    name = Path(sys.argv[0]).name
+    start = f"python benchmarks/{name}" if name.endswith(".py") else name
+    return " ".join([start, *sys.argv[1:]])
 
 
 def record(path: Path, section: str, text: str) -> None:

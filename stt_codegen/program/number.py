@@ -5,6 +5,7 @@ Everything is done on fractions, so it depends on no library's formatting and is
 
 from __future__ import annotations
 
+import struct
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
@@ -67,15 +68,26 @@ def round_down(value: Fraction, scalar: str) -> Fraction:
     return nearest if nearest <= value else round_to(value - Fraction(2) ** ulp_exponent(value, scalar) / 2, scalar)
 
 
+def _within(value: float, scalar: str) -> float:
+    """The value, held below the format's largest, which few digits of that one may exceed."""
+    largest = float(FORMATS[scalar].largest)
+    return max(-largest, min(largest, value))
+
+
 def shortest(value: Fraction, scalar: str) -> str:
     """The fewest significant digits that read back as `value` (a number of the format), always with a point or exponent."""
     if value == 0:
         return "0.0"
     exact = round_to(value, scalar)
     as_double = exact.numerator / exact.denominator  # exact: both formats fit a double
+    kind = "f" if scalar == "float" else "d"
     for digits in range(1, 18):
         text = f"{as_double:.{digits}g}"
-        if round_to(Fraction(text), scalar) == exact:
+        # quick, then exact: through a double the decimal may be rounded twice
+        if (
+            struct.unpack(kind, struct.pack(kind, _within(float(text), scalar)))[0] == as_double
+            and round_to(Fraction(text), scalar) == exact
+        ):
             break
     plain = Decimal(text)
     if -6 < plain.adjusted() < 8:
