@@ -267,6 +267,29 @@ def test_lengths_below_the_least_width_of_the_law_are_refused() -> None:
         build_task(small)
 
 
+BEND = (
+    'name = "bend"\nprescribed_time = 9.0\ninitial_state = [0.25, 0.25]\n[state_space]\nlower = [0.0, 0.0]\nupper = [5.0, 5.0]\n'
+    "[initial_set]\nlower = [0.0, 0.0]\nupper = [0.5, 0.5]\n[target_set]\nlower = [4.5, 0.0]\nupper = [5.0, 0.5]\n"
+    + unsafe("A", [1.0, 0.0], [2.0, 4.0])
+    + unsafe("B", [2.12, 1.0], [3.0, 5.0])
+)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("segments = 8", ["spline tube of 8 segments", "tube.segments = ", "would do"]),
+        ("min_width = 0.07", ["tube.clearance = 0.024"]),
+        ("max_speed = 1.2", ["P6 speed", "raise tube.max_speed", "prescribed_time to"]),
+        ("min_width = 0.6", ["P1 width", "lower tube.min_width"]),
+    ],
+)
+def test_an_option_that_cannot_be_met_is_named_with_what_would_do(options: str, words: list[str]) -> None:
+    with pytest.raises(NotCertified) as caught:
+        build_task(parse_task(BEND + f"\n[tube]\n{options}\n"))
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
 # ---------------------------------------------------------------------- many unsafe sets, windows, legs
 
 

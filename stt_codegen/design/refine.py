@@ -11,11 +11,14 @@ Nothing here is trusted: the exact certificate is computed from the rounded coef
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 
 import numpy as np
 
+from stt_codegen.certify.certificate import below
 from stt_codegen.design.arena import Arena, Array, arena_of, magnitude, normalised, starting_box
 from stt_codegen.design.route import Route, find_route, shortest_route
 from stt_codegen.design.sides import ABOVE, BELOW, Stay, bounds_by_stretch, choose_sides
@@ -34,6 +37,7 @@ DETOUR = 1.1  # how much longer than the shortest such a route may be
 ROUNDS = 4  # of choosing sides anew
 GAIN = 1.01  # a round must improve by this factor to be followed by another
 ROOM_FOR_SHAPE = 0.01  # weight of the mean width beside the least width or the speed
+NARROWING = 5  # halvings to find the largest value of an option that would do
 KEEP = 1 - 1e-6  # share of the greatest width kept in the last program, so that it stays feasible
 
 Sides = tuple[tuple[Stay, ...], ...]
@@ -84,12 +88,46 @@ def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
     shape = _follow(arena, start, shortest, ladder, room)
     if shape is not None:
         return round_design(task, shape)
-    raise NotCertified(
-        "P4 avoid: no spline tube keeps the clearance with "
-        + (f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments")
-        + " along the shortest route; lower tube.clearance or tube.min_width"
-        + (", or leave tube.segments out" if task.tube.segments else "")
-    )
+    count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
+    raise NotCertified(f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, arena)}")
+
+
+def _what_binds(task: Task, arena: Arena) -> str:
+    """Which options, changed one at a time, would let a tube be found, and how far each must go."""
+    size = arena.length_unit
+
+    def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
+        trial = replace(arena, clearance=clearance, min_width=min_width, max_speed=np.inf)
+        with suppress(NotCertified):
+            begin = starting_box(trial)
+            return _follow(trial, begin, shortest_route(trial, begin, min_width), ladder, SPEED_ROOM)
+        return None
+
+    def largest(holds: Callable[[float], bool], least: float, most: float) -> float | None:
+        if not holds(least):
+            return None
+        for _ in range(NARROWING):
+            middle = (least + most) / 2
+            least, most = (middle, most) if holds(middle) else (least, middle)
+        return least
+
+    usual = segments_for(len(arena.names))
+    ladder = (task.tube.segments,) if task.tube.segments else usual
+    would_do = []
+    if task.tube.segments:
+        shape = found(arena.clearance, arena.min_width, tuple(k for k in usual if k > task.tube.segments))
+        if shape is not None:
+            would_do.append(f"tube.segments = {shape.points.shape[2] - 3} (or leave it out)")
+    spare = arena.allowance
+    clearance = largest(lambda c: found(c, arena.min_width, ladder) is not None, spare, arena.clearance)
+    if clearance is not None:
+        would_do.append(f"tube.clearance = {below(Fraction((clearance - spare) * size), 3):g}")
+    width = largest(lambda w: found(arena.clearance, w, ladder) is not None, 2 * spare, arena.min_width)
+    if width is not None:
+        would_do.append(f"tube.min_width = {below(Fraction((width - 2 * spare) * size), 3):g}")
+    if not would_do:
+        return "no single option of [tube] would change that: lower tube.clearance and tube.min_width, or make more room"
+    return ", or ".join(would_do) + " would do"
 
 
 def segments_for(unsafe: int) -> tuple[int, ...]:
