@@ -306,21 +306,53 @@ def compare(
     if json:
         _print_json({"task": loaded.name, "within_bounds": good, "rows": [{**asdict(r), "holds": r.holds} for r in rows]})
     else:
-        from rich.table import Table
+        _show_rows(f"{loaded.name}, {loaded.tube.design}", rows)
+    if not good:
+        raise typer.Exit(1)
 
-        table = Table(
-            box=None,
-            header_style="bold",
-            title=f"{loaded.name}, {loaded.tube.design}: largest distance from the reference",
-            title_justify="left",
-        )
-        for heading in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
-            table.add_column(heading, justify="left" if heading in ("backend", "quantity") else "right")
-        for r in rows:
-            verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
-            table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
-        _console().print(table)
-        print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")
+
+def _show_rows(title: str, rows: list[Any]) -> None:
+    """A comparison with the reference as a table."""
+    from rich.table import Table
+
+    heading = f"{title}: largest distance from the reference"
+    table = Table(box=None, header_style="bold", title=heading, title_justify="left")
+    for name in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
+        table.add_column(name, justify="left" if name in ("backend", "quantity") else "right")
+    for r in rows:
+        verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
+        table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
+    _console().print(table)
+    print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")
+
+
+@app.command()
+def pil(
+    task: TaskFile,
+    board: Annotated[Literal["m0", "m3", "m4f", "m7", "rv32", "avr"], typer.Option(help="the emulated board")],
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 2000,
+    json: Json = False,
+) -> None:
+    """Processor in the loop: run the emitted C on an emulated board, compare with the reference, count what a call takes."""
+    from dataclasses import asdict
+
+    from stt_codegen.board.emulated import BOARDS, run_on_board
+    from stt_codegen.pipeline import build
+
+    controller = build(task, design, scalar)
+    with _patience(f"running {controller.task.name} on {board}"):
+        rows, costs = run_on_board(controller, BOARDS[board], points)
+    good = all(r.holds for r in rows)
+    if json:
+        compared = [{**asdict(r), "holds": r.holds} for r in rows]
+        _print_json({"task": controller.task.name, "board": board, "within_bounds": good, "rows": compared, "calls": costs})
+    else:
+        _show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
+        unit = BOARDS[board].unit
+        for name, c in costs.items():
+            print(f"  {name}: {c['least']} to {c['most']} {unit}, median {c['median']}; most at {c['worst_at']}")
     if not good:
         raise typer.Exit(1)
 

@@ -256,7 +256,11 @@ def failures(part: Part, s: Summary) -> list[str]:
     if s.broken:
         lines.append(f"{part.name}, {s.design}: fails " + ", ".join(f"{c} in {n}" for c, n in sorted(s.broken.items())))
     if s.certified:
-        lines += [f"{part.name}, {s.design}: seed {seed} missed: {reason}" for seed, reason in s.missed]
+        seeds: dict[str, list[str]] = {}
+        for seed, reason in s.missed:
+            seeds.setdefault(reason, []).append(str(seed))
+        for reason, own in seeds.items():
+            lines.append(f"{part.name}, {s.design}: missed seed{'s' if len(own) > 1 else ''} {', '.join(own)}: {reason}")
     return lines
 
 

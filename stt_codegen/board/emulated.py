@@ -1,0 +1,243 @@
+"""The emitted C on an emulated board: an image around it, run by QEMU or simavr, as a backend that `compare` can hold
+against the reference; and what every call took, by the board's own counter.
+
+Points are built into the image, results come back over semihosting or the UART as the bits of the numbers.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.backends import Backend, run_compiler
+from stt_codegen.compare import Row, compare_backend
+from stt_codegen.emit.render import template_folder
+from stt_codegen.errors import MissingTool, SttError
+from stt_codegen.pipeline import Controller
+from stt_codegen.program.program import Function
+
+Array = npt.NDArray[Any]
+LONGEST_RUN = 300.0  # seconds
+DECORATION = re.compile(r"\x1b\[[0-9;]*m|\.$")  # simavr colours a line and shows its end as a dot
+RESULT = re.compile(r"([0-9a-f]{8} ?)+$")
+
+
+@dataclass(frozen=True)
+class Board:
+    """A board and how it is emulated. `ticks`: of its counter for one `unit`; room: bytes for points in one image."""
+
+    name: str
+    title: str
+    compiler: str
+    flags: tuple[str, ...]
+    sources: tuple[str, ...]  # templates beside board.h
+    header: str
+    libraries: tuple[str, ...]
+    command: tuple[str, ...]  # the image is appended
+    packages: str
+    ticks: float
+    unit: str = "instructions"
+    room: int = 1 << 20
+    scalars: tuple[str, ...] = ("float", "double")
+
+
+def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
+    hard = ("-mfloat-abi=hard", f"-mfpu={fpu}") if fpu else ("-mfloat-abi=soft",)
+    return Board(
+        name, title, "arm-none-eabi-gcc", (f"-mcpu={cpu}", "-mthumb", *hard), ("arm.c",), "arm.h",
+        ("-nostartfiles", "-T", "arm.ld", "--specs=nosys.specs", "-lm"),
+        (
+            "qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-serial", "none",
+            "-semihosting-config", "enable=on,target=native", "-icount", "shift=10,align=off,sleep=off", "-kernel",
+        ),
+        "gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm", 25.6,
+    )  # fmt: skip
+
+
+BOARDS = {
+    b.name: b
+    for b in (
+        _arm("m0", "Cortex-M0, no FPU", "cortex-m0", "mps2-an385"),
+        _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385"),
+        _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "fpv4-sp-d16"),
+        _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "fpv5-sp-d16"),
+        Board(
+            "rv32",
+            "RISC-V RV32IMAC, no FPU",
+            "riscv64-unknown-elf-gcc",
+            ("-march=rv32imac", "-mabi=ilp32"),
+            ("rv32.c",),
+            "rv32.h",
+            ("--specs=picolibc.specs", "-nostartfiles", "-T", "rv32.ld", "-lm"),
+            (
+                "qemu-system-riscv32",
+                "-M",
+                "virt",
+                "-bios",
+                "none",
+                "-nographic",
+                "-monitor",
+                "none",
+                "-serial",
+                "none",
+                "-semihosting-config",
+                "enable=on,target=native",
+                "-icount",
+                "shift=0",
+                "-kernel",
+            ),
+            "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc",
+            1.0,
+        ),
+        Board(
+            "avr",
+            "ATmega328P, 8 bits",
+            "avr-gcc",
+            ("-mmcu=atmega328p", "-DF_CPU=16000000UL"),
+            (),
+            "avr.h",
+            ("-lm",),
+            ("simavr", "-m", "atmega328p", "-f", "16000000"),
+            "gcc-avr avr-libc simavr",
+            1.0,
+            "cycles",
+            room=12_000,
+            scalars=("float",),
+        ),
+    )
+}
+CFLAGS = ("-O2", "-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+
+
+@dataclass
+class Counts:
+    """What the calls of one function took, in the board's unit, by point."""
+
+    taken: Array
+    inputs: tuple[Array, ...]
+
+    def summary(self) -> dict[str, Any]:
+        worst = int(np.argmax(self.taken))
+        at = [np.asarray(v)[worst].tolist() for v in self.inputs]
+        least, median, most = (round(float(v)) for v in (self.taken.min(), np.median(self.taken), self.taken.max()))
+        return {"least": least, "median": median, "most": most, "worst_at": at}
+
+
+class Emulated(Backend):
+    """The emitted C on a board. `counts` collects what each function's calls took."""
+
+    def __init__(self, controller: Controller, board: Board, optimise: str = "-O2") -> None:
+        if controller.program.scalar not in board.scalars:
+            raise SttError(f"{board.title}: has no {controller.program.scalar} of that size")
+        for tool in (board.compiler, board.command[0]):
+            if shutil.which(tool) is None:
+                raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")
+        self.controller, self.board, self.optimise = controller, board, optimise
+        self.program, self.scalar = controller.program, controller.program.scalar
+        self.name = f"C {self.scalar} on {board.name}"
+        self.number = np.float32 if self.scalar == "float" else np.float64
+        self.counts: dict[str, Counts] = {}
+
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        f = self.program.function(function)
+        columns = [np.asarray(v, dtype=self.number).reshape(len(inputs[0]), -1) for v in inputs]
+        data = np.ascontiguousarray(np.hstack(columns))
+        words = data.view(np.uint32).reshape(len(data), -1)
+        chunk = max(1, self.board.room // (4 * words.shape[1]))
+        rows = np.concatenate([self._run(f, words[k : k + chunk]) for k in range(0, len(words), chunk)])
+        self.counts[function] = Counts(rows[:, 1] / self.board.ticks, inputs)
+        results, at = [], 2
+        per = self.number().itemsize // 4
+        for p in f.outputs:
+            assert p.length is not None
+            bits = np.ascontiguousarray(rows[:, at : at + p.length * per])
+            results.append(bits.view(self.number).reshape(len(rows), p.length))
+            at += p.length * per
+        return (rows[:, 0].astype(int), *results) if f.returns_status else tuple(results)
+
+    def _run(self, f: Function, words: Array) -> Array:
+        """One image with these points: rows of status, ticks and output words."""
+        with tempfile.TemporaryDirectory() as folder:
+            image = build_image(self.controller, self.board, f, words, Path(folder), self.optimise)
+            try:
+                result = subprocess.run(  # semihosting writes to either stream
+                    [*self.board.command, str(image)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+                    text=True, timeout=LONGEST_RUN, check=False,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                raise SttError(f"{self.board.title}: the emulator did not finish within {LONGEST_RUN:.0f} s") from None
+        lines = (DECORATION.sub("", line) for line in result.stdout.splitlines())
+        rows = [[int(word, 16) for word in line.split()] for line in lines if RESULT.match(line)]
+        if len(rows) != len(words):
+            raise SttError(
+                f"{self.board.title}: the image gave {len(rows)} results for {len(words)} points "
+                f"(exit code {result.returncode}): {result.stdout.strip()[-300:]}"
+            )
+        return np.array(rows, dtype=np.uint32)
+
+
+def build_image(controller: Controller, board: Board, f: Function, words: Array, folder: Path, optimise: str) -> Path:
+    """The image that calls `f` at these points (words of their bits), in `folder`."""
+    program = controller.program
+    templates = template_folder() / "board"
+    for name, data in controller.files.items():
+        (folder / name).write_bytes(data)
+    for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
+        shutil.copy(templates / name, folder)
+    shutil.copy(templates / board.header, folder / "board.h")
+    (folder / "harness.c").write_text(_harness(program.prefix, program.scalar, f, words))
+    libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
+    sources = [str(folder / v) for v in (*board.sources, "harness.c", f"{program.prefix}.c")]
+    flags = [optimise if v == "-O2" else v for v in CFLAGS]
+    image = folder / "image.elf"
+    run_compiler([board.compiler, *board.flags, *flags, f"-I{folder}", *sources, "-o", str(image), *libraries])
+    return image
+
+
+def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
+    inputs, arrays, offset = [], [], 0
+    arguments = []
+    for p in f.params:
+        if p.length is None:
+            arguments.append(f"given[{offset}]")
+            offset += 1
+            continue
+        arguments.append(p.name)
+        reads = not p.output or p.inout
+        arrays.append((p.name, p.length, offset if reads else None))
+        offset += p.length if reads else 0
+        inputs.append(p.name)
+    outputs = [(p.name, p.length) for p in f.outputs]
+    per = 1 if scalar == "float" else 2
+    length = 9 * (3 + sum((n or 0) * per for _, n in outputs))
+    template = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False
+    ).from_string((template_folder() / "board" / "harness.c.j2").read_text(encoding="utf-8"))
+    return template.render(
+        prefix=prefix, function=f, numbers=offset, bits=32 * per, arrays=arrays, outputs=outputs, call=", ".join(arguments),
+        line_length=length, points=[", ".join(f"0x{w:x}U" for w in row) for row in words.tolist()],
+    )  # fmt: skip
+
+
+def run_on_board(controller: Controller, board: Board, points: int) -> tuple[list[Row], dict[str, dict[str, Any]]]:
+    """The comparison with the reference on so many random points and the edges; and for each public function what its calls
+    took: least, median and most in the board's unit, and the inputs of the longest."""
+    made: list[Emulated] = []
+
+    def make(given: Controller) -> Emulated:
+        made.append(Emulated(given, board))
+        return made[-1]
+
+    rows = compare_backend(controller, make, points)
+    public = {f.name for f in controller.program.functions}
+    costs = {name: counts.summary() for backend in made for name, counts in backend.counts.items() if name in public}
+    return rows, costs
