@@ -93,7 +93,9 @@ def test_every_changed_digit_is_found_by_the_hashes_or_the_claims(place: float, 
 def claims_more(before: dict, after: dict) -> bool:
     """Whether a changed certificate has another hash of a file that is checked, or another number that binds."""
     keys = ("segments", "clearance", "min_width", "prescribed_time", "scalar", "certified")
-    if any(before.get(k) != after.get(k) for k in keys) or before["parameters"]["segments"] != after.get("parameters", {}).get("segments"):
+    if any(before.get(k) != after.get(k) for k in keys) or before["parameters"]["segments"] != after.get("parameters", {}).get(
+        "segments"
+    ):
         return True
     return any(before["sha256"].get(k) != after.get("sha256", {}).get(k) for k in ("task_data", "omni_s1.c"))
 

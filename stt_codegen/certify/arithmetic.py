@@ -9,12 +9,13 @@ are printed. s = u - floor(u) is exact. The table is exact.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 
 import numpy as np
 
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.program.number import FORMATS
-from stt_codegen.program.program import Program
+from stt_codegen.program.program import Kernel, Program
 from stt_codegen.program.rounding import Inexact, rounding_error
 
 
@@ -26,9 +27,14 @@ def time_error(design: RefinedDesign, scalar: str) -> Fraction:
 
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """By dimension, a bound on |emitted edge - gamma(t)| for every finite t, in the task's units."""
+    return _edge_error(design, program.kernel("basis"), program.kernel("blend"), program.scalar)
+
+
+@lru_cache(maxsize=4)  # asked for when a program is made, and again for its certificate
+def _edge_error(design: RefinedDesign, basis: Kernel, blend: Kernel, scalar: str) -> tuple[Fraction, ...]:
     slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
-    late = time_error(design, program.scalar)
-    evaluation = _blend_error(design, program, "basis")
+    late = time_error(design, scalar)
+    evaluation = _blend_error(design, basis, blend, scalar)
     return tuple(_short(e + late * 3 * int(v) * design.unit) for e, v in zip(evaluation, slope, strict=True))
 
 
@@ -40,7 +46,8 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     per_second = design.segments / design.prescribed_time
     late = time_error(design, program.scalar)
     result = []
-    for i, evaluation in enumerate(_blend_error(design, program, "basis_rate")):
+    blended = _blend_error(design, program.kernel("basis_rate"), program.kernel("blend"), program.scalar)
+    for i, evaluation in enumerate(blended):
         error = evaluation + late * 6 * int(bend[i]) * design.unit
         steepest = 3 * int(slope[i]) * design.unit
         total = error * per_second * (1 + form.roundoff) + (steepest + error) * per_second * 2 * form.roundoff
@@ -48,16 +55,15 @@ def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     return tuple(result)
 
 
-def _blend_error(design: RefinedDesign, program: Program, weights: str) -> list[Fraction]:
+def _blend_error(design: RefinedDesign, weights: Kernel, blend: Kernel, scalar: str) -> list[Fraction]:
     """By dimension, the rounding error of weights (a kernel of s in [0, 1]) and blend for its largest coefficient."""
-    values = rounding_error(program.kernel(weights), {"s": Inexact(Fraction(0), Fraction(1))}, program.scalar)
-    blend = program.kernel("blend")
+    values = rounding_error(weights, {"s": Inexact(Fraction(0), Fraction(1))}, scalar)
     names = [v.name for v in blend.inputs]
     result = []
     for i in range(design.dimension):
         largest = int(np.abs(design.integers()[:, i]).max()) * design.unit
         inputs = dict(zip(names[:4], values, strict=True)) | dict.fromkeys(names[4:], Inexact(-largest, largest))
-        (edge,) = rounding_error(blend, inputs, program.scalar)
+        (edge,) = rounding_error(blend, inputs, scalar)
         result.append(edge.error)
     return result
 

@@ -79,27 +79,39 @@ def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
 @dataclass(frozen=True)
 class Distances:
     """Clamped distances of x to both edges; the room between the edges and the width used for it (never below
-    LEAST_WIDTH); whether the tube is empty in this component."""
+    LEAST_WIDTH); whether the tube is empty in this component (None where it never is)."""
 
     a: Var
     b: Var
     room: Var
     width: Var
-    empty: Var
+    empty: Var | None
 
 
-def clamped_distances(block: Block, law: Law, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Distances:
-    """Statements for a and b, each within [c, 1 - c] times the width."""
+def clamped_distances(
+    block: Block, law: Law, lower_edge: Operand, upper_edge: Operand, x: Operand, guarded: bool = True
+) -> Distances:
+    """Statements for a and b, each within [c, 1 - c] times the width. Without `guarded` the caller knows that the edges are
+    more than LEAST_WIDTH apart."""
     near_share = (1 - law.e_max) / 2
     room = block.op("room", "sub", upper_edge, lower_edge)
-    filled = block.op("filled", "lt", real(0), room)
-    empty = block.op("empty", "not", filled)
-    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
-    width = block.select("width", wide, room, real(LEAST_WIDTH))
+    width, empty = room, None
+    if guarded:
+        filled = block.op("filled", "lt", real(0), room)
+        empty = block.op("empty", "not", filled)
+        wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
+        width = block.select("width", wide, room, real(LEAST_WIDTH))
     least = block.op("least", "mul", width, real(near_share))
     most = block.op("most", "mul", width, real(1 - near_share))
-    a = _clamp(block, "a", block.op("to_lower", "sub", x, lower_edge), least, most)
-    b = _clamp(block, "b", block.op("to_upper", "sub", upper_edge, x), least, most)
+    to_lower = block.op("to_lower", "sub", x, lower_edge)
+    to_upper = block.op("to_upper", "sub", upper_edge, x)
+    # a + b is the width: where one is below `least`, the other is above `most`
+    near_lower = block.op("near_lower", "lt", to_lower, least)
+    a_raised = block.select("a_raised", near_lower, least, to_lower)
+    b_held = block.select("b_held", near_lower, most, to_upper)
+    near_upper = block.op("near_upper", "lt", b_held, least)
+    a = block.select("a", near_upper, most, a_raised)
+    b = block.select("b", near_upper, least, b_held)
     return Distances(a, b, room, width, empty)
 
 
@@ -122,7 +134,7 @@ def control_component(block: Block, law: Law, distances: Distances, u_max: Opera
     """Statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated if asked."""
     epsilon, xi = block.call(law.transformed_error, distances.a, distances.b)
     (push,) = block.call(law.law, real(law.gain), xi, epsilon, names=("push",))
-    u = block.select("u_law", distances.empty, real(0), push)
+    u = push if distances.empty is None else block.select("u_law", distances.empty, real(0), push)
     if u_max is None:
         return u
     minus = block.op("u_min", "neg", u_max)
@@ -145,6 +157,7 @@ def transform_function(law: Law, n: int) -> Function:
         finite_room = block.let("finite_room", IsFinite(d.room))
         finite = block.op("finite", "and", finite_x, finite_room)
         for name, value in (("e", e), ("epsilon", epsilon), ("xi", xi)):
+            assert d.empty is not None
             settled = block.select(f"{name}_settled", d.empty, real(0), value)
             block.store(name, i, block.select(f"{name}_out", finite, settled, NAN))
     block.leave()

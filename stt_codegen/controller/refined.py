@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 
+from stt_codegen.certify.arithmetic import edge_error
 from stt_codegen.controller.component import (
+    LEAST_WIDTH,
     Law,
     clamped_distances,
     control_component,
@@ -63,20 +65,32 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     tables = [_coefficients(design)]
     if law.u_max is not None:
         tables.append(Table("u_max", law.u_max, n, ("Saturation of u, by component.",)))
-    functions = (
-        _tube(spline, n),
-        _tube_rate(spline, design, n),
-        _control(task, spline, law, n),
-        transform_function(law, n),
-    )
-    return Program(
+    guarded = Program(
         prefix=task.name,
         dimension=n,
         scalar=task.emit.scalar,
         tables=tuple(tables),
         kernels=(spline.segment, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
-        functions=functions,
+        functions=(
+            _tube(spline, n),
+            _tube_rate(spline, design, n),
+            _control(task, spline, law, n, True),
+            transform_function(law, n),
+        ),
     )
+    if not _always_wide(design, guarded):
+        return guarded
+    return replace(
+        guarded, functions=tuple(_control(task, spline, law, n, False) if f.name == "control" else f for f in guarded.functions)
+    )
+
+
+def _always_wide(design: RefinedDesign, program: Program) -> bool:
+    """Whether the emitted edges are more than LEAST_WIDTH apart for every t: the width is a mean, with weights of sum 6, of
+    the control points' widths, and the arithmetic moves each edge by no more than P7's bound."""
+    table = design.integers()
+    narrowest = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
+    return narrowest - 2 * max(edge_error(design, program)) > 2 * LEAST_WIDTH
 
 
 @cache  # they depend on no task
@@ -207,15 +221,15 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
     )
 
 
-def _control(task: Task, spline: SplineKernels, law: Law, n: int) -> Function:
+def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool) -> Function:
     t = Var("t", REAL)
     block = Block({"t", "x", "u"})
-    finite_t = block.let("finite_t", IsFinite(t))
+    nought = block.op("t_zero", "mul", t, real(0))  # 0, or NaN where t is not finite; so is the sum over t and x
     with block.loop("j", n) as loop:
-        finite = loop.carry("finite", finite_t)
-        here = block.let("finite_x", IsFinite(block.let("x_j", Load("x", loop.index))))
-        loop.update(finite, block.op("both", "and", finite, here))
-    bad = block.op("bad", "not", finite)
+        total = loop.carry("zero", nought)
+        term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
+        loop.update(total, block.op("zeros", "add", total, term))
+    bad = block.op("bad", "not", block.let("finite", IsFinite(total)))
     with block.leave_when(bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
     row, s = block.call(spline.segment, t)
@@ -227,7 +241,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int) -> Function:
         lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
         upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
         x = block.let("x_i", Load("x", i))
-        distances = clamped_distances(block, law, lower_edge, upper_edge, x)
+        distances = clamped_distances(block, law, lower_edge, upper_edge, x, guarded)
         u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
         block.store("u", i, control_component(block, law, distances, u_max))
         loop.update(inside, block.op("inside_all", "and", inside, strictly_inside(block, lower_edge, upper_edge, x)))

@@ -265,14 +265,15 @@ void empty_tube_rate(empty_real t, empty_real lower_rate[EMPTY_N], empty_real up
 
 empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real u[EMPTY_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite = finite_t;
+    const empty_real t_zero = t * 0.0;
+    empty_real zero = t_zero;
     for (int32_t j = 0; j < 2; ++j) {
         const empty_real x_j = x[j];
-        const bool finite_x = isfinite(x_j) != 0;
-        const bool both = finite && finite_x;
-        finite = both;
+        const empty_real x_zero = x_j * 0.0;
+        const empty_real zeros = zero + x_zero;
+        zero = zeros;
     }
+    const bool finite = isfinite(zero) != 0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -311,28 +312,21 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
         const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const empty_real x_i = x[i];
         const empty_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
-        const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const empty_real width = wide ? room : 9.5367431640625e-7;
-        const empty_real least = width * 0.005;
-        const empty_real most = width * 0.995;
+        const empty_real least = room * 0.005;
+        const empty_real most = room * 0.995;
         const empty_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const empty_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const empty_real a = a_over ? most : a_raised;
         const empty_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const empty_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const empty_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const empty_real a_raised = near_lower ? least : to_lower;
+        const empty_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const empty_real a = near_upper ? most : a_raised;
+        const empty_real b = near_upper ? least : b_held;
         empty_real epsilon;
         empty_real xi;
         empty_transformed_error(a, b, &epsilon, &xi);
         const empty_real push = empty_law(0.5, xi, epsilon);
-        const empty_real u_law = empty ? 0.0 : push;
-        u[i] = u_law;
+        u[i] = push;
         const bool above = lower_edge < x_i;
         const bool below = x_i < upper_edge;
         const bool within = above && below;
@@ -358,15 +352,13 @@ void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMP
         const empty_real least = width * 0.005;
         const empty_real most = width * 0.995;
         const empty_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const empty_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const empty_real a = a_over ? most : a_raised;
         const empty_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const empty_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const empty_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const empty_real a_raised = near_lower ? least : to_lower;
+        const empty_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const empty_real a = near_upper ? most : a_raised;
+        const empty_real b = near_upper ? least : b_held;
         const empty_real e_raw = empty_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const empty_real e_held_raised = e_held_above ? e_raw : (-0.99);

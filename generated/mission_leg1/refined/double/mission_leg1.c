@@ -273,14 +273,15 @@ void mission_leg1_tube_rate(mission_leg1_real t, mission_leg1_real lower_rate[MI
 mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
                                          mission_leg1_real u[MISSION_LEG1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite = finite_t;
+    const mission_leg1_real t_zero = t * 0.0;
+    mission_leg1_real zero = t_zero;
     for (int32_t j = 0; j < 2; ++j) {
         const mission_leg1_real x_j = x[j];
-        const bool finite_x = isfinite(x_j) != 0;
-        const bool both = finite && finite_x;
-        finite = both;
+        const mission_leg1_real x_zero = x_j * 0.0;
+        const mission_leg1_real zeros = zero + x_zero;
+        zero = zeros;
     }
+    const bool finite = isfinite(zero) != 0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -319,28 +320,21 @@ mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1
         const mission_leg1_real upper_edge = mission_leg1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const mission_leg1_real x_i = x[i];
         const mission_leg1_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
-        const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const mission_leg1_real width = wide ? room : 9.5367431640625e-7;
-        const mission_leg1_real least = width * 0.005;
-        const mission_leg1_real most = width * 0.995;
+        const mission_leg1_real least = room * 0.005;
+        const mission_leg1_real most = room * 0.995;
         const mission_leg1_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const mission_leg1_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const mission_leg1_real a = a_over ? most : a_raised;
         const mission_leg1_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const mission_leg1_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const mission_leg1_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const mission_leg1_real a_raised = near_lower ? least : to_lower;
+        const mission_leg1_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const mission_leg1_real a = near_upper ? most : a_raised;
+        const mission_leg1_real b = near_upper ? least : b_held;
         mission_leg1_real epsilon;
         mission_leg1_real xi;
         mission_leg1_transformed_error(a, b, &epsilon, &xi);
         const mission_leg1_real push = mission_leg1_law(0.5, xi, epsilon);
-        const mission_leg1_real u_law = empty ? 0.0 : push;
-        u[i] = u_law;
+        u[i] = push;
         const bool above = lower_edge < x_i;
         const bool below = x_i < upper_edge;
         const bool within = above && below;
@@ -367,15 +361,13 @@ void mission_leg1_transform(const mission_leg1_real lower[MISSION_LEG1_N],
         const mission_leg1_real least = width * 0.005;
         const mission_leg1_real most = width * 0.995;
         const mission_leg1_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const mission_leg1_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const mission_leg1_real a = a_over ? most : a_raised;
         const mission_leg1_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const mission_leg1_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const mission_leg1_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const mission_leg1_real a_raised = near_lower ? least : to_lower;
+        const mission_leg1_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const mission_leg1_real a = near_upper ? most : a_raised;
+        const mission_leg1_real b = near_upper ? least : b_held;
         const mission_leg1_real e_raw = mission_leg1_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const mission_leg1_real e_held_raised = e_held_above ? e_raw : (-0.99);

@@ -273,14 +273,15 @@ void mission_leg2_tube_rate(mission_leg2_real t, mission_leg2_real lower_rate[MI
 mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N],
                                          mission_leg2_real u[MISSION_LEG2_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite = finite_t;
+    const mission_leg2_real t_zero = t * 0.0F;
+    mission_leg2_real zero = t_zero;
     for (int32_t j = 0; j < 2; ++j) {
         const mission_leg2_real x_j = x[j];
-        const bool finite_x = isfinite(x_j) != 0;
-        const bool both = finite && finite_x;
-        finite = both;
+        const mission_leg2_real x_zero = x_j * 0.0F;
+        const mission_leg2_real zeros = zero + x_zero;
+        zero = zeros;
     }
+    const bool finite = isfinite(zero) != 0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -319,28 +320,21 @@ mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2
         const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const mission_leg2_real x_i = x[i];
         const mission_leg2_real room = upper_edge - lower_edge;
-        const bool filled = 0.0F < room;
-        const bool empty = !filled;
-        const bool wide = 9.536743e-7F < room;
-        const mission_leg2_real width = wide ? room : 9.536743e-7F;
-        const mission_leg2_real least = width * 0.005F;
-        const mission_leg2_real most = width * 0.995F;
+        const mission_leg2_real least = room * 0.005F;
+        const mission_leg2_real most = room * 0.995F;
         const mission_leg2_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const mission_leg2_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const mission_leg2_real a = a_over ? most : a_raised;
         const mission_leg2_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const mission_leg2_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const mission_leg2_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const mission_leg2_real a_raised = near_lower ? least : to_lower;
+        const mission_leg2_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const mission_leg2_real a = near_upper ? most : a_raised;
+        const mission_leg2_real b = near_upper ? least : b_held;
         mission_leg2_real epsilon;
         mission_leg2_real xi;
         mission_leg2_transformed_error(a, b, &epsilon, &xi);
         const mission_leg2_real push = mission_leg2_law(0.5F, xi, epsilon);
-        const mission_leg2_real u_law = empty ? 0.0F : push;
-        u[i] = u_law;
+        u[i] = push;
         const bool above = lower_edge < x_i;
         const bool below = x_i < upper_edge;
         const bool within = above && below;
@@ -367,15 +361,13 @@ void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
         const mission_leg2_real least = width * 0.005F;
         const mission_leg2_real most = width * 0.995F;
         const mission_leg2_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const mission_leg2_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const mission_leg2_real a = a_over ? most : a_raised;
         const mission_leg2_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const mission_leg2_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const mission_leg2_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const mission_leg2_real a_raised = near_lower ? least : to_lower;
+        const mission_leg2_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const mission_leg2_real a = near_upper ? most : a_raised;
+        const mission_leg2_real b = near_upper ? least : b_held;
         const mission_leg2_real e_raw = mission_leg2_normalized_error(a, b, width);
         const bool e_held_above = (-0.99F) < e_raw;
         const mission_leg2_real e_held_raised = e_held_above ? e_raw : (-0.99F);

@@ -308,14 +308,15 @@ void omni_heading_tube_rate(omni_heading_real t, omni_heading_real lower_rate[OM
 omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
                                          omni_heading_real u[OMNI_HEADING_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite = finite_t;
+    const omni_heading_real t_zero = t * 0.0;
+    omni_heading_real zero = t_zero;
     for (int32_t j = 0; j < 3; ++j) {
         const omni_heading_real x_j = x[j];
-        const bool finite_x = isfinite(x_j) != 0;
-        const bool both = finite && finite_x;
-        finite = both;
+        const omni_heading_real x_zero = x_j * 0.0;
+        const omni_heading_real zeros = zero + x_zero;
+        zero = zeros;
     }
+    const bool finite = isfinite(zero) != 0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 3; ++j2) {
@@ -354,28 +355,21 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
         const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const omni_heading_real x_i = x[i];
         const omni_heading_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
-        const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const omni_heading_real width = wide ? room : 9.5367431640625e-7;
-        const omni_heading_real least = width * 0.005;
-        const omni_heading_real most = width * 0.995;
+        const omni_heading_real least = room * 0.005;
+        const omni_heading_real most = room * 0.995;
         const omni_heading_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const omni_heading_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_heading_real a = a_over ? most : a_raised;
         const omni_heading_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const omni_heading_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_heading_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const omni_heading_real a_raised = near_lower ? least : to_lower;
+        const omni_heading_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const omni_heading_real a = near_upper ? most : a_raised;
+        const omni_heading_real b = near_upper ? least : b_held;
         omni_heading_real epsilon;
         omni_heading_real xi;
         omni_heading_transformed_error(a, b, &epsilon, &xi);
         const omni_heading_real push = omni_heading_law(0.5, xi, epsilon);
-        const omni_heading_real u_law = empty ? 0.0 : push;
-        u[i] = u_law;
+        u[i] = push;
         const bool above = lower_edge < x_i;
         const bool below = x_i < upper_edge;
         const bool within = above && below;
@@ -402,15 +396,13 @@ void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
         const omni_heading_real least = width * 0.005;
         const omni_heading_real most = width * 0.995;
         const omni_heading_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const omni_heading_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_heading_real a = a_over ? most : a_raised;
         const omni_heading_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const omni_heading_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_heading_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const omni_heading_real a_raised = near_lower ? least : to_lower;
+        const omni_heading_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const omni_heading_real a = near_upper ? most : a_raised;
+        const omni_heading_real b = near_upper ? least : b_held;
         const omni_heading_real e_raw = omni_heading_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const omni_heading_real e_held_raised = e_held_above ? e_raw : (-0.99);

@@ -307,14 +307,15 @@ void spacecraft_tube_rate(spacecraft_real t, spacecraft_real lower_rate[SPACECRA
 spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
                                      spacecraft_real u[SPACECRAFT_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite = finite_t;
+    const spacecraft_real t_zero = t * 0.0;
+    spacecraft_real zero = t_zero;
     for (int32_t j = 0; j < 3; ++j) {
         const spacecraft_real x_j = x[j];
-        const bool finite_x = isfinite(x_j) != 0;
-        const bool both = finite && finite_x;
-        finite = both;
+        const spacecraft_real x_zero = x_j * 0.0;
+        const spacecraft_real zeros = zero + x_zero;
+        zero = zeros;
     }
+    const bool finite = isfinite(zero) != 0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 3; ++j2) {
@@ -353,28 +354,21 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
         const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const spacecraft_real x_i = x[i];
         const spacecraft_real room = upper_edge - lower_edge;
-        const bool filled = 0.0 < room;
-        const bool empty = !filled;
-        const bool wide = 9.5367431640625e-7 < room;
-        const spacecraft_real width = wide ? room : 9.5367431640625e-7;
-        const spacecraft_real least = width * 0.005;
-        const spacecraft_real most = width * 0.995;
+        const spacecraft_real least = room * 0.005;
+        const spacecraft_real most = room * 0.995;
         const spacecraft_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const spacecraft_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const spacecraft_real a = a_over ? most : a_raised;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const spacecraft_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const spacecraft_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const spacecraft_real a_raised = near_lower ? least : to_lower;
+        const spacecraft_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const spacecraft_real a = near_upper ? most : a_raised;
+        const spacecraft_real b = near_upper ? least : b_held;
         spacecraft_real epsilon;
         spacecraft_real xi;
         spacecraft_transformed_error(a, b, &epsilon, &xi);
         const spacecraft_real push = spacecraft_law(0.5, xi, epsilon);
-        const spacecraft_real u_law = empty ? 0.0 : push;
-        u[i] = u_law;
+        u[i] = push;
         const bool above = lower_edge < x_i;
         const bool below = x_i < upper_edge;
         const bool within = above && below;
@@ -400,15 +394,13 @@ void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const space
         const spacecraft_real least = width * 0.005;
         const spacecraft_real most = width * 0.995;
         const spacecraft_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const spacecraft_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const spacecraft_real a = a_over ? most : a_raised;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const spacecraft_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const spacecraft_real b = b_over ? most : b_raised;
+        const bool near_lower = to_lower < least;
+        const spacecraft_real a_raised = near_lower ? least : to_lower;
+        const spacecraft_real b_held = near_lower ? most : to_upper;
+        const bool near_upper = b_held < least;
+        const spacecraft_real a = near_upper ? most : a_raised;
+        const spacecraft_real b = near_upper ? least : b_held;
         const spacecraft_real e_raw = spacecraft_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const spacecraft_real e_held_raised = e_held_above ? e_raw : (-0.99);
