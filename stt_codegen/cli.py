@@ -364,7 +364,7 @@ def certify(
     certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE", help="its .certificate.json")],
     json: Json = False,
 ) -> None:
-    """Repeat the proof from the C file alone, with the stand-alone checker. Exit code 1 when anything does not hold."""
+    """Repeat the proof of a refined tube from the C file alone, by the stand-alone checker. Exit code 1 when it fails."""
     import contextlib
     import io
 
@@ -383,8 +383,10 @@ def certify(
 
 @bench.command()
 def arenas(
-    family: Annotated[list[str] | None, typer.Option(help="families of arenas (default: all, and both stretches)")] = None,
-    design: Annotated[list[str] | None, typer.Option(help="refined, adaptive, literal (default: all with --family)")] = None,
+    family: Annotated[
+        list[str] | None, typer.Option(help="paper, dense12, dense24, space3, space6 or corridor; may be repeated")
+    ] = None,
+    design: Annotated[list[str] | None, typer.Option(help="refined, adaptive or literal; may be repeated")] = None,
     count: Annotated[int | None, typer.Option(min=1, help="at most so many arenas of each family")] = None,
     clearance: Annotated[float | None, typer.Option(help="override tube.clearance", show_default="0.03")] = None,
     min_width: Annotated[float | None, typer.Option(help="override tube.min_width", show_default="0.05")] = None,
@@ -394,7 +396,10 @@ def arenas(
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
     json: Json = False,
 ) -> None:
-    """Design and certify random arenas by the hundred; tables of how many, how fast, how wide, how slow."""
+    """Design and certify random arenas by the hundred; tables of how many, how fast, how wide, how slow.
+
+    Without options: all of benchmarks/RESULTS.md but the peers, about ten minutes. The workers of a cluster need this package.
+    """
     from stt_codegen.bench.command import run_arenas
 
     run_arenas(family, design, count, clearance, min_width, processes, scheduler, peers, record, json)

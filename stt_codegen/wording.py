@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from fractions import Fraction
 
 
@@ -10,6 +10,17 @@ def decimal(value: Fraction) -> str:
     """A fraction as a decimal: exact where that takes at most 15 digits, else nearest with 9."""
     short = f"{float(value):.15g}"
     return short if Fraction(short) == value else f"{float(value):.9g}"
+
+
+def exact_decimal(value: Fraction) -> str:
+    """A fraction that came from a decimal, in all its digits; as `decimal` where it is short."""
+    short = f"{float(value):.15g}"
+    if Fraction(short) == value:
+        return short
+    with localcontext() as context:
+        context.prec = 400
+        digits = Decimal(value.numerator) / Decimal(value.denominator)
+    return format(digits.normalize(), "f")
 
 
 def kind_of(value: object) -> str:

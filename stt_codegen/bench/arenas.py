@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.arenas import FAMILIES, arena_task, feasible
+from stt_codegen.arenas import BOX, FAMILIES, arena_task, feasible
 from stt_codegen.bench.report import number
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.errors import BadInput, MissingTool, NotCertified
+from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 
+WAIT = 30  # seconds for a first worker of a cluster
 FLOODED = 3  # dimensions up to which feasibility is decided by flood fill; beyond, every arena counts as feasible
 
 
@@ -61,7 +62,8 @@ def run(job: Job) -> Result:
     family = FAMILIES[job.family]
     _warm(job.design)
     task = arena_task(family, job.seed, job.clearance, job.min_width).with_options(job.design)
-    way = family.dimension > FLOODED or feasible(family, job.seed)
+    reach = max(family.reach, job.clearance + job.min_width / 2)
+    way = family.dimension > FLOODED or (reach < BOX / 2 and feasible(family, job.seed, reach))
     begin = time.process_time()
     try:
         design = design_tube(task)
@@ -97,7 +99,10 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
 
     task = arena_task(FAMILIES[job.family], job.seed, job.clearance, job.min_width)
     arena = arena_of(task)
-    route = find_route(arena, starting_box(arena), arena.min_width)
+    try:
+        route = find_route(arena, starting_box(arena), arena.min_width)
+    except NotCertified:  # a literal tube of an arena in which no other could start
+        route = None
     if route is None:
         return float("nan"), float("nan")
     least = route.length / arena.prescribed_time
@@ -144,10 +149,22 @@ def _on_cluster(work: Callable[[Any], Any], items: Sequence[Any], scheduler: str
     except (OSError, TimeoutError, ValueError) as error:
         raise BadInput(f"--scheduler {scheduler}: no Dask scheduler answers there ({error})") from None
     with client:
-        futures = client.map(work, items, pure=False)
-        done: Any = distributed.as_completed(futures, with_results=True)  # type: ignore[no-untyped-call]
-        for _, result in done:
-            yield result
+        try:
+            client.wait_for_workers(1, timeout=WAIT)
+        except TimeoutError:
+            raise BadInput(f"--scheduler {scheduler}: it has no worker, and none came within {WAIT} s") from None
+        done: Any = distributed.as_completed(client.map(work, items, pure=False))  # type: ignore[no-untyped-call]
+        for future in done:
+            if future.status != "finished":  # an error of the work itself, a worker or the scheduler lost
+                raise SttError(f"--scheduler {scheduler}: an arena was not finished there ({future.status}: {_cause(future)})")
+            yield future.result()
+
+
+def _cause(future: Any) -> str:
+    try:
+        return f"{future.exception(timeout=1)}"
+    except Exception as error:  # the cluster is gone: nothing more is to be had
+        return str(error)
 
 
 # ------------------------------------------------------------------------------------------------ tables

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 from collections.abc import Callable, Iterator
@@ -33,6 +34,8 @@ def run_arenas(
 ) -> None:
     """`stt-codegen bench arenas`; the arguments are its options."""
     parts = parts_of(family, design, count, clearance, min_width)
+    if out is not None and not (out.parent.is_dir() and os.access(out.parent, os.W_OK)):
+        raise BadInput(f"--record {out}: {out.parent} is no folder that can be written to")
     processes = processes or os.cpu_count() or 1
     jobs = [job for part in parts for job in part.jobs()]
     found: list[Result] = []
@@ -47,7 +50,8 @@ def run_arenas(
     peer_rows, steps = run_peers(parts[0].count, processes) if peers else ([], {})
     if as_json:
         rows_of_peers = [dict(zip(PEER_HEADINGS, r, strict=True)) for r in peer_rows]
-        print(json.dumps({"arenas": [asdict(s) for _, s in summaries], "peers": rows_of_peers, "steps": steps}, indent=2))
+        document = {"arenas": [asdict(s) for _, s in summaries], "peers": rows_of_peers, "steps": steps}
+        print(json.dumps(_without_nan(document), indent=2, allow_nan=False))
     else:
         print(text(rows, lines, peer_rows, steps))
     if out is not None:
@@ -100,6 +104,15 @@ def text(rows: list[list[str]], lines: list[str], peer_rows: list[list[str]], st
     if peer_rows:
         parts += ["### Peers, in the same run, on the paper's arenas", table(PEER_HEADINGS, peer_rows), STEPS.format(**steps)]
     return "\n\n".join(parts)
+
+
+def _without_nan(value: object) -> object:
+    """JSON has no NaN: null in its place."""
+    if isinstance(value, dict):
+        return {k: _without_nan(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_without_nan(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 @contextmanager

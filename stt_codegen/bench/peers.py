@@ -68,7 +68,7 @@ def need(module: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise MissingTool(f"{module} cannot be imported ({error}): pip install stt-codegen[peers]") from error
+        raise MissingTool(f"{module} cannot be imported ({error}): make peers, or pip install stt-codegen[peers]") from error
 
 
 Planner = Callable[[Family, Array], Array | None]  # family, boxes -> a path, shape (points, dimension), if it finds one

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from stt_codegen.backends import Backend, run_compiler
 from stt_codegen.compare import Row, compare_backend
 from stt_codegen.emit.render import template_folder
-from stt_codegen.errors import MissingTool, SttError
+from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
 from stt_codegen.program.program import Function
 
@@ -33,7 +33,8 @@ RESULT = re.compile(r"([0-9a-f]{8} ?)+$")
 
 @dataclass(frozen=True)
 class Board:
-    """A board and how it is emulated. `ticks`: of its counter for one `unit`; room: bytes for points in one image."""
+    """A board and how it is emulated. `ticks`: of its counter for one `unit`; room: bytes for points in one image;
+    lacks: what its C library does not have."""
 
     name: str
     title: str
@@ -48,6 +49,7 @@ class Board:
     unit: str = "instructions"
     room: int = 1 << 20
     scalars: tuple[str, ...] = ("float", "double")
+    lacks: tuple[str, ...] = ()
 
 
 def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
@@ -112,6 +114,7 @@ BOARDS = {
             "cycles",
             room=12_000,
             scalars=("float",),
+            lacks=("log1pf",),
         ),
     )
 }
@@ -137,7 +140,11 @@ class Emulated(Backend):
 
     def __init__(self, controller: Controller, board: Board, optimise: str = "-O2") -> None:
         if controller.program.scalar not in board.scalars:
-            raise SttError(f"{board.title}: has no {controller.program.scalar} of that size")
+            raise BadInput(f"--board {board.name}: its compiler has no 64-bit {controller.program.scalar}; use --scalar float")
+        source = controller.files[f"{controller.program.prefix}.c"].decode()
+        missing = [f for f in board.lacks if f"{f}(" in source]
+        if missing:
+            raise BadInput(f"--board {board.name}: its C library has no {', '.join(missing)}; use --design refined")
         for tool in (board.compiler, board.command[0]):
             if shutil.which(tool) is None:
                 raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")

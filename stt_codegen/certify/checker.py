@@ -28,7 +28,7 @@ from typing import Any, NoReturn
 Edge = list[Fraction]  # Bezier coefficients of one cubic piece
 Piece = list[tuple[Edge, Edge]]  # by dimension: lower and upper edge
 LEAST_WIDTH = Fraction(1, 1 << 20)  # the emitted law treats narrower tubes as this wide
-DEPTH = 8  # how often a piece is halved where its hull is too coarse
+DEPTH = 20  # how often a piece is halved where its hull is too coarse
 
 
 class Failed(Exception):
@@ -169,10 +169,14 @@ def halves(piece: Piece) -> tuple[Piece, Piece]:
 
 
 def least(piece: Piece, slack: Callable[[Piece], Fraction], needed: Fraction, depth: int = DEPTH) -> Fraction:
-    """A lower bound on the slack over the piece, halving it where the hull does not show what is needed."""
+    """A lower bound on the slack over the piece, halving it where the hull does not show what is needed; where the curve itself
+    lacks it, what it has at one such point."""
     value = slack(piece)
     if value >= needed or depth == 0:
         return value
+    begin = slack([([low[0]] * 4, [high[0]] * 4) for low, high in piece])
+    if begin < needed:
+        return begin
     first, second = halves(piece)
     return min(least(first, slack, needed, depth - 1), least(second, slack, needed, depth - 1))
 
@@ -268,8 +272,11 @@ def main(arguments: list[str]) -> int:
     except Failed as error:
         print(f"checker: NO: {error}")
         return 1
-    except (OSError, ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError, Unusable) as error:
-        print(f"checker: cannot check: {type(error).__name__}: {error}", file=sys.stderr)
+    except (OSError, Unusable) as error:
+        print(f"checker: cannot check: {error}", file=sys.stderr)
+        return 2
+    except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
+        print(f"checker: cannot check: a file is not what it should be ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
     size = f"{tube.segments} segments, {task.n} dimensions"
     print(f"checker: yes: {task.name}: P1 to P7 hold for the coefficients in the C file, {size}")

@@ -283,7 +283,8 @@ def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Li
             find.least(end[-1:], len(end) - 1, "P5", "gamma(t_c) within the target set"),
             Finding(
                 "P6", f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
-                Fraction(0) if limit is None else limit - max(speed), Fraction(0), advice="raise tube.max_speed",
+                Fraction(0) if limit is None else limit - max(speed), Fraction(0),
+                advice=f"raise tube.max_speed to {above(max(speed), 4):g}, or use a refined tube: the bound is not sharp here",
             ),
             Finding("P7", seventh, Fraction(0), Fraction(0)),
         ),

@@ -23,7 +23,7 @@ from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.task import Task
 from stt_codegen.wording import decimal
 
-DEPTH = 8  # a piece is halved at most this often before its property counts as failed
+DEPTH = 20  # a piece is halved at most this often before its property counts as failed
 
 Pieces = npt.NDArray[Any]  # Bezier coefficients (P, n, 2, 4): int64, or Fraction objects once halved
 

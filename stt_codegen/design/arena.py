@@ -14,6 +14,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.certify.certificate import below
 from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task
@@ -83,7 +84,7 @@ def arena_of(task: Task) -> Arena:
                     + (
                         "the coordinates are too large for single precision: move the origin near the task"
                         if width > least
-                        else "lower tube.min_width or widen the set"
+                        else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
                     )
                 )
     inset = 2 * allowance

@@ -97,7 +97,7 @@ def _what_binds(task: Task, arena: Arena) -> str:
     size = arena.length_unit
 
     def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
-        trial = replace(arena, clearance=clearance, min_width=min_width, max_speed=np.inf)
+        trial = replace(arena, clearance=clearance, min_width=min_width)
         with suppress(NotCertified):
             begin = starting_box(trial)
             return _follow(trial, begin, shortest_route(trial, begin, min_width), ladder, SPEED_ROOM)
@@ -115,7 +115,8 @@ def _what_binds(task: Task, arena: Arena) -> str:
     ladder = (task.tube.segments,) if task.tube.segments else usual
     would_do = []
     if task.tube.segments:
-        shape = found(arena.clearance, arena.min_width, tuple(k for k in usual if k > task.tube.segments))
+        more = (*range(task.tube.segments + 1, SEGMENTS[0]), *usual)
+        shape = found(arena.clearance, arena.min_width, tuple(k for k in more if k > task.tube.segments))
         if shape is not None:
             would_do.append(f"tube.segments = {shape.points.shape[2] - 3} (or leave it out)")
     spare = arena.allowance
@@ -125,6 +126,8 @@ def _what_binds(task: Task, arena: Arena) -> str:
     width = largest(lambda w: found(arena.clearance, w, ladder) is not None, 2 * spare, arena.min_width)
     if width is not None:
         would_do.append(f"tube.min_width = {below(Fraction((width - 2 * spare) * size), 3):g}")
+    if not would_do and arena.max_speed < np.inf:
+        return "without tube.max_speed, " + _what_binds(task, replace(arena, max_speed=np.inf))
     if not would_do:
         return "no single option of [tube] would change that: lower tube.clearance and tube.min_width, or make more room"
     return ", or ".join(would_do) + " would do"

@@ -11,7 +11,7 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
@@ -24,6 +24,8 @@ from stt_codegen.errors import NotCertified
 
 TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
 STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
+HALVINGS = 30  # to find the largest clearance or width with a way
+NAMED = 40  # up to so many unsafe sets, those are named that alone close the way
 NEAR = 96  # nodes looked at from one, before all are
 CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
 
@@ -80,32 +82,40 @@ def find_route(arena: Arena, start: Array, width: float) -> Route | None:
 
 
 def _why_blocked(arena: Arena, centre: Array) -> str:
-    """The refusal when there is no route: what the largest clearance, or else width, with a way would be."""
+    """The refusal when there is no route: which options, each by itself, would open a way, and at what value."""
 
-    def way(clearance: float, width: float) -> bool:
+    def way(clearance: float, width: float, without: int | None = None) -> bool:
         reach = clearance + width / 2
-        found = _search(arena, centre, reach, width / 2) or _cell_route(arena, centre, reach, width / 2)
+        keep = [j for j in range(len(arena.names)) if j != without]
+        rest = replace(arena, names=tuple(arena.names[j] for j in keep), unsafe=arena.unsafe[keep])
+        found = _search(rest, centre, reach, width / 2) or _cell_route(rest, centre, reach, width / 2)
         return found is not None
 
-    def largest(holds: Callable[[float], bool], limit: float) -> float:
+    def largest(holds: Callable[[float], bool], limit: float) -> str:
         low, high = 0.0, limit
-        for _ in range(30):
+        for _ in range(HALVINGS):
             middle = (low + high) / 2
             low, high = (middle, high) if holds(middle) else (low, middle)
-        return max(low - 2 * arena.allowance, 0.0) * arena.length_unit
+        return f"{below(Fraction(max(low - 2 * arena.allowance, 0.0) * arena.length_unit), 4):g}"
 
+    none, narrow = arena.allowance, 2 * arena.allowance
     final = arena.dimension == 2 or decides(len(arena.names), arena.dimension)
     start = f"P4 avoid: no way {'leads' if final else 'was found'} from the initial set to the target set between the unsafe sets"
-    if not way(arena.allowance, 2 * arena.allowance):
-        return f"{start}, whatever the clearance; remove or shrink an unsafe set, or enlarge the state space"
+    if not way(none, narrow):
+        blocking = [n for j, n in enumerate(arena.names) if len(arena.names) <= NAMED and way(none, narrow, j)]
+        remove = f"without {' or '.join(blocking)} there would be one" if blocking else "remove or shrink an unsafe set"
+        return f"{start}, whatever the clearance; {remove}, or enlarge the state space"
     width = (arena.min_width - 2 * arena.allowance) * arena.length_unit
-    if way(arena.allowance, arena.min_width):
-        clearance = largest(lambda c: way(c, arena.min_width), arena.clearance)
-        asked = (arena.clearance - arena.allowance) * arena.length_unit
-        return f"{start} with a clearance of {asked:.6g}; a way opens at tube.clearance = {below(Fraction(clearance), 4):g}"
-    widest = largest(lambda w: way(arena.allowance, w), arena.min_width)
-    wide = f"with tube.clearance = 0 a way opens at tube.min_width = {below(Fraction(widest), 4):g}"
-    return f"{start} for a tube of width {width:.6g}; {wide}"
+    asked = (arena.clearance - arena.allowance) * arena.length_unit
+    opens = []
+    if way(none, arena.min_width):
+        opens.append(f"tube.clearance = {largest(lambda c: way(c, arena.min_width), arena.clearance)}")
+    if way(arena.clearance, narrow):
+        opens.append(f"tube.min_width = {largest(lambda w: way(arena.clearance, w), arena.min_width)}")
+    if not opens:
+        widest = largest(lambda w: way(none, w), arena.min_width)
+        opens.append(f"tube.clearance = 0 together with tube.min_width = {widest}")
+    return f"{start} for a tube of width {width:.6g} with a clearance of {asked:.6g}; a way opens at {', or at '.join(opens)}"
 
 
 def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int | None = NEAR) -> Route | None:

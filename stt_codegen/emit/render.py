@@ -22,7 +22,7 @@ from stt_codegen.program.number import round_to
 from stt_codegen.program.program import Const, Program, Status
 from stt_codegen.program.python import PythonPrinter
 from stt_codegen.task import Task
-from stt_codegen.wording import decimal
+from stt_codegen.wording import decimal, exact_decimal
 
 Files = dict[str, bytes]
 CERTIFICATE_FORMAT = 1
@@ -79,10 +79,10 @@ def certificate_document(
         "design": design.kind,
         "scalar": program.scalar,
         "dimension": design.dimension,
-        "prescribed_time": decimal(design.prescribed_time),
+        "prescribed_time": exact_decimal(design.prescribed_time),
         "parameters": _parameters(design),
-        "clearance": decimal(task.tube.clearance),
-        "min_width": decimal(task.tube.min_width),
+        "clearance": exact_decimal(task.tube.clearance),
+        "min_width": exact_decimal(task.tube.min_width),
         "start": {
             "lower": [_edge(a, certificate, above) for a, _ in certificate.start],
             "upper": [_edge(b, certificate, below) for _, b in certificate.start],

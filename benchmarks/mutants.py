@@ -1,0 +1,294 @@
+"""Mutants for `mutations.py`: certified tubes bent, or their tasks made harder, from a generator of random numbers.
+
+A mutation draws where and how much. Tables are bent by 1 to 2^20 units, every magnitude alike. Demands of the task (sets,
+unsafe sets, clearance, ...) are put where the tube has its exact extreme, less a slack that is often nothing or one unit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache, partial
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+from truth import deepest, signed_edges, signed_faces
+
+from stt_codegen.arenas import FAMILIES, arena_task
+from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.errors import NotCertified
+from stt_codegen.pipeline import build_task
+from stt_codegen.task import Task, UnsafeSet, load_task
+
+TASKS = Path(__file__).parent.parent / "tasks"
+ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
+BASES = (*sorted(p.stem for p in TASKS.glob("*.toml")), *(f"{name} {seed}" for name, n in ARENAS.items() for seed in range(n)))
+
+Mutant = tuple[Task, RefinedDesign]
+Sides = Sequence[tuple[int, int]]  # (dimension, LOWER or UPPER)
+
+
+@dataclass(frozen=True)
+class Base:
+    """A certified tube to start from: its margins by property, its C text and its certificate."""
+
+    task: Task
+    design: RefinedDesign
+    margin: dict[str, Fraction]
+    source: str
+    proof: dict[str, Any]
+
+    @property
+    def body(self) -> tuple[Fraction, ...]:
+        return self.task.body or (Fraction(0),) * self.task.dimension
+
+
+@cache
+def base(name: str, scalar: str) -> Base | None:
+    """The tube of a task or arena by name; None where there is none."""
+    family, _, seed = name.partition(" ")
+    task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
+    try:
+        c = build_task(task.with_options("refined", scalar))
+    except NotCertified:
+        return None
+    assert isinstance(c.design, RefinedDesign)
+    margin = {f.code: f.margin for f in c.certificate.findings}
+    return Base(
+        c.task, c.design, margin, c.files[f"{c.task.name}.c"].decode(), json.loads(c.files[f"{c.task.name}.certificate.json"])
+    )
+
+
+# ------------------------------------------------------------------------------------------------ drawing
+
+
+def amount(dice: Random, top: int) -> int:
+    """1 to 2^top, every magnitude alike, up or down."""
+    return dice.choice((-1, 1)) * round(2 ** dice.uniform(0, top))
+
+
+def slack(dice: Random, b: Base) -> Fraction:
+    """What a mutation leaves or, negative, takes too much: often nothing at all or one table unit, sometimes a part of one."""
+    units = dice.choice((0, dice.choice((-1, 1)), *[amount(dice, 10)] * 5))
+    return units * b.design.unit / dice.choice((1, 1, 1, 256))
+
+
+def short(value: Fraction) -> Fraction:
+    """Rounded down to what a task file can say exactly; multiples of a table unit over 512 stay."""
+    return Fraction(math.floor(value * (1 << 32)), 1 << 32)
+
+
+def any_side(dice: Random, b: Base) -> tuple[int, int]:
+    return dice.randrange(b.task.dimension), dice.choice((LOWER, UPPER))
+
+
+def entry(values: Sequence[Fraction], i: int, value: Fraction) -> tuple[Fraction, ...]:
+    return (*values[:i], value, *values[i + 1 :])
+
+
+def with_face(box: Any, i: int, side: int, face: Fraction) -> Any:
+    """A box with another face, as in `signed_faces`."""
+    key, value = ("lower", face) if side == LOWER else ("upper", -face)
+    return box.model_copy(update={key: entry(getattr(box, key), i, value)})
+
+
+def with_task(b: Base, **change: Any) -> Mutant:
+    return b.task.model_copy(update=change), b.design
+
+
+def with_tube(b: Base, **change: Fraction) -> Mutant:
+    return with_task(b, tube=b.task.tube.model_copy(update=change))
+
+
+# ------------------------------------------------------------------------------------------------ bent tubes
+
+
+def bent(change: Callable[[Random, Any], None]) -> Callable[[Random, Base], Mutant]:
+    """A mutation from what is done to the table, an object array of shape (K + 3, n, 2)."""
+
+    def mutate(dice: Random, b: Base) -> Mutant:
+        table = np.array(b.design.table, dtype=object)
+        change(dice, table)
+        return b.task, replace(b.design, table=tuple(tuple((int(v), int(w)) for v, w in row) for row in table))
+
+    return mutate
+
+
+def somewhere(dice: Random, table: Any) -> tuple[int, int, int]:
+    return dice.randrange(len(table)), dice.randrange(table.shape[1]), dice.randrange(2)
+
+
+def bend(dice: Random, table: Any, most: int) -> None:
+    for _ in range(dice.randint(1, most)):
+        table[somewhere(dice, table)] += amount(dice, dice.choice((5, 20)))
+
+
+def swap(dice: Random, table: Any) -> None:
+    """Two entries of one dimension in rows close by, of one edge or of both."""
+    j, i, side = somewhere(dice, table)
+    other = min(j + dice.randint(0, 2), len(table) - 1), i, dice.choice((side, side, 1 - side))
+    table[j, i, side], table[other] = table[other], table[j, i, side]
+
+
+def shift(dice: Random, table: Any) -> None:
+    j, i, _ = somewhere(dice, table)
+    table[j, dice.choice((i, slice(None)))] += amount(dice, 20)
+
+
+def repeat(dice: Random, table: Any) -> None:
+    j = dice.randrange(1, len(table))
+    a, b = dice.choice(((j, j - 1), (j - 1, j)))
+    table[a] = table[b]
+
+
+def dent(dice: Random, table: Any) -> None:
+    """Bent inward, which mostly leaves a tube that is safe, with extremes inside its segments."""
+    for _ in range(dice.randint(1, 4)):
+        j, i, side = dice.randrange(3, len(table) - 3), *somewhere(dice, table)[1:]
+        table[j, i, side] += abs(amount(dice, 17)) * (1 if side == LOWER else -1)
+
+
+def end(dice: Random, table: Any, rows: Sequence[int]) -> None:
+    _, i, side = somewhere(dice, table)
+    table[rows, i, side] += amount(dice, 10)
+
+
+# ------------------------------------------------------------------------------------------------ harder tasks
+
+
+def obstacle_changed(dice: Random, b: Base) -> Mutant:
+    """One unsafe set moved, or a pair of its faces moved out."""
+    j, i, by = dice.randrange(len(b.task.unsafe)), dice.randrange(b.task.dimension), amount(dice, 20) * b.design.unit
+    low, high = signed_faces(b.task.unsafe[j])[i]
+    faces = (low - abs(by), high - abs(by)) if dice.random() < 0.5 else (low + by, high - by)
+    box = with_face(with_face(b.task.unsafe[j], i, LOWER, faces[LOWER]), i, UPPER, faces[UPPER])
+    return with_task(b, unsafe=(*b.task.unsafe[:j], box, *b.task.unsafe[j + 1 :]))
+
+
+def beside(dice: Random, b: Base, k: int, s: Fraction, sides: Sides, extent: int) -> Mutant:
+    """One more unsafe set, before these sides of the tube's box at place s of segment k, with a drawn slack each."""
+    faces = []
+    for i, edges in enumerate(signed_edges(b.design)[k].tolist()):
+        at = [short(sum(a * s**p for p, a in enumerate(edge)) * b.design.unit) for edge in edges]
+        spread = [abs(amount(dice, extent)) * b.design.unit for _ in range(2)]
+        pair = [at[LOWER] - spread[0], -at[UPPER] + spread[1]]
+        for side in [side for m, side in sides if m == i]:
+            near = at[side] - b.body[i] - b.task.tube.clearance - slack(dice, b)
+            pair = [near - spread[0], near] if side == LOWER else [-near, -near + spread[0]]
+        faces.append(pair)
+    lower, upper = zip(*faces, strict=True)
+    return with_task(b, unsafe=(*b.task.unsafe, UnsafeSet(name="added", lower=lower, upper=upper)))
+
+
+def before_face(dice: Random, b: Base) -> Mutant:
+    """An unsafe set before the extreme of one edge over some segments."""
+    (i, side), last = any_side(dice, b), b.design.segments - 1
+    k, reach = dice.choice((0, last, *[dice.randint(0, last)] * 4)), dice.choice((0, 1, 4, 64))
+    first = max(0, k - reach)
+    ahead, s, _ = deepest(signed_edges(b.design)[first : k + reach + 1, i, side])
+    return beside(dice, b, first + ahead, s, [(i, side)], dice.choice((4, 12, 20)))
+
+
+def in_corner(dice: Random, b: Base) -> Mutant:
+    """A set whose corner the tube rounds: one dimension hands over to another, without slack at a root that both share."""
+    k, s = dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8)
+    slope = {(i, side): a + 2 * c * s + 3 * d * s * s
+             for i, pair in enumerate(signed_edges(b.design)[k].tolist()) for side, (_, a, c, d) in enumerate(pair)}  # fmt: skip
+    one = dice.choice([side for side, v in slope.items() if v < 0])
+    other = dice.choice([side for side, v in slope.items() if v > 0 and side[0] != one[0]])
+    return beside(dice, b, k, s, [one, other], dice.choice((8, 20)))
+
+
+def obstacle_added(dice: Random, b: Base) -> Mutant:
+    """An unsafe set of any size, thin ones too, beside the tube at any place."""
+    sides = [(i, dice.randrange(2)) for i in dice.sample(range(b.task.dimension), dice.randint(1, 2))]
+    return beside(dice, b, dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8), sides, dice.choice((1, 20)))
+
+
+def set_moved(dice: Random, b: Base) -> Mutant:
+    """A face of start, target or state space put where the tube has its extreme."""
+    (i, side), name = any_side(dice, b), dice.choice(("initial_set", "target_set", "state_space"))
+    edge = signed_edges(b.design)[:, i, side]
+    least = Fraction(int(edge[0, 0] if name == "initial_set" else edge[-1].sum()))
+    if name == "state_space":
+        least = deepest(edge)[2]
+    face = short(least * b.design.unit) - (b.body[i] if name == "state_space" else 0) - slack(dice, b)
+    return with_task(b, **{name: with_face(getattr(b.task, name), i, side, face)})
+
+
+def state_moved(dice: Random, b: Base) -> Mutant:
+    i, side = any_side(dice, b)
+    edge = int(signed_edges(b.design)[0, i, side, 0]) * b.design.unit + slack(dice, b)
+    return with_task(b, initial_state=entry(b.task.initial_state, i, edge if side == LOWER else -edge))
+
+
+def clearance_raised(dice: Random, b: Base) -> Mutant:
+    return with_tube(b, clearance=short(b.task.tube.clearance + b.margin["P4"] - slack(dice, b)))
+
+
+def width_raised(dice: Random, b: Base) -> Mutant:
+    least = deepest(-signed_edges(b.design).sum(axis=2).reshape(-1, 4))[2]
+    return with_tube(b, min_width=short(least * b.design.unit) - slack(dice, b))
+
+
+def body_raised(dice: Random, b: Base) -> Mutant:
+    i = dice.randrange(b.task.dimension)
+    return with_task(b, body=entry(b.body, i, short(b.body[i] + min(b.margin["P3"], b.margin["P4"]) - slack(dice, b))))
+
+
+def speed_bounded(dice: Random, b: Base) -> Mutant:
+    slope = np.roll(signed_edges(b.design) * np.arange(4), -1, axis=-1).reshape(-1, 4)
+    peak = -min(deepest(slope)[2], deepest(-slope)[2]) * b.design.unit * b.design.segments / b.design.prescribed_time
+    return with_tube(b, max_speed=short(peak * (1 + dice.choice((-1, 1)) * Fraction(2) ** dice.randint(-20, -4))))
+
+
+def dented(dice: Random, b: Base) -> Mutant:
+    """A dented tube, then a demand put at its extreme."""
+    other = replace(b, design=bent(dent)(dice, b)[1])
+    return dice.choice((before_face, in_corner, set_moved, width_raised))(dice, other)
+
+
+KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
+    "one coefficient": bent(partial(bend, most=1)),
+    "several coefficients": bent(partial(bend, most=8)),
+    "entries swapped": bent(swap),
+    "row shifted": bent(shift),
+    "row repeated": bent(repeat),
+    "kink at the end": bent(partial(end, rows=[-1])),
+    "end moved": bent(partial(end, rows=[-1, -3])),
+    "dented, then harder": dented,
+    "obstacle moved or grown": obstacle_changed,
+    "obstacle added": obstacle_added,
+    "obstacle before a face": before_face,
+    "obstacle in a corner": in_corner,
+    "set moved": set_moved,
+    "initial state moved": state_moved,
+    "clearance": clearance_raised,
+    "least width": width_raised,
+    "body": body_raised,
+    "speed bound": speed_bounded,
+}
+
+
+def draw(dice: Random, names: Sequence[str]) -> tuple[str, str, Base, Mutant]:
+    """A kind, the base's name, the base, and a mutant that is well formed (a box may turn over, a coefficient grow too long)."""
+    kind = dice.choice(list(KINDS))
+    for _ in range(1000):
+        name, scalar = dice.choice(names), dice.choice(("float", "double"))
+        b = base(name, scalar)
+        with contextlib.suppress(ValueError, IndexError):
+            if b is not None and well_formed((mutant := KINDS[kind](dice, b))[0]):
+                return kind, f"{name}, {scalar}", b, mutant
+    raise RuntimeError(f"no mutant of the kind {kind!r} from {', '.join(names)}")
+
+
+def well_formed(task: Task) -> bool:
+    boxes = (task.state_space, task.initial_set, task.target_set, *task.unsafe)
+    sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), task.tube.max_speed or 1)
+    return min(sizes) > 0 and min(task.tube.clearance, task.tube.min_width, *(task.body or ())) >= 0

@@ -1,0 +1,215 @@
+"""Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by the roots of `truth.py`.
+
+    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--first 0] [--record FILE.md]
+
+The mutants are those of `mutants.py`. The tool's certificate is asked, and the stand-alone checker, which gets a certificate
+that claims success and no room, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe
+passed. A mutant depends on the seed and its number only, so `--first 1234 --count 1` judges number 1234 again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import decimal
+import hashlib
+import io
+import json
+import multiprocessing
+import re
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from random import Random
+
+from mutants import BASES, KINDS, Base, draw
+from truth import Fault, Undecided, first_fault
+
+from stt_codegen.bench.report import command, machine, record
+from stt_codegen.certify import checker
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.pipeline import build_program, certify
+from stt_codegen.task import Box, Task
+
+NEAR = 16  # units of the table within which a mutant counts as near the boundary
+EXACT = decimal.Context(prec=200, traps=[decimal.Inexact])
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Of the tool or the checker. When a safe mutant is refused: whether it has the room that is demanded, and the reason."""
+
+    passed: bool
+    room: bool = False
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is true of a mutant, and what was answered."""
+
+    number: int
+    kind: str
+    base: str
+    fault: Fault | None
+    near: bool
+    decided: bool
+    answers: tuple[Answer, ...]
+
+
+def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = BASES) -> Verdict:
+    """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
+    kind, name, base, (task, design) = draw(Random(f"{seed} {number}"), names)
+    try:
+        fault = first_fault(task, design)
+        near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
+    except Undecided:
+        return Verdict(number, kind, name, None, False, False, ())
+    certificate = certify(task, design, build_program(task, design))
+    failing = " ".join(sorted({f.code for f in certificate.failures} - {"P7"}))
+    asked: list[tuple[bool, Callable[[], Fraction], str]] = [(certificate.holds, lambda: max(certificate.edge_error), failing)]
+    if with_checker:
+        asked.append(ask_checker(base, task, design))
+    answers = tuple(
+        Answer(passed) if passed or fault else Answer(passed, first_fault(task, design, error()) is None, reason)
+        for passed, error, reason in asked
+    )
+    return Verdict(number, kind, name, fault, near, True, answers)
+
+
+# ------------------------------------------------------------------------------------------------ the checker's files
+
+
+def ask_checker(base: Base, task: Task, design: RefinedDesign) -> tuple[bool, Callable[[], Fraction], str]:
+    """Whether the checker says yes to the mutant's files, its own bound on rounding, and the property that it misses."""
+    text, source = toml(task).encode(), with_coefficients(base.source, design, base.proof["scalar"])
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as said:
+        paths = [Path(folder, name) for name in ("task.toml", "controller.c", "certificate.json")]
+        for path, data in zip(paths, (text, source.encode(), claims(base, task, text, source)), strict=True):
+            path.write_bytes(data)
+        answer = checker.main([str(path) for path in paths])
+    found = re.search(r"P\d", said.getvalue())
+    if answer not in (0, 1) or (answer == 1 and not found):
+        raise RuntimeError(f"the checker did not come to its proof: {said.getvalue()}")
+
+    def error() -> Fraction:
+        tube = checker.Tube(source, checker.Task(text))
+        return checker.arithmetic(tube, list(tube.pieces()))
+
+    return answer == 0, error, found[0] if found else ""
+
+
+def claims(base: Base, task: Task, text: bytes, source: str) -> bytes:
+    """The base's certificate with the mutant's hashes and demands, success everywhere and no room claimed at all."""
+    digests = {"task_data": checker.Task(text).digest, f"{task.name}.c": hashlib.sha256(source.encode()).hexdigest()}
+    properties = [{**p, "holds": True, "margin": -1e9} for p in base.proof["properties"]]
+    demands = {"clearance": number_text(task.tube.clearance), "min_width": number_text(task.tube.min_width)}
+    return json.dumps({**base.proof, **demands, "certified": True, "properties": properties, "sha256": digests}).encode()
+
+
+def with_coefficients(source: str, design: RefinedDesign, scalar: str) -> str:
+    """The C text with another table of coefficients."""
+    suffix = "F" if scalar == "float" else ""
+    values = ", ".join(number_text(v * design.unit) + suffix for row in design.table for pair in row for v in pair)
+    return re.sub(r"(_coefficients\[\d+\] = \{).*?(\};)", lambda m: m[1] + values + m[2], source, flags=re.DOTALL)
+
+
+def number_text(value: Fraction) -> str:
+    """All decimals of a fraction that has finitely many."""
+    text = format(EXACT.divide(decimal.Decimal(value.numerator), decimal.Decimal(value.denominator)), "f")
+    return text if "." in text else text + ".0"
+
+
+def toml(task: Task) -> str:
+    """What the checker reads of a task file."""
+
+    def vector(values: Iterable[Fraction]) -> str:
+        return f"[{', '.join(number_text(v) for v in values)}]"
+
+    def box(head: str, b: Box) -> str:
+        return f"{head}\nlower = {vector(b.lower)}\nupper = {vector(b.upper)}\n"
+
+    speed = "" if task.tube.max_speed is None else f"max_speed = {number_text(task.tube.max_speed)}\n"
+    return "".join(
+        (
+            f'name = "{task.name}"\nprescribed_time = {number_text(task.prescribed_time)}\n',
+            f"initial_state = {vector(task.initial_state)}\n" + (f"body = {vector(task.body)}\n" if task.body else ""),
+            *(box(f"[{name}]", getattr(task, name)) for name in ("state_space", "initial_set", "target_set")),
+            *(box("[[unsafe]]", s) + f'name = "{s.name}"\n' for s in task.unsafe),
+            f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n{speed}",
+        )
+    )
+
+
+# ------------------------------------------------------------------------------------------------ the table
+
+
+def table(verdicts: Sequence[Verdict], askers: Sequence[str]) -> str:
+    """One row for each kind of mutation, then what the columns mean, and reasons."""
+    columns = "".join(f"{f'{asker}: passed':>18s}{'refused':>9s}{'room':>6s}" for asker in askers)
+    lines = [f"{'mutation':26s}{'mutants':>8s}{'unsafe':>8s}{'near':>7s}{'undecided':>11s}{columns}"]
+    for kind in (*KINDS, "all"):
+        group = [v for v in verdicts if kind in (v.kind, "all")]
+        bad = [v for v in group if v.fault]
+        near, undecided = sum(v.near for v in group), sum(not v.decided for v in group)
+        line = f"{kind:26s}{len(group):8d}{len(bad):8d}{near:7d}{undecided:11d}"
+        for a in range(len(askers)):
+            refused = [v.answers[a] for v in group if v.decided and not v.fault and not v.answers[a].passed]
+            line += f"{sum(v.answers[a].passed for v in bad):18d}{len(refused):9d}{sum(r.room for r in refused):6d}"
+        lines.append(line)
+    lines += [
+        f"near: the truth is another with {NEAR} table units more or less to spare; passed: though unsafe; refused: though safe;",
+        "room: of these, those that have the room which is demanded for the arithmetic's error.",
+        "unsafe, by the first property found broken: " + counted(v.fault.code for v in verdicts if v.fault),
+    ]
+    for a, asker in enumerate(askers):
+        reasons = (v.answers[a].reason for v in verdicts if v.decided and v.answers[a].room)
+        lines.append(f"{asker}: refused with room, by property: {counted(reasons)}")
+    return "\n".join(lines)
+
+
+def counted(names: Iterable[str]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in sorted(Counter(names).items())) or "none"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--checker", action=argparse.BooleanOptionalAction, default=True)
+    parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
+    options = parser.parse_args()
+    begin, verdicts = time.perf_counter(), []
+    with multiprocessing.Pool(options.processes) as pool:
+        numbers = range(options.first, options.first + options.count)
+        for v in pool.imap(partial(judge, seed=options.seed, with_checker=options.checker), numbers, chunksize=20):
+            verdicts.append(v)
+            if len(verdicts) % 100 == 0:
+                print(f"\r{len(verdicts)}/{options.count}", end="", file=sys.stderr, flush=True)
+    print(file=sys.stderr)
+    found = table(verdicts, ("tool", "checker") if options.checker else ("tool",))
+    print(found)
+    passed = [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
+    for v in passed:
+        print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1: {v.kind} of {v.base}: {v.fault}")
+    took = f"{len(verdicts)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"
+    print(took)
+    if options.record:
+        record(
+            options.record,
+            "mutations",
+            f"## Mutated tubes and tasks\n\nMade by `{command()}`; {took}; {machine()}.\n\n```\n{found}\n```",
+        )
+    return 1 if passed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

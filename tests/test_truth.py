@@ -1,0 +1,264 @@
+"""The oracle of the mutation benchmark: right on cases made by hand, never milder than samples; and a small run of it."""
+
+from __future__ import annotations
+
+import sys
+from fractions import Fraction
+
+import pytest
+from conftest import ROOT, controller_of
+from flint import fmpz_poly
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_certificate import bend, exact_edges, oracle
+
+from stt_codegen.certify import checker
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.task import Box, Task, UnsafeSet, parse_task
+
+sys.path.insert(0, str(ROOT / "benchmarks"))
+from mutants import KINDS, draw
+from mutations import Random, judge, toml, with_coefficients
+from truth import LEAST_WIDTH, Fault, above, deepest, faults, first_fault, signed_edges, uncovered
+
+TINY = Fraction(1, 10**60)
+BASES = ("omni_s3", "spacecraft")
+
+
+def cubic(*coefficients: int | Fraction) -> fmpz_poly:
+    """An integer polynomial with the sign of this one, coefficients of 1, s, s^2, s^3."""
+    scale = 1
+    for c in coefficients:
+        scale *= Fraction(c).denominator
+    return fmpz_poly([int(c * scale) for c in coefficients])
+
+
+def at(p: fmpz_poly, s: Fraction) -> Fraction:
+    return sum((int(a) * s**k for k, a in enumerate(p.coeffs())), Fraction(0))
+
+
+# ------------------------------------------------------------------------------------------------ cases made by hand
+
+
+@pytest.mark.parametrize("place", [Fraction(0), Fraction(1, 3), Fraction(1, 2), Fraction(1)])
+def test_touching_zero_is_no_fault_and_the_least_bit_below_is(place: Fraction) -> None:
+    """(s - place)^2 (s + 1) >= 0; less 1e-60 it dips below, far between any samples."""
+    a, b, c = place**2, -2 * place, 1
+    touching = (a, a + b, b + c, c)
+    assert uncovered([cubic(*touching)]) is None
+    low = cubic(touching[0] - TINY, *touching[1:])
+    s = uncovered([low])
+    assert s is not None
+    assert 0 <= s <= 1
+    assert at(low, s) < 0
+    assert all(at(low, Fraction(k, 1000)) > 0 for k in range(1001) if Fraction(k, 1000) != place)
+
+
+@pytest.mark.parametrize("rising", [(-3, 7), (-1, 0, 2), (-1, 1, 1, 1)])  # roots 3/7, sqrt(1/2), and a cubic's
+def test_sides_that_hand_over_at_a_shared_root_cover_and_a_gap_of_1e_60_is_found(rising: tuple[int, ...]) -> None:
+    falling = tuple(-a for a in rising)
+    assert uncovered([cubic(*rising)]) is not None
+    assert uncovered([cubic(*rising), cubic(*falling)]) is None
+    gap = [cubic(*rising), cubic(falling[0] - TINY, *falling[1:])]
+    s = uncovered(gap)
+    assert s is not None
+    assert all(at(p, s) < 0 for p in gap)
+    assert uncovered([cubic(*rising), cubic(falling[0] + TINY, *falling[1:])]) is None
+    # a double root of the product and, 1e-60 away, a simple one
+    assert uncovered([cubic(*rising), cubic(*falling), cubic(rising[0] - TINY, *rising[1:])]) is None
+
+
+def test_constants_are_decided() -> None:
+    assert uncovered([cubic(0)]) is None
+    assert uncovered([cubic(-1), cubic(1)]) is None
+    s = uncovered([cubic(-1), cubic(-2, 1)])
+    assert s is not None
+    assert 0 <= s <= 1
+
+
+places = st.fractions(min_value=Fraction(-1, 4), max_value=Fraction(5, 4), max_denominator=6)
+
+
+@given(st.lists(st.tuples(places, places), min_size=1, max_size=6))
+def test_cubics_cover_exactly_where_their_intervals_do(intervals: list[tuple[Fraction, Fraction]]) -> None:
+    """(s - a) (b - s) (s + 2) >= 0 on [a, b]: the union's gaps are known by sorting the ends. Shared ends are frequent."""
+    intervals = [(min(pair), max(pair)) for pair in intervals]
+    cubics = [cubic(-2 * a * b, 2 * (a + b) - a * b, a + b - 2, -1) for a, b in intervals]
+    reached, open_from = Fraction(0), None
+    for a, b in sorted(intervals):
+        if a > reached:
+            break
+        reached = max(reached, b)
+    else:
+        a = Fraction(2)
+    if reached < 1 or not any(low <= 0 <= high for low, high in intervals):
+        open_from = reached
+    s = uncovered(cubics)
+    assert (s is None) == (open_from is None)
+    if s is not None:
+        assert 0 <= s <= 1
+        assert not any(low <= s <= high for low, high in intervals)
+
+
+@given(st.lists(st.integers(-(2**26), 2**26), min_size=4, max_size=4))
+def test_the_deepest_place_is_below_every_sample(coefficients: list[int]) -> None:
+    _, s, value = deepest([coefficients])
+    assert value == sum(a * s**k for k, a in enumerate(coefficients))
+    p = fmpz_poly(coefficients)
+    assert all(at(p, Fraction(k, 40)) >= value - Fraction(1, 1 << 12) for k in range(41))
+    assert uncovered([above(coefficients, value - Fraction(1, 1 << 12))]) is None
+
+
+# ------------------------------------------------------------------------------------------------ tubes
+
+
+def really_broken(task: Task, design, fault: Fault) -> bool:
+    """Whether the witness is one, by de Boor's recursion at its time."""
+    u = fault.time * design.segments / design.prescribed_time
+    k = min(int(u), design.segments - 1)
+    edges = exact_edges(design, k, u - k)
+    i, tube = fault.dimension, task.tube
+    if fault.code == "P4":
+        box = task.grown_unsafe[fault.unsafe]
+        return all(
+            b + tube.clearance > low and a - tube.clearance < high
+            for (a, b), low, high in zip(edges, box.lower, box.upper, strict=True)
+        )
+    a, b = edges[i]
+    inside = {"P2": task.initial_set, "P3": task.free_space, "P5": task.target_set}.get(fault.code)
+    if inside is not None:
+        out = a < inside.lower[i] or b > inside.upper[i]
+        return out or (fault.code == "P2" and not a < task.initial_state[i] < b)
+    if fault.code == "P1":
+        return b - a < max(tube.min_width, LEAST_WIDTH)
+    return design.table[-1][i] != design.table[-3][i]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.data())
+def test_what_it_calls_safe_is_safe_at_every_sample_and_its_witnesses_are_true(data) -> None:
+    controller = controller_of(data.draw(st.sampled_from(BASES)))
+    task, design = controller.task, controller.design
+    row, i = data.draw(st.integers(0, design.segments + 2)), data.draw(st.integers(0, design.dimension - 1))
+    amount = data.draw(st.one_of(st.integers(-30, 30), st.integers(-(2**19), 2**19)))
+    bent = bend(controller, row, i, data.draw(st.integers(0, 1)), amount)
+    fault = first_fault(task, bent)
+    if fault is None:
+        assert all(oracle(task, bent, Fraction(0)).values())
+    else:
+        assert really_broken(task, bent, fault)
+
+
+RAMP = """
+name = "ramp"
+prescribed_time = 8.0
+initial_state = [12.0, 12.0]
+state_space = { lower = [0.0, 0.0], upper = [90.0, 90.0] }
+initial_set = { lower = [0.0, 0.0], upper = [80.0, 80.0] }
+target_set = { lower = [0.0, 0.0], upper = [80.0, 80.0] }
+"""
+# both dimensions rise from [6, 18] at speed 6 and slow down in the last of 8 segments, to [52, 64]
+RISING = RefinedDesign(Fraction(8), 8, 0, tuple(((v, v + 2),) * 2 for v in (*range(10), 8)))
+
+
+def test_each_property_breaks_alone_when_its_part_of_the_task_passes_the_tubes_extreme() -> None:
+    """Demands put exactly at the extreme of the tube hold; 1e-60 more, and just that property is broken."""
+    task, design = parse_task(RAMP), RISING
+    keep = task.tube.clearance
+
+    def raised(box: Box, value: Fraction) -> Box:
+        return box.model_copy(update={"lower": (value, box.lower[1])})
+
+    def harder(more: Fraction) -> list[tuple[str, Task]]:
+        slab = UnsafeSet(lower=(Fraction(0), Fraction(0)), upper=(6 - keep + more, Fraction(90)))
+        # dimension 1 leaves this corner at t = 10/3, just when dimension 2 has passed it
+        corner = UnsafeSet(lower=(38 + keep - more, Fraction(0)), upper=(Fraction(90), 26 - keep + more))
+        changes: list[tuple[str, dict[str, object]]] = [
+            ("P1", {"tube": task.tube.model_copy(update={"min_width": 12 + more})}),
+            ("P2", {"initial_set": raised(task.initial_set, 6 + more)}),
+            ("P3", {"state_space": raised(task.state_space, 6 + more)}),
+            ("P4", {"unsafe": (slab,)}),
+            ("P4", {"unsafe": (corner,)}),
+            ("P5", {"target_set": raised(task.target_set, 52 + more)}),
+            ("P6", {"tube": task.tube.model_copy(update={"max_speed": 6 - more})}),
+        ]
+        return [(code, task.model_copy(update=change)) for code, change in changes]
+
+    assert first_fault(task, design) is None
+    for code, touching in harder(Fraction(0)):
+        assert first_fault(touching, design) is None, code
+    for code, broken in harder(TINY):
+        assert {f.code for f in faults(broken, design)} == {code}
+    spare = Fraction(1, 3)
+    for code, loose in harder(-spare):
+        room = spare / 2 if code == "P1" else spare  # both edges of a width may move
+        assert first_fault(loose, design, room) is None, code
+        assert {f.code for f in faults(loose, design, room + TINY)} == ({code} - {"P6"})
+
+
+def test_the_state_must_be_strictly_inside_and_the_end_smooth() -> None:
+    task, design = parse_task(RAMP), RISING
+    for place, code in ((Fraction(6), "P2"), (6 + TINY, None), (18 - TINY, None), (Fraction(18), "P2")):
+        fault = first_fault(task.model_copy(update={"initial_state": (place, Fraction(12))}), design)
+        assert (fault and fault.code) == code
+    kinked = RefinedDesign(Fraction(8), 8, 0, (*design.table[:-1], ((8, 10), (9, 11))))
+    assert first_fault(task, kinked) == Fault("P6", Fraction(8), 1)
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("step", [-1, 1])
+def test_the_speed_of_either_edge_counts_in_either_direction(side: int, step: int) -> None:
+    rows = [[-5 + step * j * (side == 0), 25 + step * j * (side == 1)] for j in (*range(10), 8)]
+    design = RefinedDesign(Fraction(8), 8, 0, tuple(((a, b), (2, 3)) for a, b in rows))
+    for speed, codes in ((Fraction(6), set()), (6 - TINY, {"P6"})):
+        task = parse_task(RAMP)
+        task = task.model_copy(update={"tube": task.tube.model_copy(update={"max_speed": speed})})
+        assert {f.code for f in faults(task, design)} & {"P6"} == codes
+
+
+def test_width_and_speed_are_decided_at_their_extremes() -> None:
+    """Bracketed within 2^-40 around the extreme over all segments."""
+    controller = controller_of("spacecraft")
+    task, design = controller.task, controller.design
+    edges = signed_edges(design)
+    narrowest = deepest(-edges.sum(axis=2).reshape(-1, 4))[2] * design.unit
+    slopes = [[a, 2 * b, 3 * c, 0] for _, a, b, c in edges.reshape(-1, 4).tolist()]
+    steepest = -min(deepest([[sign * a for a in s] for s in slopes])[2] for sign in (1, -1))
+    fastest = steepest * design.unit * design.segments / design.prescribed_time
+    slack = Fraction(1, 1 << 40)
+    for sign, holds in ((1, True), (-1, False)):
+        for option, code, value in (("min_width", "P1", narrowest - sign * slack), ("max_speed", "P6", fastest + sign * slack)):
+            changed = task.model_copy(update={"tube": task.tube.model_copy(update={option: value})})
+            fault = first_fault(changed, design)
+            assert (fault is None) == holds
+            assert holds or (fault is not None and fault.code == code)
+
+
+# ------------------------------------------------------------------------------------------------ mutants
+
+
+def test_the_checker_is_asked_about_the_very_mutant() -> None:
+    for number in range(40):
+        _, _, base, (task, design) = draw(Random(f"files {number}"), BASES)
+        read = checker.Task(toml(task).encode())
+        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper))) for s in task.grown_unsafe]
+        assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
+        for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
+            assert theirs == (list(ours.lower), list(ours.upper))
+        assert (read.clearance, read.max_speed) == (task.tube.clearance, task.tube.max_speed)
+        assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, LEAST_WIDTH))
+        tube = checker.Tube(with_coefficients(base.source, design, base.proof["scalar"]), read)
+        assert tube.table == [[(a * design.unit, b * design.unit) for a, b in row] for row in design.table]
+
+
+def test_nothing_unsafe_passes_among_some_mutants() -> None:
+    """Every eighth is also asked of the checker, which takes ten times as long."""
+    verdicts = [judge(number, 1, number % 8 == 0, BASES) for number in range(150)]
+    assert all(v.decided for v in verdicts)
+    assert [v for v in verdicts if v.fault and any(a.passed for a in v.answers)] == []
+    unsafe = [v for v in verdicts if v.fault]
+    assert 45 <= len(unsafe) <= 105
+    assert sum(v.near for v in verdicts) >= 15
+    assert {v.kind for v in verdicts} == set(KINDS)
+    assert sum(all(a.passed for a in v.answers) for v in verdicts if not v.fault) >= 30
+    assert judge(8, 1, True, BASES) == verdicts[8]
