@@ -17,7 +17,7 @@ import numpy as np
 from stt_codegen import reference
 from stt_codegen.backends import CompiledC
 from stt_codegen.bench.report import command, record, table
-from stt_codegen.certify.arithmetic import rate_error
+from stt_codegen.controller.arithmetic import rate_error
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import build
 

@@ -3,7 +3,7 @@
 eps is half a unit in the last place of 1 in the backend's scalar (2^-24 or 2^-53). delta is property P7's bound on an
 emitted edge. The bounds, first-order terms rounded up:
 
-    tube, tube rate   refined: `certify.arithmetic`, delta and its like for the rate
+    tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
     e                 8 eps           a, b, width: 3 roundings each; difference, quotient, clamp
     epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place
     xi                12 eps xi       a/b, 1 + a/b, division by a
@@ -28,9 +28,9 @@ import numpy.typing as npt
 
 from stt_codegen import reference
 from stt_codegen.backends import Backend, CasadiAdapted, CasadiRefined, CompiledC, GeneratedPython
-from stt_codegen.certify.arithmetic import edge_error, rate_error
 from stt_codegen.certify.sampled import parameters_of, sample_tube
 from stt_codegen.controller.adapted import probe_program
+from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files

@@ -104,8 +104,8 @@ def certify(task: Task, design: Design, program: Program) -> Certificate:
 
         at_samples = certify_sampled(task, design)  # quick, and what fails there fails for certain
         return at_samples if at_samples.failures else certify_enclosed(task, design)
-    from stt_codegen.certify.arithmetic import edge_error
     from stt_codegen.certify.exact import certify_refined
+    from stt_codegen.controller.arithmetic import edge_error
 
     error = edge_error(design, program)
     certificate = certify_refined(task, design, error)

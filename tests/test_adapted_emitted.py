@@ -240,3 +240,15 @@ def test_a_thousand_circumvent_functions_add_rows_and_no_code() -> None:
         )
         assert len(program.table("bumps").values) == 4 * count * 4
     assert lines[0] == lines[1]
+
+
+@pytest.mark.parametrize("width", [1e-9, 1e-7, 9e-7, 2e-6, 1e-3])
+def test_e_has_the_sign_of_the_side_however_narrow_the_tube(width: float) -> None:
+    for backend in backends("adaptive"):
+        for share in (-1.0, 0.0, 0.25, 0.5, 0.75, 1.0, 2.0, 50.0):
+            x = np.array([[share * width, share * width]])
+            e, epsilon, _ = backend.transform(np.zeros((1, 2)), np.full((1, 2), width), x)
+            side = np.sign(share - 0.5)
+            assert (np.sign(e) * side >= 0).all()
+            assert (np.sign(epsilon) * side >= 0).all()
+            assert share != 0.5 or (np.abs(e) < 1e-3).all()

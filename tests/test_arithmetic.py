@@ -11,9 +11,9 @@ import pytest
 from conftest import controller_of
 from test_certificate import exact_edges
 
-from stt_codegen.certify.arithmetic import edge_error, time_error
 from stt_codegen.certify.certificate import above, below
 from stt_codegen.certify.exact import _down, _up, certify_refined
+from stt_codegen.controller.arithmetic import edge_error, time_error
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import load_task

@@ -318,7 +318,7 @@ def test_looking_among_near_nodes_finds_hardly_a_longer_route_than_among_all() -
         start = starting_box(arena)
         near = shortest_route(arena, start, arena.min_width)
         centre, half = (start[0] + start[1]) / 2, arena.min_width / 2
-        every = route._search(arena, centre, arena.clearance + half, half, None)
+        every = route._search(arena, centre, arena.clearance + half, half, 10**6)
         assert every is not None
         assert every.length - 1e-9 <= near.length <= 1.02 * every.length
 
@@ -391,3 +391,20 @@ def test_each_leg_of_the_mission_ends_where_the_next_one_may_start() -> None:
         for (low, high), (begin, end) in zip(ends[k], legs[k + 1].start, strict=True):
             assert begin + error <= int(low) * unit - error
             assert int(high) * unit + error <= end - error
+
+
+def test_a_refusal_among_many_small_sets_is_not_false() -> None:
+    """A wall with a gap, and a crowd of small sets behind it that fills the search's near nodes: the way is there."""
+    crowd = "".join(
+        unsafe(f"C{i}_{j}", [2.7 + 0.25 * i, 0.3 + 0.3 * j], [2.75 + 0.25 * i, 0.35 + 0.3 * j])
+        for i in range(6)
+        for j in range(7)
+    )
+    head = BEND.split("[[unsafe]]")[0]
+    wall = unsafe("lower", [2.0, 0.0], [2.5, 2.45]) + unsafe("upper", [2.0, 2.55], [2.5, 5.0])
+    with pytest.raises(NotCertified) as caught:
+        build_task(parse_task(f"{head}{wall}{crowd}\n[tube]\nclearance = 0.08\n"))
+    assert "whatever the clearance" not in str(caught.value)
+    value = re.search(r"tube\.clearance = ([\d.]+)", str(caught.value))
+    assert value
+    assert 0.02 < float(value.group(1)) < 0.025

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -11,7 +13,7 @@ import pytest
 from bank import kernel_of, one_function_program, run_c
 from conftest import NAMES, ROOT
 from flint import arb
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from test_program import BANK, points_of
 
@@ -33,10 +35,11 @@ from stt_codegen.certify.sampled import certify_sampled, sample_tube
 from stt_codegen.certify.update import _root
 from stt_codegen.controller.adapted import lines_program
 from stt_codegen.design.adapted import AdaptiveDesign
+from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import Controller, build, build_task
 from stt_codegen.program.arb import Enclosure, ball, hull
 from stt_codegen.program.program import STATUS, Block, Const, Function, Load, Param, Program, Status, integer, real
-from stt_codegen.task import Task, load_task
+from stt_codegen.task import Task, load_task, parse_task
 
 RANDOM = np.random.default_rng(4)
 
@@ -90,8 +93,8 @@ def test_a_wider_ball_holds_what_the_narrower_one_held(name: str) -> None:
         (outer,) = balls.run("f", x=[hull(v - 0.3, v + 0.2) for v in point])[0]["y"]
         if outer.is_finite():
             assert inner.is_finite()
-            assert outer.lower() <= inner.upper()
-            assert float(outer.lower()) <= float(inner.mid()) <= float(outer.upper())
+            assert float(outer.lower()) <= float(inner.lower()) + 1e-12
+            assert float(inner.upper()) <= float(outer.upper()) + 1e-12
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
@@ -255,7 +258,7 @@ def bent(design: AdaptiveDesign, which: int, how: str, amount: Fraction) -> Adap
 HOW = ("theta0", "kappa", "nu", "varsigma", "target", "height", "middle", "radius", "steepness")
 
 
-@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(
     name=st.sampled_from(["omni_s1", "omni_s2", "omni_s3"]),
     which=st.integers(0, 3),
@@ -267,6 +270,7 @@ def test_what_fails_at_samples_is_never_proved(name: str, which: int, how: str, 
     assert isinstance(controller.design, AdaptiveDesign)
     design = bent(controller.design, which, how, amount)
     failing = {f.code for f in certify_sampled(controller.task, design).failures}
+    assume(failing)
     assert failing <= {f.code for f in certify_enclosed(controller.task, design).failures}
 
 
@@ -302,3 +306,34 @@ def test_a_literal_tube_is_refused_by_what_fails_for_certain() -> None:
     controller = build_task(task, uncertified=True)
     assert controller.certificate.method == "sampled"
     assert {"P1", "P4", "P5"} <= {f.code for f in controller.certificate.failures}
+
+
+@pytest.mark.parametrize("offset", [0, 300, 3000])
+def test_the_start_in_the_certificate_is_a_box_around_the_initial_state(offset: int) -> None:
+    """Far from the origin too: its edges are rounded inward by a share of its width, not of the coordinate."""
+    text = (ROOT / "tasks" / "omni_s1.toml").read_text()
+    lists = re.sub(r"\[([-\d., ]+)\]", lambda m: str([float(v) + offset for v in m.group(1).split(",")]), text)
+    task = parse_task(lists).with_options("adaptive", "double")
+    controller = build_task(task)
+    document = json.loads(controller.files["omni_s1.certificate.json"])
+    for low, x, high, (a, b) in zip(
+        document["start"]["lower"], task.initial_state, document["start"]["upper"], controller.certificate.start, strict=True
+    ):
+        assert a <= Fraction(low) < x < Fraction(high) <= b
+        assert Fraction(high) - Fraction(low) >= (b - a) * Fraction(998, 1000)
+
+
+def test_extreme_parameters_are_refused_or_certified_but_never_our_defect() -> None:
+    text = (ROOT / "tasks" / "omni_s1.toml").read_text()
+    for name, value in (
+        ("nu", "100000.0"),
+        ("varsigma", "1000000.0"),
+        ("kappa", "0.001"),
+        ("theta0", "1000000.0"),
+        ("mu", "0.5"),
+    ):
+        task = parse_task(f"{text}\n[tube.adaptive]\n{name} = {value}\n").with_options("adaptive")
+        try:
+            assert build_task(task).certificate.holds
+        except NotCertified as error:
+            assert re.match(r"P\d|holds at samples", str(error))

@@ -128,15 +128,11 @@ def spread(work: Callable[[Any], Any], items: Sequence[Any], processes: int, sch
     elif processes == 1:
         yield from map(work, items)
     else:
+        for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NPROC"):
+            os.environ.setdefault(name, "1")  # one thread each, read when a process starts: the processes are the parallelism
         # spawned, not forked: the solver's threads and a peer's runtime do not survive a fork
-        with ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_alone) as pool:
+        with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as pool:
             yield from pool.map(work, items, chunksize=max(1, min(16, len(items) // (4 * processes))))
-
-
-def _alone() -> None:
-    """One thread each: the processes are the parallelism."""
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NPROC"):
-        os.environ[name] = "1"
 
 
 def _on_cluster(work: Callable[[Any], Any], items: Sequence[Any], scheduler: str) -> Iterator[Any]:

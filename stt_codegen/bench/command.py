@@ -47,7 +47,7 @@ def run_arenas(
     summaries = [(part, summary(by_job[job] for job in part.jobs())) for part in parts]
     rows = [row(part, s) for part, s in summaries]
     lines = [line for part, s in summaries for line in failures(part, s)]
-    peer_rows, steps = run_peers(parts[0].count, processes) if peers else ([], {})
+    peer_rows, steps = run_peers(count or 500, processes) if peers else ([], {})
     if as_json:
         rows_of_peers = [dict(zip(PEER_HEADINGS, r, strict=True)) for r in peer_rows]
         document = {"arenas": [asdict(s) for _, s in summaries], "peers": rows_of_peers, "steps": steps}

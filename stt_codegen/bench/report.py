@@ -55,10 +55,14 @@ def record(path: Path, section: str, text: str) -> None:
     block = f"{begin}\n{text.strip()}\n{end}\n"
     try:
         old = path.read_text(encoding="utf-8") if path.exists() else "# Measured\n"
-        if begin in old and end in old:
-            new = old[: old.index(begin)] + block + old[old.index(end) + len(end) :].lstrip("\n")
+        if begin in old:
+            rest = old[old.index(begin) + len(begin) :]
+            after = rest[rest.index(end) + len(end) :] if end in rest else ""
+            new = old[: old.index(begin)] + block + after.lstrip("\n")
         else:
             new = old.rstrip("\n") + "\n\n" + block
-        path.write_text(new, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be written ({error.strerror})") from None
+        half = path.with_name(path.name + ".new")
+        half.write_text(new, encoding="utf-8", newline="\n")
+        half.replace(path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadInput(f"{path}: cannot be read or written ({error})") from None

@@ -68,7 +68,7 @@ def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
 BOARDS = {
     b.name: b
     for b in (
-        _arm("m0", "Cortex-M0, no FPU", "cortex-m0", "mps2-an385"),
+        _arm("m0", "Cortex-M0 code on a Cortex-M3", "cortex-m0", "mps2-an385"),
         _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385"),
         _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "fpv4-sp-d16"),
         _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "fpv5-sp-d16"),
@@ -161,7 +161,14 @@ class Emulated(Backend):
         words = data.view(np.uint32).reshape(len(data), -1)
         chunk = max(1, self.board.room // (4 * words.shape[1]))
         rows = np.concatenate([self._run(f, words[k : k + chunk]) for k in range(0, len(words), chunk)])
-        self.counts[function] = Counts(rows[:, 1] / self.board.ticks, inputs)
+        taken = rows[:, 1] / self.board.ticks
+        if function in self.counts:
+            before = self.counts[function]
+            taken = np.concatenate([before.taken, taken])
+            inputs_so_far = tuple(np.concatenate([a, b]) for a, b in zip(before.inputs, inputs, strict=True))
+        else:
+            inputs_so_far = inputs
+        self.counts[function] = Counts(taken, inputs_so_far)
         results, at = [], 2
         per = self.number().itemsize // 4
         for p in f.outputs:

@@ -36,7 +36,7 @@ from stt_codegen.design.adapted import AdaptiveDesign, Bump
 from stt_codegen.design.tube import LOWER, UPPER
 from stt_codegen.paper.circumvent import CUT
 from stt_codegen.program.arb import Ball, Enclosure, ball, hull
-from stt_codegen.program.number import FORMATS
+from stt_codegen.program.number import FORMATS, round_to
 from stt_codegen.program.rounding import Inexact, rounding_error
 from stt_codegen.task import Box, Task
 from stt_codegen.wording import decimal
@@ -50,6 +50,7 @@ THETA_ROUNDINGS = 256  # relative, of the emitted theta: 2 * 2 * 40 of the held 
 Array = npt.NDArray[Any]
 COARSE, HALVINGS = 3, 3  # how many times wider than MOVE a ball of psi may be, and how often its cell is halved for that
 NAMES = ("rho", "beta", "psi")
+TINY = 2.0**-100
 LOW, HIGH = 0, 1  # ends of an enclosure
 SIGMA_RATE = 1.83489  # above the maximum of t_c sigmadot (design of (4))
 SHARP, PIECES = 1.05, 400  # how near the bound on a slope comes to the steepest slope, and pieces at most
@@ -83,7 +84,8 @@ def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
 
 
 def steps_of(design: AdaptiveDesign, scalar: str, division: int) -> Steps:
-    """Steps from t_c / (16 division) to t_c / division, as short decimals; t is kept to 4 units in the last place."""
+    """Steps from t_c / (16 division) to t_c / division, as short decimals. Each begins where the last one ended, to within 4
+    units in the last place of t_c."""
     t_c, roundoff = float(design.prescribed_time), float(FORMATS[scalar].roundoff)
     shortest, longest = (Fraction(f"{t_c / division / share:.2g}") for share in (STEP_RANGE, 1))
     return Steps(shortest, longest, 8 * roundoff * t_c, roundoff)
@@ -115,7 +117,7 @@ def enclose_lines(design: AdaptiveDesign, printed: Enclosure, fine: float) -> Li
     late = float(design.prescribed_time) * 8 * float(FORMATS[printed.program.scalar].roundoff)
     coarse = COARSE * MOVE * fine * _narrowest(design)
     found = [_lines_in(printed, max(a - late, 0.0), b + late, coarse) for a, b in itertools.pairwise(times.tolist())]
-    found.append(_lines_in(printed, times[-1], times[-1] + late, coarse))
+    found.append(_lines_in(printed, times[-1] - late, times[-1] + late, coarse))
     n = design.dimension
     parts = np.array(found).reshape(len(found), len(NAMES), 2, n, 2).transpose(1, 0, 3, 2, 4)
     return Lines(times, *parts)
@@ -138,9 +140,10 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
     result = np.zeros(lines.psi.shape)
     least = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, LOW], steps.reach, False), lines.psi[-1:, :, :, LOW]])
     most = np.concatenate([ahead(lines.times, lines.psi[:-1, :, :, HIGH], steps.reach, True), lines.psi[-1:, :, :, HIGH]])
-    constants = [ball(v) for v in (design.theta0, design.mu, design.varsigma)]
+    scalar = exact.program.scalar
+    constants = [ball(round_to(v, scalar)) for v in (design.theta0, design.mu, design.varsigma)]
     spread = THETA_ROUNDINGS * steps.roundoff
-    times, kappa = lines.times.tolist(), float(design.kappa)
+    times, kappa = lines.times.tolist(), float(round_to(design.kappa, scalar))
 
     @cache
     def theta(psi: float) -> tuple[float, float]:
@@ -152,8 +155,11 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
         low_psi, high_psi = least[:, i, side].tolist(), most[:, i, side].tolist()
         strong = [theta(v)[HIGH] * (1 + spread) for v in low_psi]
         weak = [theta(v)[LOW] * (1 - spread) for v in high_psi]
-        result[:, i, side, HIGH] = upper_curve(times, low_psi, strong, kappa, steps)
-        result[:, i, side, LOW] = lower_curve(times, high_psi, weak, kappa, steps)
+        # the curves allow for relative roundings; TINY for what is lost where theta, q and alpha underflow
+        result[:, i, side, HIGH] = np.array(upper_curve(times, low_psi, strong, kappa, steps)) + TINY * _narrowest(design)
+        result[:, i, side, LOW] = np.maximum(
+            np.array(lower_curve(times, high_psi, weak, kappa, steps)) - TINY * _narrowest(design), 0
+        )
     return result
 
 
@@ -174,7 +180,7 @@ def enclose_edges(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: L
     """
     error = edge_rounding(task, design, exact)
     spread = math.nextafter(float(error), math.inf)
-    nu = ball(design.nu)
+    nu = ball(round_to(design.nu, exact.program.scalar))
     result = np.empty(alpha.shape)
     for name, side in (("lower_edge", LOWER), ("upper_edge", UPPER)):
         for end, widen in ((LOW, -1), (HIGH, 1)):
@@ -189,8 +195,9 @@ def edge_rounding(task: Task, design: AdaptiveDesign, exact: Enclosure) -> Fract
     """How far the emitted kernel of an edge may be from (10) for the same rho, alpha and beta, in the task's units."""
     size = max(abs(v) for edge in (*design.start, *design.target, *design.walls) for v in edge)
     size += max((b.height for b in design.bumps), default=Fraction(0)) * 2
-    line = Inexact(-size, size)
-    inputs = {"rho": line, "alpha": Inexact(Fraction(0), alpha_cap(design)), "beta": line, "nu": Inexact(design.nu, design.nu)}
+    size *= 1 + 8 * FORMATS[task.emit.scalar].roundoff  # rho and beta are rounded themselves
+    line, nu = Inexact(-size, size), round_to(design.nu, task.emit.scalar)
+    inputs = {"rho": line, "alpha": Inexact(Fraction(0), alpha_cap(design)), "beta": line, "nu": Inexact(nu, nu)}
     kernels = (exact.program.kernel(name) for name in ("lower_edge", "upper_edge"))
     return max(rounding_error(kernel, inputs, task.emit.scalar)[0].error for kernel in kernels)
 
@@ -200,6 +207,7 @@ def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lin
 
     gamma's weights lie in [0, 1], so |gammadot| <= max(|rhodot| + |alphadot|, |betadot|). With a = alphadot,
     adot = F_psi psidot + F_alpha a and both derivatives negative: |a| <= max(|a(0)|, sup |F_psi / F_alpha| sup |psidot|).
+    It holds where P1 does, which keeps psi + alpha above LEAST_WIDTH, and so above the floors of the emitted divisions.
     """
     t_c, kappa = float(design.prescribed_time), float(design.kappa)
     theta0, sharp, mu = float(design.theta0), float(design.varsigma), float(design.mu)
@@ -220,8 +228,8 @@ def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lin
             # the quotient rises with theta
             ratio = (2 * force + 2 * sharp * force * rest * most) / (2 * force + kappa * least**3)
             first = force[0] / least[0] ** 2
-            moving = max(first, float(ratio.max()) * (reach[side] + rise[1 - side]))
-            fastest = max(fastest, reach[side] + moving, rise[side])
+            moving = np.max([first, ratio.max() * (reach[side] + rise[1 - side])])  # NumPy's: a NaN stays
+            fastest = float(np.max([fastest, reach[side] + moving, rise[side]]))
         bounds.append(fastest * (1 + 1e-9))
     return np.array(bounds)
 
@@ -261,7 +269,7 @@ def steepest_slope(bump: Bump, scalar: str, exact: Enclosure) -> float:
 
 def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, steps: Steps) -> Certificate:
     gamma, error = enclose_edges(task, design, exact, lines, alpha)
-    speed = tuple(_fraction(v) for v in speed_bound(task, design, exact, lines, alpha))
+    speed = tuple(-_fraction(-v) for v in speed_bound(task, design, exact, lines, alpha))
     find = _Finder(task, lines.times, gamma)
     width = _gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
     least = max(task.tube.min_width, LEAST_WIDTH)
@@ -271,7 +279,7 @@ def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Li
     limit, fastest = task.tube.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
     seventh = (
         f"{task.emit.scalar} arithmetic is within the enclosures; "
-        f"alpha_step with dt from {decimal(steps.shortest)} to {decimal(steps.longest)} s, from t = 0 on"
+        f"alpha_step with dt from {decimal(steps.shortest)} to {decimal(steps.longest)} s, without gaps from t = 0 on"
     )
     return Certificate(
         findings=(
@@ -363,5 +371,5 @@ def _below(value: Fraction) -> float:
 
 
 def _fraction(value: float) -> Fraction:
-    """A bound as a fraction; what could not be bounded counts as far off."""
+    """A lower bound as a fraction; what could not be bounded counts as far below."""
     return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))

@@ -105,6 +105,7 @@ def upper_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[fl
 def lower_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], kappa: float, steps: Steps) -> list[float]:
     """The least value in each cell of a curve below alpha; arguments as `upper_curve`, with largest psi and least theta."""
     share = STEP_ROUNDINGS * steps.roundoff
+    share /= 1 - share  # low (1 + share) is above the exact step wherever low is below the rounded one
     decay = (kappa * (1 + share) + share / steps.least) * (1 + SLACK)
     rush = 1 + 2 * steps.late / steps.least + SLACK
     low, result = 0.0, []
@@ -145,7 +146,10 @@ def _balance(psi: float, force: float, decay: float, side: int) -> float:
 
 def _root(p: float, q: float, side: int) -> float:
     """The root z > max(p, 0) of (z - p) z^2 = q; rounded up for side 1, down for -1: verified, not trusted."""
-    q = max(q, 1e-60)
+    if q < 1e-60:
+        if side < 0:
+            return max(p, 0.0)
+        q = 1e-60
     cubic = math.cbrt(q)
     z = p + cubic if p >= 0 else min(cubic, math.sqrt(q / -p))
     for _ in range(40):

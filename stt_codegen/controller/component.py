@@ -95,24 +95,28 @@ def clamped_distances(
     more than LEAST_WIDTH apart."""
     near_share = (1 - law.e_max) / 2
     room = block.op("room", "sub", upper_edge, lower_edge)
-    width, empty = room, None
     if guarded:
         filled = block.op("filled", "lt", real(0), room)
         empty = block.op("empty", "not", filled)
         wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
         width = block.select("width", wide, room, real(LEAST_WIDTH))
-    least = block.op("least", "mul", width, real(near_share))
-    most = block.op("most", "mul", width, real(1 - near_share))
+        least = block.op("least", "mul", width, real(near_share))
+        most = block.op("most", "mul", width, real(1 - near_share))
+        a = _clamp(block, "a", block.op("to_lower", "sub", x, lower_edge), least, most)
+        b = _clamp(block, "b", block.op("to_upper", "sub", upper_edge, x), least, most)
+        return Distances(a, b, room, width, empty)
+    least = block.op("least", "mul", room, real(near_share))
+    most = block.op("most", "mul", room, real(1 - near_share))
     to_lower = block.op("to_lower", "sub", x, lower_edge)
     to_upper = block.op("to_upper", "sub", upper_edge, x)
-    # a + b is the width: where one is below `least`, the other is above `most`
+    # a + b is the room: where one is below `least`, the other is above `most` (not so for the guarded width)
     near_lower = block.op("near_lower", "lt", to_lower, least)
     a_raised = block.select("a_raised", near_lower, least, to_lower)
     b_held = block.select("b_held", near_lower, most, to_upper)
     near_upper = block.op("near_upper", "lt", b_held, least)
     a = block.select("a", near_upper, most, a_raised)
     b = block.select("b", near_upper, least, b_held)
-    return Distances(a, b, room, width, empty)
+    return Distances(a, b, room, room, None)
 
 
 def strictly_inside(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:

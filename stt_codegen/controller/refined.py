@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache
 
-from stt_codegen.certify.arithmetic import edge_error
+from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.controller.component import (
     LEAST_WIDTH,
     Law,

@@ -1,7 +1,7 @@
 """A way through the cells between the edges of the grown unsafe sets: complete, where the corners of `route.py` are not.
 
-In the plane a shortest path bends only at corners of the grown sets; in space it may pass a window between them that has no
-corner of its own. Flood fill over the cells finds every way there is, in time that grows with the power of the dimension.
+`route.py` looks among near corners first, and in space a way may pass a window between sets that has no corner of its own.
+Flood fill over the cells finds every way there is, in time that grows with the power of the dimension.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Array
 
-LARGEST = 2_000_000  # cells; above, the flood is not tried
+LARGEST = 5_000_000  # cells; above, the flood is not tried
 
 
 def decides(unsafe: int, dimension: int) -> bool:
@@ -58,22 +58,20 @@ def _between(middles: list[Array], low: Array, high: Array) -> tuple[slice, ...]
 
 def _flood(free: npt.NDArray[np.bool_], first: tuple[int, ...]) -> npt.NDArray[np.int64]:
     """Steps from `first` to every free cell, -1 where there is no way."""
-    reached = np.full(free.shape, -1, dtype=np.int64)
-    front = np.zeros(free.shape, dtype=bool)
-    front[first] = True
+    room = np.pad(free, 1)  # a rim that is not free: no neighbour leaves the array
+    reached = np.full(room.size, -1, dtype=np.int64)
+    strides = [s // room.itemsize for s in room.strides]
+    open_ = room.ravel().copy()
+    front = np.array([sum((c + 1) * s for c, s in zip(first, strides, strict=True))])
+    open_[front] = False
     steps = 0
-    while front.any():
+    while len(front):
         reached[front] = steps
         steps += 1
-        spread = np.zeros(free.shape, dtype=bool)
-        for i in range(free.ndim):
-            ahead = [slice(None)] * free.ndim
-            behind = [slice(None)] * free.ndim
-            ahead[i], behind[i] = slice(1, None), slice(None, -1)
-            spread[tuple(ahead)] |= front[tuple(behind)]
-            spread[tuple(behind)] |= front[tuple(ahead)]
-        front = spread & free & (reached < 0)
-    return reached
+        beside = np.concatenate([front + d * s for s in strides for d in (-1, 1)])
+        front = np.unique(beside[open_[beside]])
+        open_[front] = False
+    return reached.reshape(room.shape)[(slice(1, -1),) * free.ndim]
 
 
 def _neighbours(cell: tuple[int, ...], shape: tuple[int, ...]) -> list[tuple[int, ...]]:

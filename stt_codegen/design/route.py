@@ -47,8 +47,6 @@ def shortest_route(arena: Arena, start: Array, width: float) -> Route:
     """
     centre = (start[0] + start[1]) / 2
     route = find_route(arena, start, width)
-    if route is None and 4 * len(arena.names) > NEAR:
-        route = _search(arena, centre, arena.clearance + width / 2, width / 2, None)
     if route is None:
         route = _cell_route(arena, centre, arena.clearance + width / 2, width / 2)
     if route is None:
@@ -57,9 +55,9 @@ def shortest_route(arena: Arena, start: Array, width: float) -> Route:
 
 
 def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
-    """A route through the cells between the grown sets' edges, shortened where the line of sight is free; in space only, as
-    in the plane the corners already find every way, and None where there are too many cells."""
-    if arena.dimension < 3 or not decides(len(arena.names), arena.dimension):
+    """A route through the cells between the grown sets' edges, shortened where the line of sight is free; None where the
+    corners have already found every way, or where there are too many cells."""
+    if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
         return None
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
@@ -74,6 +72,11 @@ def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Rout
         kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
     polyline = points[kept]
     return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
+
+
+def _corners_decide(arena: Arena) -> bool:
+    """Whether a search among corners finds every way: in the plane, when it looks at all of them."""
+    return arena.dimension == 2 and 4 * len(arena.names) + 6 <= NEAR
 
 
 def find_route(arena: Arena, start: Array, width: float) -> Route | None:
@@ -99,7 +102,7 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         return f"{below(Fraction(max(low - 2 * arena.allowance, 0.0) * arena.length_unit), 4):g}"
 
     none, narrow = arena.allowance, 2 * arena.allowance
-    final = arena.dimension == 2 or decides(len(arena.names), arena.dimension)
+    final = _corners_decide(arena) or decides(len(arena.names), arena.dimension)
     start = f"P4 avoid: no way {'leads' if final else 'was found'} from the initial set to the target set between the unsafe sets"
     if not way(none, narrow):
         blocking = [n for j, n in enumerate(arena.names) if len(arena.names) <= NAMED and way(none, narrow, j)]
@@ -118,9 +121,9 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
     return f"{start} for a tube of width {width:.6g} with a clearance of {asked:.6g}; a way opens at {', or at '.join(opens)}"
 
 
-def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int | None = NEAR) -> Route | None:
-    """The shortest route with these distances from unsafe sets and walls. `near`: from a node only so many of the nearest
-    are looked at, all when None (thorough, and slow with a thousand unsafe sets)."""
+def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int = NEAR) -> Route | None:
+    """The shortest route with these distances from unsafe sets and walls; from a node only the `near` nearest nodes are
+    looked at, which is quick with a thousand unsafe sets and may then miss a way."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
@@ -150,8 +153,8 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int |
             best, last = float(cost[v] + remaining[v]), v
         candidate = cost[v] + _length(nodes - nodes[v])
         open_ = np.nonzero(candidate < cost)[0]
-        if near is not None and len(open_) > near:
-            open_ = open_[np.argpartition(candidate[open_], near)[:near]]
+        if len(open_) > near:
+            open_ = open_[np.argsort(candidate[open_], kind="stable")[:near]]  # ties by index, on every machine
         around = np.vstack([nodes[v], nodes[open_]])
         between = np.all((lower < around.max(axis=0)) & (upper > around.min(axis=0)), axis=1)
         seen = _visible(nodes[v], nodes[open_], lower[between], upper[between])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable
+import math
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -84,8 +84,8 @@ def certificate_document(
         "clearance": exact_decimal(task.tube.clearance),
         "min_width": exact_decimal(task.tube.min_width),
         "start": {
-            "lower": [_edge(a, certificate, above) for a, _ in certificate.start],
-            "upper": [_edge(b, certificate, below) for _, b in certificate.start],
+            "lower": [_edge(a, b - a, certificate, 1) for a, b in certificate.start],
+            "upper": [_edge(b, b - a, certificate, -1) for a, b in certificate.start],
             "covers_initial_set": certificate.whole_start,
         },
         "control": {
@@ -120,9 +120,13 @@ def _parameters(design: RefinedDesign | AdaptiveDesign) -> dict[str, Any]:
     return {**{name: _nearest(getattr(design, name)) for name in names}, **seed, "circumvent_functions": bumps}
 
 
-def _edge(value: Fraction, certificate: Certificate, inward: Callable[[Fraction, int], float]) -> str:
-    """Exact where the certificate is, else rounded inward."""
-    return str(value) if certificate.method == "exact" else f"{inward(value, DIGITS[certificate.method]):g}"
+def _edge(value: Fraction, width: Fraction, certificate: Certificate, inward: int) -> str:
+    """An edge of gamma(0), exact where the certificate is, else rounded inward (1: up, -1: down) by at most a thousandth of the
+    width: fewer digits than were computed, so that no library's last digit reaches the file."""
+    if certificate.method == "exact":
+        return str(value)
+    step = Fraction(10) ** (math.floor(math.log10(width)) - 3) if width > 0 else Fraction(1, 10**9)
+    return exact_decimal(inward * math.ceil(inward * value / step) * step)
 
 
 def _finding(finding: Finding, method: str) -> dict[str, Any]:
@@ -158,7 +162,10 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         ]
         if certificate.steps is not None:
             shortest, longest = (decimal(v) for v in certificate.steps)
-            lines.append(f"It holds for alpha_init at t = 0 and then alpha_step with every dt from {shortest} to {longest} s.")
+            lines.append(
+                f"It holds for alpha_init at t = 0 and then alpha_step with every dt from {shortest} to {longest} s, each"
+            )
+            lines.append("step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.")
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
         if task.control.u_max is not None:

@@ -63,8 +63,8 @@ def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fractio
             by = args[1]
             least = by.low - by.error
             return rounded(min(a.low / by.low, a.high / by.low), a.high / by.low, (a.error + a.size / by.low * by.error) / least)
-        case "exp" if a.high <= 0 and a.error <= 1:  # slope at most exp(error) <= 1 + 2 error
-            return _of_library(rounded, Fraction(0), Fraction(1), a.error * (1 + 2 * a.error))
+        case "exp" if a.high <= 0:  # slope at most exp(error) <= 1 + 2 error; the exponents that are computed are not above 0
+            return _of_library(rounded, Fraction(0), Fraction(1), min(a.error * (1 + 2 * a.error), Fraction(1)))
         case "log1p" if a.low >= 0:  # below its argument; slope at most 1, and the computed argument is not below 0
             return _of_library(rounded, Fraction(0), a.high, a.error)
         case "add" | "sub" | "mul":

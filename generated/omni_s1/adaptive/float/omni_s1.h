@@ -2,7 +2,8 @@
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
- * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+ * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s, each
+ * step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.
  * It starts on a part of the initial set only: see `start` in the certificate.
  *
  * At the start call omni_s1_alpha_init(alpha). Then once every period, with t the time since the start: first

@@ -2,7 +2,8 @@
 
 Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
 unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
-It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s, each
+step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.
 It starts on a part of the initial set only: see `start` in the certificate.
 
 The same functions as omni_s1.c (single precision there) in double arithmetic on the same constants.
@@ -899,13 +900,15 @@ def control(t, alpha, x):
         least = width * 0.004999999888241291
         most = width * 0.9950000047683716
         to_lower = x_i - gamma_low
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
         to_upper = gamma_high - x_i
-        near_lower = to_lower < least
-        a_raised = least if near_lower else to_lower
-        b_held = most if near_lower else to_upper
-        near_upper = b_held < least
-        a = most if near_upper else a_raised
-        b = least if near_upper else b_held
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
         epsilon, xi = _transformed_error(a, b)
         push = _law(0.5, xi, epsilon)
         u_law = 0.0 if empty else push
@@ -944,13 +947,15 @@ def transform(lower, upper, x):
         least = width * 0.004999999888241291
         most = width * 0.9950000047683716
         to_lower = x_i - lower_edge
+        a_above = least < to_lower
+        a_raised = to_lower if a_above else least
+        a_over = most < a_raised
+        a = most if a_over else a_raised
         to_upper = upper_edge - x_i
-        near_lower = to_lower < least
-        a_raised = least if near_lower else to_lower
-        b_held = most if near_lower else to_upper
-        near_upper = b_held < least
-        a = most if near_upper else a_raised
-        b = least if near_upper else b_held
+        b_above = least < to_upper
+        b_raised = to_upper if b_above else least
+        b_over = most < b_raised
+        b = most if b_over else b_raised
         e_raw = _normalized_error(a, b, width)
         e_held_above = -0.9900000095367432 < e_raw
         e_held_raised = e_raw if e_held_above else -0.9900000095367432

@@ -2,7 +2,8 @@
  *
  * Certified (omni_s2.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
- * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s.
+ * It holds for alpha_init at t = 0 and then alpha_step with every dt from 0.00028 to 0.0045 s, each
+ * step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.
  * It starts on a part of the initial set only: see `start` in the certificate.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
@@ -951,13 +952,15 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
         const omni_s2_real least = width * 0.005F;
         const omni_s2_real most = width * 0.995F;
         const omni_s2_real to_lower = x_i - gamma_low;
+        const bool a_above = least < to_lower;
+        const omni_s2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const omni_s2_real a = a_over ? most : a_raised;
         const omni_s2_real to_upper = gamma_high - x_i;
-        const bool near_lower = to_lower < least;
-        const omni_s2_real a_raised = near_lower ? least : to_lower;
-        const omni_s2_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const omni_s2_real a = near_upper ? most : a_raised;
-        const omni_s2_real b = near_upper ? least : b_held;
+        const bool b_above = least < to_upper;
+        const omni_s2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const omni_s2_real b = b_over ? most : b_raised;
         omni_s2_real epsilon;
         omni_s2_real xi;
         omni_s2_transformed_error(a, b, &epsilon, &xi);
@@ -989,13 +992,15 @@ void omni_s2_transform(const omni_s2_real lower[OMNI_S2_N], const omni_s2_real u
         const omni_s2_real least = width * 0.005F;
         const omni_s2_real most = width * 0.995F;
         const omni_s2_real to_lower = x_i - lower_edge;
+        const bool a_above = least < to_lower;
+        const omni_s2_real a_raised = a_above ? to_lower : least;
+        const bool a_over = most < a_raised;
+        const omni_s2_real a = a_over ? most : a_raised;
         const omni_s2_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const omni_s2_real a_raised = near_lower ? least : to_lower;
-        const omni_s2_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const omni_s2_real a = near_upper ? most : a_raised;
-        const omni_s2_real b = near_upper ? least : b_held;
+        const bool b_above = least < to_upper;
+        const omni_s2_real b_raised = b_above ? to_upper : least;
+        const bool b_over = most < b_raised;
+        const omni_s2_real b = b_over ? most : b_raised;
         const omni_s2_real e_raw = omni_s2_normalized_error(a, b, width);
         const bool e_held_above = (-0.99F) < e_raw;
         const omni_s2_real e_held_raised = e_held_above ? e_raw : (-0.99F);
