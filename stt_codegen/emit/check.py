@@ -1,4 +1,5 @@
-"""Is what lies on disk what the tool writes? Compares both ways, and says whether numbers changed or only text."""
+"""Is what lies on disk what the tool writes? Compares both ways, and says whether numbers changed or only text; and reads the
+C back, to show that it means the Program that was printed."""
 
 from __future__ import annotations
 
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stt_codegen.emit.manifest import MANIFEST, folder_of, forget, make, read_manifest, record, recorded_tools, tool_versions
+from stt_codegen.program.read_c import differences
 
 DIFF_LINES = 40  # of one file; the rest is counted
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
@@ -48,10 +50,14 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
         for name, data in controller.files.items():
             path = f"{entry.folder}/{name}"
             known.add(path)
-            differences = _compare(root, path, data)
-            found += differences
-            if not differences and hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
+            changes = _compare(root, path, data)
+            found += changes
+            if not changes and hashlib.sha256(data).hexdigest() != entry.sha256.get(name):
                 found.append(Difference(MANIFEST, f"records another hash of {path} than its content has"))
+        prefix = controller.task.name
+        texts = (controller.files[f"{prefix}.{kind}"].decode() for kind in ("h", "c"))
+        for line in differences(controller.program, *texts):
+            found.append(Difference(f"{entry.folder}/{prefix}.c", f"does not mean what was to be printed: {line}"))
     on_disk = {p.relative_to(root).as_posix() for p in root.rglob("*") if p.is_file()}
     extra = "is not recorded in the manifest; delete it (--accept leaves it alone)"
     beside = {"lemmas.md"} | {f"{e.folder}/{e.folder.split('/')[0]}.bounds.json" for e in read_manifest(root)}

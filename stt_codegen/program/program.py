@@ -4,9 +4,9 @@
     Kernel  = pure straight-line function of scalars; lowered from CasADi (lower.py) or written here
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
-The readers are c.py, python.py, cost.py (every node), rounding.py (arithmetic only: one bound for all inputs) and running.py
-(values and error bounds at many points; indices that do not depend on data). A new target language is one new
-reader. What is proved and counted is therefore what is shipped.
+The readers are c.py, python.py, cost.py, arb.py (every node), rounding.py (one error bound for all inputs, the kernels of edges)
+and running.py (values and error bounds at many points; indices that do not depend on data); read_c.py goes the other way and
+shows that the C is this Program. A new target language is one new reader. What is proved and counted is what is shipped.
 """
 
 from __future__ import annotations
