@@ -198,13 +198,19 @@ def generate(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
+    package: Annotated[
+        Literal["plain", "cmake", "arduino", "platformio"], typer.Option(help="the files as they are, or as a library <name>/")
+    ] = "plain",
     json: Json = False,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
     from stt_codegen.emit.manifest import record as record_controller
     from stt_codegen.emit.manifest import write_files
+    from stt_codegen.emit.package import package as packed
     from stt_codegen.pipeline import build
 
+    if record is not None and package != "plain":
+        raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
     made = []
@@ -225,18 +231,18 @@ def generate(
             folder = record_controller(record, task, controller, uncertified)
         else:
             folder = out or Path()
-            write_files(folder, controller.files)
+            write_files(folder, packed(controller, package))
         written.append(
             {
                 "task": controller.task.name,
                 "certified": controller.certificate.holds,
                 "folder": str(folder),
-                "files": list(controller.files),
+                "files": list(packed(controller, package)),
             }
         )
         if not json:
             verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
-            print(f"{controller.task.name}: {verdict}; {', '.join(controller.files)} in {folder}")
+            print(f"{controller.task.name}: {verdict}; {', '.join(packed(controller, package))} in {folder}")
     if json:
         _print_json({"written": written})
 

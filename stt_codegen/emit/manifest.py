@@ -49,7 +49,8 @@ def write_files(folder: Path, files: dict[str, bytes]) -> None:
         replaced: list[str] = []
         try:
             for name, data in files.items():
-                handle, finished[name] = tempfile.mkstemp(prefix=f".{name}.", dir=folder)
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                handle, finished[name] = tempfile.mkstemp(prefix=f".{Path(name).name}.", dir=(folder / name).parent)
                 with os.fdopen(handle, "wb") as file:
                     file.write(data)
                     file.flush()

@@ -50,9 +50,9 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
     files = {
-        header: _template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
-        source: _template("controller.c.j2").render(**common, c=printer),
-        module: _template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
+        header: template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
+        source: template("controller.c.j2").render(**common, c=printer),
+        module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
@@ -199,5 +199,6 @@ def _environment() -> jinja2.Environment:
     )
 
 
-def _template(name: str) -> jinja2.Template:
+def template(name: str) -> jinja2.Template:
+    """A template of the folder, undefined names being errors."""
     return _environment().get_template(name)

@@ -1,0 +1,45 @@
+"""The emitted files as something that a build system takes as it is: a CMake package, an Arduino or PlatformIO library."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.emit.naming import file_names
+from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.pipeline import Controller
+
+KINDS = ("plain", "cmake", "arduino", "platformio")
+PERIOD = Fraction(1, 100)  # seconds, of the example sketch where the certificate does not ask for shorter steps
+
+
+def package(controller: Controller, kind: str) -> Files:
+    """The files by path: `plain` as they are emitted; else in a folder <p>/ with sources in src/, the certificate and the
+    Python in extras/, and what the build system reads."""
+    prefix = controller.task.name
+    header, source, module, proof = file_names(prefix)
+    if kind == "plain":
+        return controller.files
+    steps = controller.certificate.steps
+    period = PERIOD if steps is None else min(PERIOD, math.floor(steps[1] * 10**6) * Fraction(1, 10**6))
+    words = {
+        "prefix": prefix,
+        "macro": prefix.upper(),
+        "kind": controller.design.kind,
+        "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "hash": design_hash(controller.task, controller.design),
+        "adaptive": not isinstance(controller.design, RefinedDesign),
+        "period_us": int(period * 10**6),
+        "period_ms": f"{float(period * 1000):g}",
+        "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
+    }
+    own = {
+        "cmake": {"CMakeLists.txt": "CMakeLists.txt"},
+        "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
+        "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
+    }[kind]
+    files = {f"src/{name}": controller.files[name] for name in (header, source)}
+    files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}
+    return {f"{prefix}/{path}": data for path, data in files.items()}

@@ -1,0 +1,132 @@
+"""The packages build with the tools that they are for: CMake both ways, Arduino's core for AVR with the example sketch."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from typer.testing import CliRunner
+
+from stt_codegen.cli import app
+from stt_codegen.emit.manifest import write_files
+from stt_codegen.emit.package import KINDS, package
+from stt_codegen.pipeline import Controller, build
+
+MAIN = """#include <stdio.h>
+#include "omni_s2.h"
+int main(void)
+{
+    const omni_s2_real x[OMNI_S2_N] = {0.25F, 0.25F};
+    omni_s2_real u[OMNI_S2_N];
+    printf("%d\\n", (int)omni_s2_control(0.0F, x, u));
+    return 0;
+}
+"""
+AVR_CORE = Path("/usr/share/arduino/hardware/arduino/avr")
+
+
+@cache
+def made(design: str = "refined") -> Controller:
+    return build(ROOT / "tasks" / "omni_s2.toml", design)
+
+
+def run(*command: object, folder: Path) -> str:
+    result = subprocess.run([str(c) for c in command], cwd=folder, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+def configure(lists: str, folder: Path, *options: str) -> str:
+    """Build a program with these CMake lists in `folder` and run it."""
+    folder.mkdir()
+    (folder / "main.c").write_text(MAIN)
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.13)\nproject(user C)\nadd_executable(user main.c)\n" + lists
+    )
+    run("cmake", "-S", ".", "-B", "build", *options, folder=folder)
+    run("cmake", "--build", "build", folder=folder)
+    return run(folder / "build" / "user", folder=folder).strip()
+
+
+def test_cmake_takes_it_as_a_subdirectory_and_installed(tool, tmp_path) -> None:
+    for name in ("cmake", "gcc"):
+        tool(name)
+    write_files(tmp_path, package(made(), "cmake"))
+    own = tmp_path / "omni_s2"
+    link = "target_link_libraries(user PRIVATE omni_s2::omni_s2)\n"
+    assert configure(f'add_subdirectory("{own}" omni_s2)\n{link}', tmp_path / "sub") == "0"
+    run("cmake", "-S", own, "-B", "b", f"-DCMAKE_INSTALL_PREFIX={tmp_path / 'installed'}", folder=tmp_path)
+    run("cmake", "--build", "b", folder=tmp_path)
+    run("cmake", "--install", "b", folder=tmp_path)
+    found = configure(
+        f"find_package(omni_s2 REQUIRED)\n{link}", tmp_path / "found", f"-DCMAKE_PREFIX_PATH={tmp_path / 'installed'}"
+    )
+    assert found == "0"
+
+
+def test_the_arduino_library_and_its_sketch_compile_for_an_uno(tool, tmp_path) -> None:
+    compiler, linker = tool("avr-gcc"), tool("avr-g++")
+    if not AVR_CORE.is_dir():
+        (pytest.fail if os.environ.get("CI") == "true" else pytest.skip)("arduino-core-avr is not installed")
+    write_files(tmp_path, package(made(), "arduino"))
+    own = tmp_path / "omni_s2"
+    core, variant = AVR_CORE / "cores" / "arduino", AVR_CORE / "variants" / "standard"
+    flags = ["-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-Os", "-ffunction-sections"]
+    flags += [f"-I{core}", f"-I{variant}", f"-I{own / 'src'}"]
+    sketch = own / "examples" / "omni_s2_loop" / "omni_s2_loop.ino"
+    run(
+        linker,
+        *flags,
+        "-Wall",
+        "-Werror",
+        "-std=gnu++11",
+        "-x",
+        "c++",
+        "-include",
+        "Arduino.h",
+        "-c",
+        sketch,
+        "-o",
+        "sketch.o",
+        folder=tmp_path,
+    )
+    run(compiler, *flags, "-Wall", "-Werror", "-std=gnu11", "-ffp-contract=off", "-c", own / "src" / "omni_s2.c", folder=tmp_path)
+    for part in (*core.glob("*.c"), *core.glob("*.cpp")):
+        driver = [linker, "-std=gnu++11", "-fpermissive", "-fno-exceptions"] if part.suffix == ".cpp" else [compiler]
+        run(*driver, *flags, "-w", "-c", part, "-o", f"core_{part.stem}_{part.suffix[1:]}.o", folder=tmp_path)
+    objects = sorted(tmp_path.glob("*.o"))
+    run(linker, "-mmcu=atmega328p", "-Wl,--gc-sections", *objects, "-lm", "-o", "uno.elf", folder=tmp_path)
+    sizes = run(tool("avr-size"), "uno.elf", folder=tmp_path).splitlines()[1].split()
+    assert int(sizes[0]) + int(sizes[1]) <= 32256  # flash of an Uno less its boot loader
+    assert int(sizes[1]) + int(sizes[2]) <= 2048 - 512  # its memory, with room for the stack
+
+
+@pytest.mark.parametrize("design", ["refined", "adaptive"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_package_has_the_same_sources_and_its_certificate(kind: str, design: str) -> None:
+    files = package(made(design), kind)
+    by_name = {Path(path).name: data for path, data in files.items()}
+    assert all(by_name[name] == data for name, data in made(design).files.items())
+    if kind == "platformio":
+        document = json.loads(by_name["library.json"])
+        assert document["headers"] == "omni_s2.h"
+        assert "certified" in document["description"]
+    if kind in ("arduino", "platformio") and design == "adaptive":
+        sketch = by_name["omni_s2_loop.ino"].decode()
+        assert sketch.index("omni_s2_alpha_init(") < sketch.index("omni_s2_control(") < sketch.index("omni_s2_alpha_step(")
+        period = int(sketch.split("PERIOD = ")[1].split("UL")[0])
+        assert period * 10**-6 <= float(made(design).certificate.steps[1])
+
+
+def test_the_command_writes_a_package_and_refuses_to_record_one(tmp_path) -> None:
+    task = str(ROOT / "tasks" / "omni_s2.toml")
+    result = CliRunner().invoke(app, ["generate", task, "--package", "platformio", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "omni_s2" / "src" / "omni_s2.c").read_bytes() == made().files["omni_s2.c"]
+    refused = CliRunner().invoke(app, ["generate", task, "--package", "cmake", "--record", str(tmp_path / "g")])
+    assert "give one of them" in str(refused.exception)
