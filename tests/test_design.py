@@ -408,3 +408,29 @@ def test_a_refusal_among_many_small_sets_is_not_false() -> None:
     value = re.search(r"tube\.clearance = ([\d.]+)", str(caught.value))
     assert value
     assert 0.02 < float(value.group(1)) < 0.025
+
+
+def test_a_window_in_six_dimensions_is_passed_in_legs() -> None:
+    """Too many cells for one flood; three dimensions move, then the others. A closed window is refused as not found."""
+
+    def spread(values: list[float], rest: float) -> str:
+        return str([values[0], rest, values[1], rest, values[2], rest])
+
+    def six(bottom: float) -> str:
+        text = window(bottom)
+        for low, high in ((0.0, 5.0), (0.0, 0.5), (4.5, 5.0)):
+            text = text.replace(f"lower = {[low] * 3}", f"lower = {[low] * 6}").replace(
+                f"upper = {[high] * 3}", f"upper = {[high] * 6}"
+            )
+        text = text.replace("initial_state = [0.25, 0.25, 0.25]", f"initial_state = {[0.25] * 6}")
+        for name, low, high in [(n, a, [*b[:2], bottom] if n == "bottom" else b) for n, a, b in WINDOW]:
+            old = unsafe(name, low, high)
+            text = text.replace(old, old.replace(str(low), spread(low, 0.0)).replace(str(high), spread(high, 5.0)))
+        return text + "".join(unsafe(f"D{k}", [4.0] * 5 + [0.2 * k], [4.1] * 5 + [0.2 * k + 0.1]) for k in range(12))
+
+    task = parse_task(six(3.0))
+    arena = arena_of(task)
+    assert find_route(arena, starting_box(arena), arena.min_width) is None
+    assert build_task(task).certificate.holds
+    with pytest.raises(NotCertified, match="no way was found"):
+        build_task(parse_task(six(3.8)))

@@ -3,7 +3,8 @@
 Nodes are the corners of the grown sets (a shortest path in any norm bends only there in the plane); edges are the
 straight lines that meet no grown set's interior. Searched by A*, edges found when a node is first expanded.
 In three and more dimensions the corners give a good route rather than the shortest; the linear programs improve it. They may
-miss a window between sets that has no corner of its own: then the cells between the edges are flooded (`cells.py`).
+miss a window between sets that has no corner of its own: then the cells between the edges are flooded (`cells.py`), in more
+than three dimensions leg by leg, three dimensions at a time.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from stt_codegen.errors import NotCertified
 TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
 STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
 HALVINGS = 30  # to find the largest clearance or width with a way
+LEG = 3  # dimensions that move together in a leg of a route in many dimensions
 NAMED = 40  # up to so many unsafe sets, those are named that alone close the way
 NEAR = 96  # nodes looked at from one, before all are
 CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
@@ -47,8 +49,9 @@ def shortest_route(arena: Arena, start: Array, width: float) -> Route:
     """
     centre = (start[0] + start[1]) / 2
     route = find_route(arena, start, width)
-    if route is None:
-        route = _cell_route(arena, centre, arena.clearance + width / 2, width / 2)
+    for find in (_cell_route, _leg_route):
+        if route is None:
+            route = find(arena, centre, arena.clearance + width / 2, width / 2)
     if route is None:
         raise NotCertified(_why_blocked(arena, centre))
     return route
@@ -62,7 +65,41 @@ def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Rout
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
-    points = way_through_cells(lower, upper, space, goal, centre)
+    return _shortened(way_through_cells(lower, upper, space, goal, centre), lower, upper, reach)
+
+
+def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+    """A route in legs, where there are too many dimensions for one flood: in each leg some LEG dimensions go all the way to the
+    target and the others stand still, so that the cells of a slice decide. Every choice of the first leg is tried."""
+    n = arena.dimension
+    if decides(len(arena.names), n) or not decides(len(arena.names), LEG):
+        return None
+    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
+    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
+    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    for first in itertools.combinations(range(n), LEG):
+        rest = [i for i in range(n) if i not in first]
+        legs = [list(first), *(rest[k : k + LEG] for k in range(0, len(rest), LEG))]
+        points: list[Array] = [centre]
+        for leg in legs:
+            here = points[-1]
+            still = [i for i in range(n) if i not in leg]
+            meets = np.all((here[still] > lower[:, still]) & (here[still] < upper[:, still]), axis=1)
+            slice_ = (lower[meets][:, leg], upper[meets][:, leg], space[:, leg], goal[:, leg], here[leg])
+            way = way_through_cells(*slice_)
+            if way is None:
+                break
+            for step in way[1:]:
+                there = points[-1].copy()
+                there[leg] = step
+                points.append(there)
+        else:
+            return _shortened(np.array(points), lower, upper, reach)
+    return None
+
+
+def _shortened(points: Array | None, lower: Array, upper: Array, reach: float) -> Route | None:
+    """The polyline without the points that the line of sight makes needless, as a route."""
     if points is None:
         return None
     kept = [0]
@@ -91,8 +128,8 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         reach = clearance + width / 2
         keep = [j for j in range(len(arena.names)) if j != without]
         rest = replace(arena, names=tuple(arena.names[j] for j in keep), unsafe=arena.unsafe[keep])
-        found = _search(rest, centre, reach, width / 2) or _cell_route(rest, centre, reach, width / 2)
-        return found is not None
+        ways = (_search, _cell_route, _leg_route)
+        return any(find(rest, centre, reach, width / 2) is not None for find in ways)
 
     def largest(holds: Callable[[float], bool], limit: float) -> str:
         low, high = 0.0, limit
