@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import MissingTool, SttError
@@ -52,6 +53,9 @@ class Backend(ABC):
 
     def control(self, *inputs: Array) -> tuple[Array, ...]:
         return self.call("control", *inputs)
+
+    def margin(self, *inputs: Array) -> Array:
+        return self.call("margin", *inputs)[0]
 
 
 def find_compiler() -> str:
@@ -93,7 +97,7 @@ class CompiledC(Backend):
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         params = self.program.function(function).params
         call = getattr(self.library, f"{self.program.prefix}_{function}")
-        call.restype = ctypes.c_int
+        call.restype = self.real if self.program.function(function).returns_real else ctypes.c_int
         call.argtypes = [self.real if p.length is None else ctypes.c_void_p for p in params]
         count = len(inputs[0])
         given = iter(inputs)
@@ -112,8 +116,9 @@ class CompiledC(Backend):
             columns.append([array.ctypes.data + k * array.strides[0] for k in range(count)])
             if p.output:
                 results.append(array)
-        status = [call(*row) for row in zip(*columns, strict=True)]
-        return (np.array(status), *results) if self.program.function(function).returns_status else tuple(results)
+        returned = [call(*row) for row in zip(*columns, strict=True)]
+        f = self.program.function(function)
+        return (np.array(returned), *results) if f.returns_status or f.returns_real else tuple(results)
 
 
 class GeneratedPython(Backend):
@@ -129,7 +134,7 @@ class GeneratedPython(Backend):
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         call, described = getattr(self.module, function), self.program.function(function)
         rows = [call(*point) for point in zip(*inputs, strict=True)]
-        if len(described.outputs) == 1 and not described.returns_status:
+        if described.returns_real or (len(described.outputs) == 1 and not described.returns_status):
             return (np.array(rows),)
         return tuple(np.array(column) for column in zip(*rows, strict=True))
 
@@ -176,6 +181,12 @@ class _CasadiLaw(Backend):
             u = np.clip(u, -bound, bound)
         inside = np.all((lower < x) & (x < upper), axis=1)
         return np.where(inside, 0, 1), u
+
+    def _margin(self, *inputs: Array) -> tuple[Array, ...]:
+        *at, x = inputs
+        lower, upper = self.call("tube", *at)
+        share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(LEAST_WIDTH))
+        return (np.clip(share.min(axis=1), -1.0, 0.5),)
 
 
 def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:

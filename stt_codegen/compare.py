@@ -4,6 +4,7 @@ eps is half a unit in the last place of 1 in the backend's scalar (2^-24 or 2^-5
 emitted edge. The bounds, first-order terms rounded up:
 
     tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
+    margin m          (1 + 2 |m|) delta over the width (an edge in the distance, both in the width), and 8 eps
     e                 8 eps           a, b, width: 3 roundings each; difference, quotient, clamp
     epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place
     xi                12 eps xi       a/b, 1 + a/b, division by a
@@ -31,6 +32,7 @@ from stt_codegen.backends import Backend, CasadiAdapted, CasadiRefined, Compiled
 from stt_codegen.certify.sampled import parameters_of, sample_tube
 from stt_codegen.controller.adapted import probe_program
 from stt_codegen.controller.arithmetic import edge_error, rate_error
+from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
@@ -158,6 +160,11 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     k, e_max = task.control.gain, task.control.e_max
     status, u = reference.control(low, high, x, k, e_max, task.control.u_max)
     got_status, got_u = backend.control(t, x)
+    want = reference.margin(low, high, x, float(LEAST_WIDTH))
+    width = np.maximum(high - low, float(LEAST_WIDTH))
+    moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
+    weight = 1 + 2 * np.abs(np.clip(np.minimum(x - low, high - x) / width, -1, 0.5))  # of the distance, and twice of the width
+    rows.add("margin", backend.margin(t, x), want, (moved * weight).max(axis=1) + 8 * eps, 1.0)
     _, epsilon, xi = reference.transform(low, high, x, e_max)
     gain = abs(float(k))
     spread = _law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(e_max))
@@ -202,6 +209,7 @@ def _adapted_truth(controller: Controller, design: AdaptiveDesign, points: int) 
     update = run("alpha_rate", {"t": t, "alpha": alpha})
     step = run("alpha_step", {"t": t, "dt": dt, "alpha": alpha})
     law = run("control", {"t": t, "alpha": alpha, "x": x})
+    watched = run("margin", {"t": t, "alpha": alpha, "x": x})
 
     def flat(values: Array) -> Array:
         return np.hstack([values[:, :, 0], values[:, :, 1]])
@@ -219,6 +227,7 @@ def _adapted_truth(controller: Controller, design: AdaptiveDesign, points: int) 
         "tube": (flat(gamma), moved),
         "tube rate": (flat(rates), np.hstack([tube_rate["lower_rate"].error, tube_rate["upper_rate"].error])),
         "u": (u, law["u"].error),
+        "margin": (reference.margin(low, high, x, float(LEAST_WIDTH))[:, None], watched["return"].error[:, None]),
     }
     mu = float(design.mu)
     held = 4e-35 * float(design.theta0) * (1 + mu**-2 + 2 * mu**-3)  # y in theta is held at 40, where psi + alpha > mu
@@ -242,6 +251,7 @@ def _adapted_rows(rows: _Rows, controller: Controller, design: AdaptiveDesign, m
     got["tube"] = np.hstack([lower, upper])
     got["tube rate"] = np.hstack(backend.tube_rate(t, alpha))
     status, got["u"] = backend.control(t, alpha, truth.x)
+    got["margin"] = backend.margin(t, alpha, truth.x)[:, None]
     for name, (want, bound) in truth.values.items():
         if name == "u":
             rows.transform(controller, backend, lower, upper, truth.x)

@@ -100,6 +100,15 @@ def control(
     return np.where(bad, BAD_INPUT, np.where(inside, OK, OUTSIDE_TUBE)), u
 
 
+def margin(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, least_width: float) -> Array:
+    """Distance of x (P, n) to the nearest edge over the width (`least_width` or more), in [-1, 0.5]; NaN where not finite."""
+    low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
+    with np.errstate(all="ignore"):
+        share = np.minimum(state - low, high - state) / np.maximum(high - low, least_width)
+    least = np.clip(share.min(axis=1), -1, np.longdouble(0.5))
+    return np.where(np.isfinite(state).all(axis=1) & np.isfinite(low).all(axis=1), least, np.nan)
+
+
 # -------------------------------------------------------------------------- the paper's tube (4)-(11)
 
 

@@ -99,7 +99,7 @@ def test_a_steep_circumvent_function_is_emitted_as_it_is() -> None:
 def test_every_backend_is_within_its_bounds(kind: str) -> None:
     rows = compare(load_task(ROOT / "tasks" / "omni_s1.toml").with_options(design=kind), 10_000)
     names = ["sigma", "rho", "beta", "psi", "theta", "alpha rate", "jacobian", "alpha step", "tube", "tube rate"]
-    assert [r.quantity for r in rows] == [*names, "e", "epsilon", "xi", "u", "status"] * 4
+    assert [r.quantity for r in rows] == [*names, "e", "epsilon", "xi", "u", "margin", "status"] * 4
     assert min(r.points for r in rows) >= 10_000
     assert not [r for r in rows if not r.holds]
     assert all(r.quantity == "status" or r.share > 0.05 for r in rows)

@@ -15,7 +15,7 @@ from stt_codegen.backends import CompiledC, GeneratedPython
 from stt_codegen.compare import compare, compare_backend, sample_states, sample_times
 from stt_codegen.pipeline import Controller
 
-QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "u", "status"]
+QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "margin", "u", "status"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -433,3 +433,40 @@ def test_the_emitted_u_never_exceeds_u_max_although_0_1_is_no_float() -> None:
     for k, bound in enumerate((Fraction("0.1"), Fraction("0.7"))):
         largest = Fraction(float(np.abs(u[:, k]).max()))
         assert bound * (1 - Fraction(1, 2**22)) < largest <= bound
+
+
+def test_the_margin_is_half_in_the_middle_positive_inside_and_negative_outside(backends) -> None:
+    for backend in backends:
+        number = np.float32 if backend.scalar == "float" else np.float64
+        t = np.linspace(-1, 11, 60).astype(number)
+        low, high = backend.tube(t)
+        for e, sign in ((0.0, 1), (0.5, 1), (-0.99, 1), (1.01, -1), (-1.5, -1), (1e6, -1), (-1e30, -1)):
+            x = ((low.astype(float) + high) / 2 + (high.astype(float) - low) / 2 * e).astype(number)
+            margin = backend.margin(t, x)
+            assert (np.sign(margin) == sign).all()
+            assert (margin >= -1).all()
+            # by definition (1 - |e|) / 2; the edges are rounded by 4 eps of their size, the width is at least 0.05
+            assert np.abs(margin - max((1 - abs(e)) / 2, -1)).max() < 1e-3 * (number is np.float32) + 1e-9 or abs(e) > 100
+        status, _ = backend.control(t, (low + high) / 2)
+        assert (status == OK).all()
+
+
+def test_the_margin_is_positive_exactly_where_the_status_is_ok(backends) -> None:
+    random = np.random.default_rng(9)
+    for backend in backends:
+        number = np.float32 if backend.scalar == "float" else np.float64
+        t = random.uniform(0, 9, 400).astype(number)
+        low, high = backend.tube(t)
+        near = random.choice([0, 1, 2], low.shape)
+        x = np.where(near == 0, low, np.where(near == 1, high, np.nextafter(low, high))).astype(number)
+        status, _ = backend.control(t, x)
+        margin = backend.margin(t, x)
+        assert np.array_equal(margin > 0, status == OK)
+        assert (margin[status != OK] <= 0).all()
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+def test_the_margin_of_what_is_not_finite_is_nan(backends, bad: float) -> None:
+    for backend in backends:
+        assert np.isnan(backend.margin(np.array([bad]), np.array([[1.0, 1.0]])))[0]
+        assert np.isnan(backend.margin(np.array([1.0]), np.array([[1.0, bad]])))[0]

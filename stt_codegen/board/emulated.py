@@ -171,11 +171,12 @@ class Emulated(Backend):
         self.counts[function] = Counts(taken, inputs_so_far)
         results, at = [], 2
         per = self.number().itemsize // 4
-        for p in f.outputs:
-            assert p.length is not None
-            bits = np.ascontiguousarray(rows[:, at : at + p.length * per])
-            results.append(bits.view(self.number).reshape(len(rows), p.length))
-            at += p.length * per
+        for length in [1] * f.returns_real + [p.length or 0 for p in f.outputs]:
+            bits = np.ascontiguousarray(rows[:, at : at + length * per])
+            results.append(bits.view(self.number).reshape(len(rows), length))
+            at += length * per
+        if f.returns_real:
+            return (results[0].ravel(), *results[1:])
         return (rows[:, 0].astype(int), *results) if f.returns_status else tuple(results)
 
     def _run(self, f: Function, words: Array) -> Array:
@@ -232,7 +233,7 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
         inputs.append(p.name)
     outputs = [(p.name, p.length) for p in f.outputs]
     per = 1 if scalar == "float" else 2
-    length = 9 * (3 + sum((n or 0) * per for _, n in outputs))
+    length = 9 * (5 + sum((n or 0) * per for _, n in outputs))
     template = jinja2.Environment(
         undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False
     ).from_string((template_folder() / "board" / "harness.c.j2").read_text(encoding="utf-8"))

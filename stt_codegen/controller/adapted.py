@@ -9,10 +9,14 @@ loop's bound is a constant and every step costs the same.
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 from stt_codegen.controller.component import (
+    MARGIN_DOC,
     clamped_distances,
     control_component,
     control_law_of,
+    margin_component,
     strictly_inside,
     transform_function,
 )
@@ -71,6 +75,7 @@ def adapted_program(task: Task, design: AdaptiveDesign) -> Program:
             _tube(frame),
             _tube_rate(frame),
             _control(task, frame),
+            _margin(frame),
             transform_function(frame.law, n),
         ),
     )
@@ -243,6 +248,24 @@ def _control(task: Task, frame: Frame) -> Function:
     )
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n), Param("u", n, True))
     return Function("control", params, tuple(block.statements), True, doc)
+
+
+def _margin(frame: Frame) -> Function:
+    n = frame.n
+    block = Block({"t", "alpha", "x"})
+    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n), ("x", n)))
+    with block.leave_when(bad, NAN):
+        pass
+    held, sigma, _ = profile(block, frame, Var("t", REAL), False)
+    with block.loop("i", n) as loop:
+        i = loop.index
+        least = loop.carry("margin", real(Fraction(1, 2)))
+        low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
+        share = margin_component(block, low, high, block.let("x_i", Load("x", i)))
+        loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
+    block.leave(least)
+    params = (Param("t", None), Param("alpha", 2 * n), Param("x", n))
+    return Function("margin", params, tuple(block.statements), False, MARGIN_DOC, True)
 
 
 def _probe(frame: Frame) -> Function:

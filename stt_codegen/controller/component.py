@@ -145,6 +145,26 @@ def control_component(block: Block, law: Law, distances: Distances, u_max: Opera
     return _clamp(block, "u_held", u, minus, u_max)
 
 
+def margin_component(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:
+    """Statements for the distance of x to the nearer edge over the width, at least -1."""
+    room = block.op("room", "sub", upper_edge, lower_edge)
+    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
+    width = block.select("width", wide, room, real(LEAST_WIDTH))
+    to_lower = block.op("to_lower", "sub", x, lower_edge)
+    to_upper = block.op("to_upper", "sub", upper_edge, x)
+    nearer = block.op("nearer", "lt", to_lower, to_upper)
+    share = block.op("share", "div", block.select("distance", nearer, to_lower, to_upper), width)
+    far = block.op("far", "lt", share, real(-1))
+    return block.select("held_share", far, real(-1), share)
+
+
+MARGIN_DOC = (
+    "How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the",
+    "components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.",
+    "Watch it: act while there is margin, not when the tube is left.",
+)
+
+
 def transform_function(law: Law, n: int) -> Function:
     """The public `transform`: e, epsilon and xi for given edges and state, clamped like `control`."""
     block = Block({"lower", "upper", "x", "e", "epsilon", "xi"})

@@ -9,10 +9,12 @@ from functools import cache
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.controller.component import (
     LEAST_WIDTH,
+    MARGIN_DOC,
     Law,
     clamped_distances,
     control_component,
     control_law_of,
+    margin_component,
     strictly_inside,
     transform_function,
 )
@@ -75,6 +77,7 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
             _tube(spline, n),
             _tube_rate(spline, design, n),
             _control(task, spline, law, n, True),
+            _margin(spline, n),
             transform_function(law, n),
         ),
     )
@@ -219,6 +222,30 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
             "The rate at 0 before that and zero from t_c on; NaN when t is not finite.",
         ),
     )
+
+
+def _margin(spline: SplineKernels, n: int) -> Function:
+    t = Var("t", REAL)
+    block = Block({"t", "x"})
+    nought = block.op("t_zero", "mul", t, real(0))
+    with block.loop("j", n) as loop:
+        total = loop.carry("zero", nought)
+        term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
+        loop.update(total, block.op("zeros", "add", total, term))
+    bad = block.op("bad", "not", block.let("finite", IsFinite(total)))
+    with block.leave_when(bad, NAN):
+        pass
+    row, s = block.call(spline.segment, t)
+    weights = block.call(spline.basis, s)
+    with block.loop("i", n) as loop:
+        least = loop.carry("margin", real(Fraction(1, 2)))
+        at = _entry(block, row, loop.index)
+        lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
+        upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
+        share = margin_component(block, lower_edge, upper_edge, block.let("x_i", Load("x", loop.index)))
+        loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
+    block.leave(least)
+    return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, True)
 
 
 def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool) -> Function:

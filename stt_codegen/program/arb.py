@@ -75,8 +75,9 @@ class Enclosure:
         outputs: tuple[Ball, ...] = self._names[f"_k_{name}"](*inputs)
         return outputs
 
-    def run(self, function: str, **inputs: Ball | Sequence[Ball]) -> tuple[dict[str, list[Ball]], frozenset[Status]]:
-        """The output arrays of a function, and every status that it may return (none when it returns none)."""
+    def run(self, function: str, **inputs: Ball | Sequence[Ball]) -> tuple[dict[str, list[Ball]], Any]:
+        """The output arrays of a function; and every status that it may return (none when it returns none), or the ball of
+        the real that it returns."""
         outputs, statuses = self._names[function](**inputs)
         names = [p.name for p in self.program.function(function).outputs]
         return dict(zip(names, outputs, strict=True)), statuses
@@ -237,11 +238,11 @@ def _put(array: list[Ball], index: _Int, value: Ball) -> None:
         array[k] = value if low == high else array[k].union(value)
 
 
-def _joined(exits: list[tuple[frozenset[Status], list[list[Ball]]]]) -> tuple[list[list[Ball]], frozenset[Status]]:
-    """The outputs and statuses over all ways out of a function."""
+def _joined(exits: list[tuple[Any, list[list[Ball]]]]) -> tuple[list[list[Ball]], Any]:
+    """The outputs and what is returned, over all ways out of a function."""
     (statuses, outputs), *others = exits
     for other_statuses, other in others:
-        statuses = statuses | other_statuses
+        statuses = _hull(statuses, other_statuses)
         outputs = [[x.union(y) for x, y in zip(a, b, strict=True)] for a, b in zip(outputs, other, strict=True)]
     return outputs, statuses
 

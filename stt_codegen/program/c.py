@@ -199,7 +199,7 @@ class CPrinter:
         return lines
 
     def signature(self, function: Function) -> list[str]:
-        kind = f"{self.prefix}_status" if function.returns_status else "void"
+        kind = f"{self.prefix}_status" if function.returns_status else self.real if function.returns_real else "void"
         return self.wrap(f"{kind} {self.prefix}_{function.name}(", [self.param(p) for p in function.params], ")")
 
     def param(self, param: Param) -> str:

@@ -240,11 +240,14 @@ class Param:
 
 @dataclass(frozen=True)
 class Function:
+    """A public entry point. It returns a status, a real, or nothing; `Return.status` holds what is returned."""
+
     name: str
     params: tuple[Param, ...]
     body: tuple[Statement, ...]
     returns_status: bool
     doc: tuple[str, ...] = ()
+    returns_real: bool = False
 
     @property
     def inputs(self) -> tuple[Param, ...]:

@@ -129,7 +129,7 @@ def printed(program: Program) -> Program:
             for k in program.kernels
         ),
         functions=tuple(
-            Function(f.name, tuple(Param(p.name, p.length, p.output) for p in f.params), statements(f.body), f.returns_status)
+            replace(f, params=tuple(Param(p.name, p.length, p.output) for p in f.params), body=statements(f.body), doc=())
             for f in program.functions
         ),
     )
@@ -387,7 +387,8 @@ class _Reader:
                 raise Unreadable(f"the kernel {name} is not straight")
             self.kernels.append(Kernel(name, tuple(inputs), assigns, tuple(outputs), ()))
         else:
-            self.functions.append(Function(name, tuple(params), tuple(body), returned == [f"{self.prefix}_status"]))
+            status, real = ([f"{self.prefix}_{kind}"] == returned for kind in ("status", "real"))
+            self.functions.append(Function(name, tuple(params), tuple(body), status, (), real))
 
     def length(self, node: Any) -> int:
         if isinstance(node, c_ast.BinaryOp) and node.op == "*":

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from stt_codegen.program.number import FORMATS, round_to
 from stt_codegen.program.program import (
     INT,
+    REAL,
     Assign,
     Call,
     Const,
@@ -105,7 +106,7 @@ class Runner:
         for p in f.outputs:
             self.arrays.setdefault(p.name, {})
         self._statements(f.body, state)
-        results = {}
+        results = {"return": self.arrays["return"][0]} if f.returns_real else {}
         for p in f.outputs:
             stored = self.arrays[p.name]
             cells = [stored.get(k, Real(zero, zero)) for k in range(p.length or 0)]
@@ -139,8 +140,12 @@ class Runner:
                                 state[c.var.name] = Real(held.value, np.zeros_like(held.error))
                         self._statements(inner, state)
                         state.update({c.var.name: self._operand(c.next, state) for c in carries})
+                case Return(status=Var() | Const() as value, when=None) if value.type is REAL:
+                    returned = self._operand(value, state)
+                    assert isinstance(returned, Real)
+                    self.arrays["return"] = {0: returned}
                 case Return():
-                    pass  # inputs are finite, so no early leave is taken; the status is not a number
+                    pass  # inputs are finite, so no early leave is taken; a status is not a number
 
     def _kernel(self, kernel: Kernel, args: list[Value]) -> list[Value]:
         state: dict[str, Value] = dict(zip((v.name for v in kernel.inputs), args, strict=True))

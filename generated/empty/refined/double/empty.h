@@ -43,6 +43,12 @@ void empty_tube_rate(empty_real t, empty_real lower_rate[EMPTY_N], empty_real up
  */
 empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real u[EMPTY_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

@@ -336,6 +336,68 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
     return inside ? EMPTY_OK : EMPTY_OUTSIDE_TUBE;
 }
 
+empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
+{
+    const empty_real t_zero = t * 0.0F;
+    empty_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const empty_real x_j = x[j];
+        const empty_real x_zero = x_j * 0.0F;
+        const empty_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = isfinite(zero) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        return (empty_real)NAN;
+    }
+    int32_t row;
+    empty_real s;
+    empty_segment(t, &row, &s);
+    empty_real w0;
+    empty_real w1;
+    empty_real w2;
+    empty_real w3;
+    empty_basis(s, &w0, &w1, &w2, &w3);
+    empty_real margin = 0.5F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const empty_real lower_q0 = empty_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const empty_real lower_q1 = empty_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const empty_real lower_q2 = empty_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const empty_real lower_q3 = empty_coefficients[lower_3];
+        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const empty_real upper_q0 = empty_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const empty_real upper_q1 = empty_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const empty_real upper_q2 = empty_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const empty_real upper_q3 = empty_coefficients[upper_3];
+        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const empty_real x_i = x[i];
+        const empty_real room = upper_edge - lower_edge;
+        const bool wide = 9.536743e-7F < room;
+        const empty_real width = wide ? room : 9.536743e-7F;
+        const empty_real to_lower = x_i - lower_edge;
+        const empty_real to_upper = upper_edge - x_i;
+        const bool nearer = to_lower < to_upper;
+        const empty_real distance = nearer ? to_lower : to_upper;
+        const empty_real share = distance / width;
+        const bool far = share < (-1.0F);
+        const empty_real held_share = far ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const empty_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
 void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMPTY_N],
                      const empty_real x[EMPTY_N], empty_real e[EMPTY_N], empty_real epsilon[EMPTY_N],
                      empty_real xi[EMPTY_N])

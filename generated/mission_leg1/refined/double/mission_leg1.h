@@ -46,6 +46,12 @@ void mission_leg1_tube_rate(mission_leg1_real t, mission_leg1_real lower_rate[MI
 mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
                                          mission_leg1_real u[MISSION_LEG1_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+mission_leg1_real mission_leg1_margin(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

@@ -344,6 +344,68 @@ mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1
     return inside ? MISSION_LEG1_OK : MISSION_LEG1_OUTSIDE_TUBE;
 }
 
+mission_leg1_real mission_leg1_margin(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N])
+{
+    const mission_leg1_real t_zero = t * 0.0F;
+    mission_leg1_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const mission_leg1_real x_j = x[j];
+        const mission_leg1_real x_zero = x_j * 0.0F;
+        const mission_leg1_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = isfinite(zero) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        return (mission_leg1_real)NAN;
+    }
+    int32_t row;
+    mission_leg1_real s;
+    mission_leg1_segment(t, &row, &s);
+    mission_leg1_real w0;
+    mission_leg1_real w1;
+    mission_leg1_real w2;
+    mission_leg1_real w3;
+    mission_leg1_basis(s, &w0, &w1, &w2, &w3);
+    mission_leg1_real margin = 0.5F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg1_real lower_q0 = mission_leg1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg1_real lower_q1 = mission_leg1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg1_real lower_q2 = mission_leg1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg1_real lower_q3 = mission_leg1_coefficients[lower_3];
+        const mission_leg1_real lower_edge = mission_leg1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg1_real upper_q0 = mission_leg1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg1_real upper_q1 = mission_leg1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg1_real upper_q2 = mission_leg1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg1_real upper_q3 = mission_leg1_coefficients[upper_3];
+        const mission_leg1_real upper_edge = mission_leg1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg1_real x_i = x[i];
+        const mission_leg1_real room = upper_edge - lower_edge;
+        const bool wide = 9.536743e-7F < room;
+        const mission_leg1_real width = wide ? room : 9.536743e-7F;
+        const mission_leg1_real to_lower = x_i - lower_edge;
+        const mission_leg1_real to_upper = upper_edge - x_i;
+        const bool nearer = to_lower < to_upper;
+        const mission_leg1_real distance = nearer ? to_lower : to_upper;
+        const mission_leg1_real share = distance / width;
+        const bool far = share < (-1.0F);
+        const mission_leg1_real held_share = far ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const mission_leg1_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
 void mission_leg1_transform(const mission_leg1_real lower[MISSION_LEG1_N],
                             const mission_leg1_real upper[MISSION_LEG1_N],
                             const mission_leg1_real x[MISSION_LEG1_N], mission_leg1_real e[MISSION_LEG1_N],

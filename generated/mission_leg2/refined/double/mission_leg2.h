@@ -46,6 +46,12 @@ void mission_leg2_tube_rate(mission_leg2_real t, mission_leg2_real lower_rate[MI
 mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N],
                                          mission_leg2_real u[MISSION_LEG2_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+mission_leg2_real mission_leg2_margin(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

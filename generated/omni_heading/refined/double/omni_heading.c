@@ -379,6 +379,68 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
     return inside ? OMNI_HEADING_OK : OMNI_HEADING_OUTSIDE_TUBE;
 }
 
+omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N])
+{
+    const omni_heading_real t_zero = t * 0.0;
+    omni_heading_real zero = t_zero;
+    for (int32_t j = 0; j < 3; ++j) {
+        const omni_heading_real x_j = x[j];
+        const omni_heading_real x_zero = x_j * 0.0;
+        const omni_heading_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = isfinite(zero) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        return (omni_heading_real)NAN;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    omni_heading_real margin = 0.5;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const bool wide = 9.5367431640625e-7 < room;
+        const omni_heading_real width = wide ? room : 9.5367431640625e-7;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool nearer = to_lower < to_upper;
+        const omni_heading_real distance = nearer ? to_lower : to_upper;
+        const omni_heading_real share = distance / width;
+        const bool far = share < (-1.0);
+        const omni_heading_real held_share = far ? (-1.0) : share;
+        const bool less = held_share < margin;
+        const omni_heading_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
 void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
                             const omni_heading_real upper[OMNI_HEADING_N],
                             const omni_heading_real x[OMNI_HEADING_N], omni_heading_real e[OMNI_HEADING_N],

@@ -46,6 +46,12 @@ void omni_heading_tube_rate(omni_heading_real t, omni_heading_real lower_rate[OM
 omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
                                          omni_heading_real u[OMNI_HEADING_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

@@ -320,6 +320,64 @@ def control(t, x):
     return OK if inside else OUTSIDE_TUBE, tuple(u)
 
 
+def margin(t, x):
+    """How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+    components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+    Watch it: act while there is margin, not when the tube is left.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = math.isfinite(zero)
+    bad = not finite
+    if bad:
+        return math.nan
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    margin = 0.5
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        nearer = to_lower < to_upper
+        distance = to_lower if nearer else to_upper
+        share = distance / width
+        far = share < -1.0
+        held_share = -1.0 if far else share
+        less = held_share < margin
+        margin_next = held_share if less else margin
+        margin = margin_next
+    return margin
+
+
 def transform(lower, upper, x):
     """Error transform of section IV for the state x in the box (lower, upper), by component:
       e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

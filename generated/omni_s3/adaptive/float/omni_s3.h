@@ -67,6 +67,13 @@ void omni_s3_tube_rate(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
 omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
                                const omni_s3_real x[OMNI_S3_N], omni_s3_real u[OMNI_S3_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
+                            const omni_s3_real x[OMNI_S3_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

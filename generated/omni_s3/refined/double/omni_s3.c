@@ -338,6 +338,68 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
     return inside ? OMNI_S3_OK : OMNI_S3_OUTSIDE_TUBE;
 }
 
+omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real x[OMNI_S3_N])
+{
+    const omni_s3_real t_zero = t * 0.0;
+    omni_s3_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_s3_real x_j = x[j];
+        const omni_s3_real x_zero = x_j * 0.0;
+        const omni_s3_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = isfinite(zero) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        return (omni_s3_real)NAN;
+    }
+    int32_t row;
+    omni_s3_real s;
+    omni_s3_segment(t, &row, &s);
+    omni_s3_real w0;
+    omni_s3_real w1;
+    omni_s3_real w2;
+    omni_s3_real w3;
+    omni_s3_basis(s, &w0, &w1, &w2, &w3);
+    omni_s3_real margin = 0.5;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s3_real lower_q0 = omni_s3_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s3_real lower_q1 = omni_s3_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s3_real lower_q2 = omni_s3_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s3_real lower_q3 = omni_s3_coefficients[lower_3];
+        const omni_s3_real lower_edge = omni_s3_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_s3_real upper_q0 = omni_s3_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s3_real upper_q1 = omni_s3_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s3_real upper_q2 = omni_s3_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s3_real upper_q3 = omni_s3_coefficients[upper_3];
+        const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s3_real x_i = x[i];
+        const omni_s3_real room = upper_edge - lower_edge;
+        const bool wide = 9.5367431640625e-7 < room;
+        const omni_s3_real width = wide ? room : 9.5367431640625e-7;
+        const omni_s3_real to_lower = x_i - lower_edge;
+        const omni_s3_real to_upper = upper_edge - x_i;
+        const bool nearer = to_lower < to_upper;
+        const omni_s3_real distance = nearer ? to_lower : to_upper;
+        const omni_s3_real share = distance / width;
+        const bool far = share < (-1.0);
+        const omni_s3_real held_share = far ? (-1.0) : share;
+        const bool less = held_share < margin;
+        const omni_s3_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
 void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real upper[OMNI_S3_N],
                        const omni_s3_real x[OMNI_S3_N], omni_s3_real e[OMNI_S3_N],
                        omni_s3_real epsilon[OMNI_S3_N], omni_s3_real xi[OMNI_S3_N])

@@ -46,6 +46,12 @@ void spacecraft_tube_rate(spacecraft_real t, spacecraft_real lower_rate[SPACECRA
 spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
                                      spacecraft_real u[SPACECRAFT_N]);
 
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

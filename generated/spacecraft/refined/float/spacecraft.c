@@ -378,6 +378,68 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
     return inside ? SPACECRAFT_OK : SPACECRAFT_OUTSIDE_TUBE;
 }
 
+spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N])
+{
+    const spacecraft_real t_zero = t * 0.0F;
+    spacecraft_real zero = t_zero;
+    for (int32_t j = 0; j < 3; ++j) {
+        const spacecraft_real x_j = x[j];
+        const spacecraft_real x_zero = x_j * 0.0F;
+        const spacecraft_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = isfinite(zero) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        return (spacecraft_real)NAN;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    spacecraft_real margin = 0.5F;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const bool wide = 9.536743e-7F < room;
+        const spacecraft_real width = wide ? room : 9.536743e-7F;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool nearer = to_lower < to_upper;
+        const spacecraft_real distance = nearer ? to_lower : to_upper;
+        const spacecraft_real share = distance / width;
+        const bool far = share < (-1.0F);
+        const spacecraft_real held_share = far ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const spacecraft_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
 void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const spacecraft_real upper[SPACECRAFT_N],
                           const spacecraft_real x[SPACECRAFT_N], spacecraft_real e[SPACECRAFT_N],
                           spacecraft_real epsilon[SPACECRAFT_N], spacecraft_real xi[SPACECRAFT_N])
