@@ -147,7 +147,7 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     table, unit, t_c = design.integers(), design.unit, design.prescribed_time
     t = sample_times(task, np.linspace(0, float(t_c), design.segments + 1), points, backend.scalar)
     low, high = reference.tube(table, unit, t_c, t)
-    x = sample_states(task, low, high, backend.scalar)
+    x = with_trajectory(task, t, low, high, sample_states(task, low, high, backend.scalar))
 
     lower, upper = backend.tube(t)
     largest = max(float(np.abs(low).max()), float(np.abs(high).max()))
@@ -197,7 +197,7 @@ def _adapted_truth(controller: Controller, design: AdaptiveDesign, points: int) 
     now = reference.lines(p, t)
     gamma, rates = reference.adaptive_tube(p, now, both)
     low, high = gamma[:, :, 0], gamma[:, :, 1]
-    x = sample_states(task, low, high, scalar)
+    x = with_trajectory(task, t, low, high, sample_states(task, low, high, scalar))
     rate, jacobian = reference.alpha_rate(p, now.psi, now.theta, both)
     control = task.control
     status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
@@ -307,6 +307,24 @@ def sample_states(task: Task, low: Array, high: Array, scalar: str) -> Array:
     x: Array = np.asarray((high + low + (high - low) * e) / 2, dtype=number)
     far: Array = (random.choice([-1.0, 1.0], shape) * 10.0 ** random.uniform(0, 30, shape)).astype(number)
     return np.where(kind == 4, far, x)
+
+
+def with_trajectory(task: Task, t: Array, low: Array, high: Array, x: Array) -> Array:
+    """The states x (P, n) with every fourth point in time, from 0 to t_c, replaced by those of a closed loop: xdot = u from the
+    initial state, u held between these points, at most a quarter of the width a step."""
+    order = np.argsort(t, kind="stable")
+    inside = order[(t[order] >= 0) & (t[order] <= float(task.prescribed_time))][::4]
+    share = float((1 - task.control.e_max) / 2)
+    gain = abs(float(task.control.gain))
+    state, before, result = np.array([float(v) for v in task.initial_state]), 0.0, x.copy()
+    for k in inside:
+        width = np.maximum((high[k] - low[k]).astype(float), float(LEAST_WIDTH))
+        a = np.clip((state - low[k].astype(float)) / width, share, 1 - share)
+        u = gain / width * (1 / a + 1 / (1 - a)) * np.log((1 - a) / a)
+        state = state + np.clip((float(t[k]) - before) * u, -width / 4, width / 4)
+        before = float(t[k])
+        result[k] = state
+    return result
 
 
 def sample_alpha(design: AdaptiveDesign, t: Array, scalar: str) -> tuple[Array, Array]:

@@ -12,7 +12,7 @@ from conftest import NAMES, controller_of
 
 from stt_codegen import reference
 from stt_codegen.backends import CompiledC, GeneratedPython
-from stt_codegen.compare import compare, compare_backend, sample_states, sample_times
+from stt_codegen.compare import compare, compare_backend, sample_states, sample_times, with_trajectory
 from stt_codegen.pipeline import Controller
 
 QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "margin", "u", "status"]
@@ -131,3 +131,18 @@ def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
     t = np.linspace(-1, 10, 500).astype(np.float32).astype(float)
     bound = np.array([float(v) for v in controller.certificate.edge_error])
     assert np.all(np.abs(np.stack(python.tube(t)) - np.stack(c.tube(t))) <= bound)
+
+
+@pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "mission_leg1"])
+def test_among_the_points_is_a_closed_loop_that_keeps_the_tube_and_arrives(name: str) -> None:
+    controller = controller_of(name)
+    task, design = controller.task, controller.design
+    t = sample_times(task, np.linspace(0, float(task.prescribed_time), 33), 3000, "float")
+    low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
+    others = np.full(low.shape, np.nan)
+    x = with_trajectory(task, t, low, high, others)
+    loop = ~np.isnan(x[:, 0])
+    assert np.unique(t[loop]).size >= 500
+    assert ((low[loop] < x[loop]) & (x[loop] < high[loop])).all()
+    last = x[loop][np.argmax(t[loop])]
+    assert all(float(a) <= v <= float(b) for a, v, b in zip(task.target_set.lower, last, task.target_set.upper, strict=True))
