@@ -107,12 +107,15 @@ def test_balls_hold_the_refined_controller_status_included(name: str, scalar: st
     x = RANDOM.uniform(-0.5, 5.5, (60, n)).astype(c.number)
     status, u = c.control(t, x)
     low, high = c.tube(t)
+    margin = c.margin(t, x)
     for k in range(60):
         for spread in (0.0, 0.2):
             when = hull(float(t[k]) - spread, float(t[k]) + spread)
             out, statuses = balls.run("control", t=when, x=[arb(float(v)) for v in x[k]])
             assert status[k] in {s.value for s in statuses}
             assert all(b.contains(float(v)) or not b.is_finite() for b, v in zip(out["u"], u[k], strict=True))
+            _, share = balls.run("margin", t=when, x=[arb(float(v)) for v in x[k]])
+            assert share.contains(float(margin[k])) or not share.is_finite()
             edges, _ = balls.run("tube", t=when)
             for name_, values in (("lower", low), ("upper", high)):
                 assert all(b.contains(float(v)) for b, v in zip(edges[name_], values[k], strict=True))

@@ -375,7 +375,7 @@ class _Printer:
         way_out = f"({self.expression(status) if status is not None else 'frozenset()'}, [{arrays}])"
         if when is None:
             return [f"{pad}_exits.append({way_out})", f"{pad}return _joined(_exits)"]
-        kept = ", ".join(p.name for p in function.outputs)
+        kept = "".join(f"{p.name}, " for p in function.outputs)
         return [
             f"{pad}if {self.operand(when)} is not False:",
             f"{pad}    _kept = [{arrays}]",
@@ -383,7 +383,7 @@ class _Printer:
             f"{pad}    _exits.append({way_out})",
             f"{pad}    if {self.operand(when)}:",
             f"{pad}        return _joined(_exits)",
-            f"{pad}    {kept}, = _kept",
+            f"{pad}    ({kept}) = _kept",
         ]
 
     def kernel(self, kernel: Kernel) -> list[str]:
