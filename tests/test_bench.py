@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from stt_codegen.arenas import FAMILIES, arena_task, cubes, feasible
-from stt_codegen.bench.arenas import EVERYTHING, Job, Part, Result, results_of, run, summary
+from stt_codegen.bench.arenas import EVERYTHING, Job, Part, Result, run, spread, summary
 from stt_codegen.bench.command import parts_of
 from stt_codegen.bench.report import record, table
 from stt_codegen.cli import app
@@ -27,15 +27,15 @@ def timeless(results: list[Result]) -> list[str]:
 
 def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
     distributed = pytest.importorskip("distributed", reason="pip install stt-codegen[cluster]")
-    here = timeless(list(results_of(JOBS, 1, None)))
-    assert timeless(list(results_of(JOBS, 2, None))) == here
+    here = timeless(list(spread(run, JOBS, 1, None)))
+    assert timeless(list(spread(run, JOBS, 2, None))) == here
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
-        assert timeless(list(results_of(JOBS, 1, cluster.scheduler_address))) == here
+        assert timeless(list(spread(run, JOBS, 1, cluster.scheduler_address))) == here
 
 
 def test_a_scheduler_that_is_not_there_is_one_message() -> None:
     with pytest.raises(BadInput, match="no Dask scheduler answers there"):
-        list(results_of(JOBS[:1], 1, "127.0.0.1:9"))
+        list(spread(run, JOBS[:1], 1, "127.0.0.1:9"))
 
 
 def test_a_result_says_what_is_not_certified_and_why() -> None:

@@ -434,3 +434,18 @@ def test_a_window_in_six_dimensions_is_passed_in_legs() -> None:
     assert build_task(task).certificate.holds
     with pytest.raises(NotCertified, match="no way was found"):
         build_task(parse_task(six(3.8)))
+
+
+def test_a_way_through_cells_may_lead_back() -> None:
+    """Up past the first wall, down to the gap below the second: steps in both directions of a dimension."""
+    lower, upper = np.array([[1.0, 0.0], [3.0, 1.0]]), np.array([[2.0, 4.0], [4.0, 5.0]])
+    space, goal = np.array([[0.0, 0.0], [5.0, 5.0]]), np.array([[4.5, 4.5], [4.9, 4.9]])
+    start = np.array([0.5, 0.5])
+    for ends in (goal, np.array([[4.5, 0.1], [4.9, 0.4]])):
+        way = way_through_cells(lower, upper, space, ends, start)
+        assert way is not None
+        assert way[:, 1].max() > 4.0
+        assert way[:, 1].argmax() < len(way) - 1 or ends is goal
+        assert np.all((ends[0] <= way[-1]) & (way[-1] <= ends[1]))
+    back = way_through_cells(lower, upper, space, np.array([[0.1, 0.1], [0.4, 0.4]]), np.array([4.7, 0.2]))
+    assert back is not None

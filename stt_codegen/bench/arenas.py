@@ -115,11 +115,6 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
 # ------------------------------------------------------------------------------------------------- where
 
 
-def results_of(jobs: Sequence[Job], processes: int, scheduler: str | None) -> Iterator[Result]:
-    """The results as they come in."""
-    yield from spread(run, jobs, processes, scheduler)
-
-
 def spread(work: Callable[[Any], Any], items: Sequence[Any], processes: int, scheduler: str | None) -> Iterator[Any]:
     """`work` of every item, in any order: in this process (processes 1), in some of this machine, or on a Dask cluster.
     `work` must be importable there."""

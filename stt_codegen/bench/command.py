@@ -12,7 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from stt_codegen.arenas import FAMILIES
-from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, results_of, row, run_peers, summary
+from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, row, run, run_peers, spread, summary
 from stt_codegen.bench.report import command, machine, record, table
 from stt_codegen.errors import BadInput
 
@@ -40,7 +40,7 @@ def run_arenas(
     jobs = [job for part in parts for job in part.jobs()]
     found: list[Result] = []
     with _progress(len(jobs)) as advance:
-        for result in results_of(jobs, processes, scheduler):
+        for result in spread(run, jobs, processes, scheduler):
             found.append(result)
             advance()
     by_job = {r.job: r for r in found}

@@ -14,13 +14,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.backends import Backend, run_compiler
 from stt_codegen.compare import Row, compare_backend
-from stt_codegen.emit.render import template_folder
+from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
 from stt_codegen.program.program import Function
@@ -219,8 +218,9 @@ def build_image(controller: Controller, board: Board, f: Function, words: Array,
 
 
 def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
-    inputs, arrays, offset = [], [], 0
-    arguments = []
+    arrays: list[tuple[str, int, int | None]] = []
+    arguments: list[str] = []
+    offset = 0
     for p in f.params:
         if p.length is None:
             arguments.append(f"given[{offset}]")
@@ -230,14 +230,10 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
         reads = not p.output or p.inout
         arrays.append((p.name, p.length, offset if reads else None))
         offset += p.length if reads else 0
-        inputs.append(p.name)
     outputs = [(p.name, p.length) for p in f.outputs]
     per = 1 if scalar == "float" else 2
     length = 9 * (5 + sum((n or 0) * per for _, n in outputs))
-    template = jinja2.Environment(
-        undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True, autoescape=False
-    ).from_string((template_folder() / "board" / "harness.c.j2").read_text(encoding="utf-8"))
-    return template.render(
+    return template("board/harness.c.j2").render(
         prefix=prefix, function=f, numbers=offset, bits=32 * per, arrays=arrays, outputs=outputs, call=", ".join(arguments),
         line_length=length, points=[", ".join(f"0x{w:x}U" for w in row) for row in words.tolist()],
     )  # fmt: skip

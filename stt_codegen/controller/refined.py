@@ -224,15 +224,20 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
     )
 
 
-def _margin(spline: SplineKernels, n: int) -> Function:
-    t = Var("t", REAL)
-    block = Block({"t", "x"})
-    nought = block.op("t_zero", "mul", t, real(0))
+def _not_finite(block: Block, n: int) -> Var:
+    """Whether t or a component of x is not finite: 0 times it is then NaN, and so is the sum, which is tested once."""
+    nought = block.op("t_zero", "mul", Var("t", REAL), real(0))
     with block.loop("j", n) as loop:
         total = loop.carry("zero", nought)
         term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
         loop.update(total, block.op("zeros", "add", total, term))
-    bad = block.op("bad", "not", block.let("finite", IsFinite(total)))
+    return block.op("bad", "not", block.let("finite", IsFinite(total)))
+
+
+def _margin(spline: SplineKernels, n: int) -> Function:
+    t = Var("t", REAL)
+    block = Block({"t", "x"})
+    bad = _not_finite(block, n)
     with block.leave_when(bad, NAN):
         pass
     row, s = block.call(spline.segment, t)
@@ -251,12 +256,7 @@ def _margin(spline: SplineKernels, n: int) -> Function:
 def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool) -> Function:
     t = Var("t", REAL)
     block = Block({"t", "x", "u"})
-    nought = block.op("t_zero", "mul", t, real(0))  # 0, or NaN where t is not finite; so is the sum over t and x
-    with block.loop("j", n) as loop:
-        total = loop.carry("zero", nought)
-        term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
-        loop.update(total, block.op("zeros", "add", total, term))
-    bad = block.op("bad", "not", block.let("finite", IsFinite(total)))
+    bad = _not_finite(block, n)
     with block.leave_when(bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
     row, s = block.call(spline.segment, t)

@@ -62,9 +62,7 @@ def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Rout
     corners have already found every way, or where there are too many cells."""
     if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
         return None
-    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
-    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
-    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    lower, upper, space, goal = _grown(arena, reach, inset)
     return _shortened(way_through_cells(lower, upper, space, goal, centre), lower, upper, reach)
 
 
@@ -74,9 +72,7 @@ def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route
     n = arena.dimension
     if decides(len(arena.names), n) or not decides(len(arena.names), LEG):
         return None
-    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
-    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
-    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    lower, upper, space, goal = _grown(arena, reach, inset)
     for first in itertools.combinations(range(n), LEG):
         rest = [i for i in range(n) if i not in first]
         legs = [list(first), *(rest[k : k + LEG] for k in range(0, len(rest), LEG))]
@@ -109,6 +105,14 @@ def _shortened(points: Array | None, lower: Array, upper: Array, reach: float) -
         kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
     polyline = points[kept]
     return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
+
+
+def _grown(arena: Arena, reach: float, inset: float) -> tuple[Array, Array, Array, Array]:
+    """For the tube's centre: unsafe sets grown by `reach` (lower and upper edges, shape (J, n)), and state space and target
+    shrunk by `inset` (shape (2, n))."""
+    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
+    space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
+    return lower, upper, space, goal
 
 
 def _corners_decide(arena: Arena) -> bool:
@@ -161,9 +165,7 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
 def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int = NEAR) -> Route | None:
     """The shortest route with these distances from unsafe sets and walls; from a node only the `near` nearest nodes are
     looked at, which is quick with a thousand unsafe sets and may then miss a way."""
-    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
-    space = np.stack([arena.space[0] + inset, arena.space[1] - inset])
-    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    lower, upper, space, goal = _grown(arena, reach, inset)
     nodes = _nodes(lower, upper, space, goal, centre)
     buried = _inside(nodes, lower, upper)
     if buried[0]:
