@@ -6,7 +6,8 @@ emitted edge. The bounds, first-order terms rounded up:
     tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
     margin m          (1 + 2 |m|) delta over the width (an edge in the distance, both in the width), and 8 eps
     e                 8 eps           a, b, width: 3 roundings each; difference, quotient, clamp
-    epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place
+    epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place; written out
+                      (`math = "inline"`): `controller.logarithm`'s relative error more, for u too
     xi                12 eps xi       a/b, 1 + a/b, division by a
     u                 refined: h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
                       more than to the two corners (a +- delta, b -+ delta) clamped in a width changed by 2 delta; plus
@@ -33,6 +34,7 @@ from stt_codegen.certify.sampled import parameters_of, sample_tube
 from stt_codegen.controller.adapted import probe_program
 from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.controller.component import LEAST_WIDTH
+from stt_codegen.controller.logarithm import relative_error
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
@@ -125,11 +127,12 @@ class _Rows:
 
     def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
         """e, epsilon and xi for the same boxes and states."""
+        own = logarithm_error(controller)
         e, epsilon, xi = reference.transform(lower, upper, x, controller.task.control.e_max)
         got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
         self.add("e", got_e, e, 8 * self.eps, 1.0)
         size = np.maximum(1.0, np.abs(epsilon))
-        self.add("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * self.eps, size)
+        self.add("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * self.eps + own * np.abs(epsilon), size)
         self.add("xi", got_xi, xi, 12 * self.eps * xi, xi)
 
     def status(self, got: Array, want: Array, distance: Array) -> None:
@@ -138,6 +141,12 @@ class _Rows:
         self.rows.append(
             Row(self.backend, "status", float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
         )
+
+
+def logarithm_error(controller: Controller) -> float:
+    """Relative error of epsilon where the logarithm is written out; 0 with a library's."""
+    inline = controller.task.emit.math == "inline"
+    return float(relative_error(controller.program.scalar)) if inline else 0.0
 
 
 def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
@@ -168,7 +177,7 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     _, epsilon, xi = reference.transform(low, high, x, e_max)
     gain = abs(float(k))
     spread = _law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(e_max))
-    bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + 16 * eps * np.abs(u)
+    bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
     rows.add("u", got_u, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
     rows.status(got_status, status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x))
 

@@ -64,8 +64,10 @@ def build_task(task: Task, uncertified: bool = False) -> Controller:
 
 def require_supported(task: Task) -> None:
     """Refuse what the task format knows and this version cannot do yet, rather than leave it out silently."""
-    if task.emit.math != "libm":
-        raise BadInput(f'emit.math: "{task.emit.math}" is not available in this version; use "libm"')
+    if task.emit.math == "inline" and task.tube.design != "refined":
+        raise BadInput(
+            f'emit.math: "inline" is for refined tubes; {task.tube.design} ones need exp and log1p of the C library, use "libm"'
+        )
     if task.emit.tick_period is not None:
         raise BadInput("emit.tick_period: is not available in this version; leave it out")
 

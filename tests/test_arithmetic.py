@@ -29,12 +29,11 @@ def steep_design(segments: int, t_c: Fraction = Fraction(9)) -> RefinedDesign:
 
 def float32_place(t: np.float32, design: RefinedDesign) -> tuple[int, np.float32, np.float32]:
     """Segment, place s and spline time u, computed as the emitted code does, one float32 operation at a time."""
-    t_c, rate = np.float32(float(design.prescribed_time)), np.float32(float(design.segments / design.prescribed_time))
-    k = np.float32(design.segments)
-    held = t if t < t_c and t > 0 else np.float32(0)
-    u = held * rate
-    u = u if t < t_c and u < k else k
-    segment = min(int(u), design.segments - 1)
+    rate = np.float32(float(design.segments / design.prescribed_time))
+    end = np.nextafter(np.float32(design.segments), np.float32(0))
+    u = (t if t > 0 else np.float32(0)) * rate
+    u = u if u < end else end
+    segment = int(u)
     return segment, u - np.float32(segment), u
 
 

@@ -128,11 +128,13 @@ def with_table(text: str, design) -> str:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        ("held * 3.5555556F", "held * 3.6555556F"),
-        ("t < 9.0F", "t < 8.0F"),
-        ("whole < 31", "whole < 30"),
+        ("started * 3.5555556F", "started * 3.6555556F"),
+        ("started * 3.5555556F", "t * 3.5555556F"),
+        ("segment = (int32_t)u", "segment = (int32_t)scaled"),
         ("segment * 4", "segment * 2"),
-        ("scaled < 32.0F", "scaled < 33.0F"),
+        ("scaled < 31.999998F", "scaled < 33.0F"),
+        ("scaled < 31.999998F", "scaled < 31.0F"),
+        ("scaled : 31.999998F", "scaled : 32.0F"),
     ],
 )
 def test_another_time_scale_or_index_is_found(old: str, new: str, tmp_path, capsys) -> None:

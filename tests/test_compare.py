@@ -50,10 +50,10 @@ def nudged_literal(controller: Controller) -> tuple[str, str]:
 
 
 MUTATIONS = [
-    ("0.5F, xi", "0.50001F, xi", "u"),
+    ("(-0.5F) : 0.5F", "(-0.5F) : 0.50001F", "u"),
     ("1.0F + v0", "1.00001F + v0", "xi"),
     ("logf(v0)", "log1pf(v0)", "epsilon"),
-    ("const bool below = x_i < upper_edge", "const bool below = x_i < upper_edge + 0.001F", "status"),
+    ("const bool within = 0.0F < nearest", "const bool within = -0.001F < nearest", "status"),
     ("3.0F * v4", "3.00002F * v4", "tube"),
     ("v0 - s", "v0 + s", "tube rate"),
 ]

@@ -117,19 +117,21 @@ class Tube:
         return Fraction(struct.unpack("<f", struct.pack("<f", value))[0] if self.single else value)
 
     def _check_time(self, code: str, task: Task) -> None:
-        """The constants of the time scale: t_c, K / t_c, K and K - 1, where the code has them."""
-        body = re.search(rf"static void {re.escape(task.name)}_segment\(.*?\n\}}", code, re.DOTALL)
+        """The constants of the time scale: K / t_c and the last number below K, where the code has them."""
+        body = re.search(rf"static inline void {re.escape(task.name)}_segment\(.*?\n\}}", code, re.DOTALL)
         found = body.group(0) if body else ""
-        for pattern, wanted in (
-            (r"running = t < ([^;]+);", task.t_c),
-            (r"scaled = held \* ([^;]+);", self.segments / task.t_c),
-            (r"early = scaled < ([^;]+);", Fraction(self.segments)),
-            (r"u = use \? scaled : ([^;]+);", Fraction(self.segments)),
+        k = Fraction(self.segments)
+        for pattern, wanted, most in (
+            (r"scaled = started \* ([^;]+);", k / task.t_c, k / task.t_c * (1 + 2 * self.eps)),
+            (r"early = scaled < ([^;]+);", k, k * (1 - self.eps / 2)),
+            (r"u = early \? scaled : ([^;]+);", k, k * (1 - self.eps / 2)),
         ):
             match = re.search(pattern, found)
-            if not match or abs(self.read(match.group(1)) - wanted) > self.eps * wanted:
+            if not match or abs(self.read(match.group(1)) - wanted) > 2 * self.eps * wanted:
                 raise Failed(f"the time scale of the C file is not that of {self.segments} segments over {float(task.t_c)} s")
-        if f"whole < {self.segments - 1};" not in found or f"segment * {2 * task.n};" not in found:
+            if self.read(match.group(1)) > most:
+                raise Failed(f"the spline time of the C file reaches {self.segments}, beyond its table")
+        if "segment = (int32_t)u;" not in found or f"segment * {2 * task.n};" not in found:
             raise Failed("the table index of the C file does not fit its table")
 
     def pieces(self) -> Iterator[Piece]:
@@ -149,7 +151,7 @@ class Tube:
 
 
 def arithmetic(tube: Tube, pieces: list[Piece]) -> Fraction:
-    """P7, by hand: the emitted spline time is within 4 K eps; every weight is a sum and product of positive numbers with at
+    """P7, by hand: the emitted spline time is within 4 K eps (3 roundings and the constant); every weight is a sum and product of positive numbers with at
     most 7 roundings, product and sums add 3, so the blend is within 11 eps of 6 times the largest coefficient."""
     steepest = max(3 * abs(b - a) for piece in pieces for pair in piece for e in pair for a, b in zip(e, e[1:]))
     largest = max(abs(v) for row in tube.table for pair in row for v in pair)

@@ -13,11 +13,11 @@ from fractions import Fraction
 
 from stt_codegen.controller.component import (
     MARGIN_DOC,
-    clamped_distances,
     control_component,
     control_law_of,
+    inside_of,
     margin_component,
-    strictly_inside,
+    place_of,
     transform_function,
 )
 from stt_codegen.controller.pieces import (
@@ -36,6 +36,7 @@ from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import LOWER, UPPER
 from stt_codegen.paper import adaptive_tube
 from stt_codegen.program.program import (
+    FALSE,
     NAN,
     REAL,
     STATUS,
@@ -231,13 +232,14 @@ def _control(task: Task, frame: Frame) -> Function:
     held, sigma, _ = profile(block, frame, Var("t", REAL), False)
     with block.loop("i", n) as loop:
         i = loop.index
-        inside = loop.carry("inside", TRUE)
+        outside = loop.carry("outside", FALSE)
         low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
         x = block.let("x_i", Load("x", i))
         u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
-        block.store("u", i, control_component(block, law, clamped_distances(block, law, low, high, x), u_max))
-        loop.update(inside, block.op("inside_all", "and", inside, strictly_inside(block, low, high, x)))
-    block.leave(Select(inside, OK, OUTSIDE))
+        place = place_of(block, law, (low, high), x, law.gain)
+        loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
+        block.store("u", i, control_component(block, law, place, u_max))
+    block.leave(Select(outside, OUTSIDE, OK))
     gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
     doc = (
         f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"

@@ -1,8 +1,8 @@
 """P7: a bound on how far the emitted arithmetic moves an edge of a refined tube.
 
-Two causes. *Time*: the emitted u is fl(t * fl(K/t_c)), within K (2 eps + eps^2) of K t / t_c (eps half a unit in the
-last place of 1), and the comparison with fl(t_c) moves the end by no more than that again; the edge then moves by its
-steepest slope times that. *Evaluation*: weights and blend, bounded by the `rounding` reader over the very kernels that
+Two causes. *Time*: the emitted u is fl(t * fl(K/t_c)), within K (2 eps + eps^2) of K t / t_c (eps half a unit in the last
+place of 1), held at the last number below K, which is at most 2 K eps below it; so u is within the former of the true one for
+every t. The edge then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the `rounding` reader over the very kernels that
 are printed. s = u - floor(u) is exact. The table is exact.
 """
 
@@ -22,7 +22,7 @@ from stt_codegen.program.rounding import Inexact, rounding_error
 def time_error(design: RefinedDesign, scalar: str) -> Fraction:
     """Bound on the error of the emitted spline time u, in segments."""
     eps = FORMATS[scalar].roundoff
-    return design.segments * (4 * eps + 4 * eps * eps) + FORMATS[scalar].tiny
+    return design.segments * (2 * eps + eps * eps) + FORMATS[scalar].tiny
 
 
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:

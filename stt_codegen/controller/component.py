@@ -1,7 +1,8 @@
 """The frame around (13) for one component of the state: clamp, error transform, law; and the public `transform`.
 
 Clamping e to [-e_max, e_max] is the same as keeping both distances a = x - gamma_L and b = gamma_U - x within
-[c, 1 - c] times the width, c = (1 - e_max) / 2. In that form nothing overflows and no division is by zero, whatever x is.
+[c, 1 - c] times the width, c = (1 - e_max) / 2. Only the lesser of them can be below c, and the other one is what the width
+leaves: so one comparison clamps, nothing overflows and no division is by zero, whatever x is.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
+from stt_codegen.controller.logarithm import without_library
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
 from stt_codegen.program.lower import lower
@@ -53,8 +55,11 @@ def control_law_of(task: Task) -> Law:
         raise BadInput(
             f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
         )
+    normalized, transformed, law = _kernels_of_the_law()
     return Law(
-        *_kernels_of_the_law(),
+        normalized,
+        without_library(transformed) if task.emit.math == "inline" else transformed,
+        law,
         gain=gain,
         e_max=e_max,
         u_max=None if task.control.u_max is None else tuple(round_down(v, scalar) for v in task.control.u_max),
@@ -77,53 +82,60 @@ def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
 
 
 @dataclass(frozen=True)
-class Distances:
-    """Clamped distances of x to both edges; the room between the edges and the width used for it (never below
-    LEAST_WIDTH); whether the tube is empty in this component (None where it never is)."""
+class Place:
+    """Where x stands between its two edges: the distance to the nearer one (negative outside), whether that is the upper one, and
+    `gain` with the sign of that side (minus at the upper one); near and far, the clamped distances to both, and the width that they add up to (never below
+    LEAST_WIDTH); the room between the edges; whether the tube is empty in this component (None where it never is)."""
 
-    a: Var
-    b: Var
-    room: Var
+    nearest: Var
+    upper_nearer: Var
+    gain: Var
+    near: Var
+    far: Var
     width: Var
+    room: Var
     empty: Var | None
 
 
-def clamped_distances(
-    block: Block, law: Law, lower_edge: Operand, upper_edge: Operand, x: Operand, guarded: bool = True
-) -> Distances:
-    """Statements for a and b, each within [c, 1 - c] times the width. Without `guarded` the caller knows that the edges are
-    more than LEAST_WIDTH apart."""
-    near_share = (1 - law.e_max) / 2
-    room = block.op("room", "sub", upper_edge, lower_edge)
-    if guarded:
-        filled = block.op("filled", "lt", real(0), room)
-        empty = block.op("empty", "not", filled)
-        wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
-        width = block.select("width", wide, room, real(LEAST_WIDTH))
-        least = block.op("least", "mul", width, real(near_share))
-        most = block.op("most", "mul", width, real(1 - near_share))
-        a = _clamp(block, "a", block.op("to_lower", "sub", x, lower_edge), least, most)
-        b = _clamp(block, "b", block.op("to_upper", "sub", upper_edge, x), least, most)
-        return Distances(a, b, room, width, empty)
-    least = block.op("least", "mul", room, real(near_share))
-    most = block.op("most", "mul", room, real(1 - near_share))
+def _nearest(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> tuple[Var, Var]:
+    """Statements for the distance of x to the nearer edge and whether that is the upper one. It is above 0 just where
+    lower < x < upper: a difference of two numbers has the sign of their comparison, gradual underflow included."""
     to_lower = block.op("to_lower", "sub", x, lower_edge)
     to_upper = block.op("to_upper", "sub", upper_edge, x)
-    # a + b is the room: where one is below `least`, the other is above `most` (not so for the guarded width)
-    near_lower = block.op("near_lower", "lt", to_lower, least)
-    a_raised = block.select("a_raised", near_lower, least, to_lower)
-    b_held = block.select("b_held", near_lower, most, to_upper)
-    near_upper = block.op("near_upper", "lt", b_held, least)
-    a = block.select("a", near_upper, most, a_raised)
-    b = block.select("b", near_upper, least, b_held)
-    return Distances(a, b, room, room, None)
+    upper_nearer = block.op("upper_nearer", "lt", to_upper, to_lower)
+    return block.select("nearest", upper_nearer, to_upper, to_lower), upper_nearer
 
 
-def strictly_inside(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:
+def _width(block: Block, room: Var) -> Var:
+    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
+    return block.select("width", wide, room, real(LEAST_WIDTH))
+
+
+def place_of(
+    block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand, gain: Fraction, guarded: bool = True
+) -> Place:
+    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width. A NaN counts as
+    outside. Without `guarded` the caller knows that the edges are more than LEAST_WIDTH apart."""
+    lower_edge, upper_edge = edges
+    room = block.op("room", "sub", upper_edge, lower_edge)
+    empty = block.op("empty", "not", block.op("filled", "lt", real(0), room)) if guarded else None
+    width = _width(block, room) if guarded else room
+    nearest, upper_nearer = _nearest(block, lower_edge, upper_edge, x)
+    signed = block.select("side" if gain == 1 else "gain", upper_nearer, real(-gain), real(gain))
+    least = block.op("least", "mul", width, real((1 - law.e_max) / 2))
+    if guarded:  # about the middle of a tube that is narrower; the upper bound is for edges that are no tube, NaN included
+        spare = block.op("spare", "mul", block.op("widened", "sub", width, room), real(Fraction(1, 2)))
+        half = block.op("half", "mul", width, real(Fraction(1, 2)))
+        near = _clamp(block, "near", block.op("shifted", "add", nearest, spare), least, half)
+    else:
+        near = block.select("near", block.op("clear", "lt", least, nearest), nearest, least)
+    far = block.op("far", "sub", width, near)
+    return Place(nearest, upper_nearer, signed, near, far, width, room, empty)
+
+
+def inside_of(block: Block, place: Place) -> Var:
     """Statements for lower < x < upper, false in an empty tube."""
-    above = block.op("above", "lt", lower_edge, x)
-    below = block.op("below", "lt", x, upper_edge)
-    return block.op("within", "and", above, below)
+    return block.op("within", "lt", real(0), place.nearest)
 
 
 def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:
@@ -134,11 +146,13 @@ def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand)
     return block.select(name, over, high, raised)
 
 
-def control_component(block: Block, law: Law, distances: Distances, u_max: Operand | None) -> Var:
-    """Statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated if asked."""
-    epsilon, xi = block.call(law.transformed_error, distances.a, distances.b)
-    (push,) = block.call(law.law, real(law.gain), xi, epsilon, names=("push",))
-    u = push if distances.empty is None else block.select("u_law", distances.empty, real(0), push)
+def control_component(block: Block, law: Law, place: Place, u_max: Operand | None) -> Var:
+    """Statements for one component of u: (13) on the clamped distances, 0 where the tube is empty, saturated if asked.
+
+    (13) is odd about the middle of the tube: measured from the upper edge, a and b change places and u its sign."""
+    epsilon, xi = block.call(law.transformed_error, place.near, place.far)
+    (push,) = block.call(law.law, place.gain, xi, epsilon, names=("push",))
+    u = push if place.empty is None else block.select("u_law", place.empty, real(0), push)
     if u_max is None:
         return u
     minus = block.op("u_min", "neg", u_max)
@@ -147,15 +161,11 @@ def control_component(block: Block, law: Law, distances: Distances, u_max: Opera
 
 def margin_component(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:
     """Statements for the distance of x to the nearer edge over the width, at least -1."""
-    room = block.op("room", "sub", upper_edge, lower_edge)
-    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
-    width = block.select("width", wide, room, real(LEAST_WIDTH))
-    to_lower = block.op("to_lower", "sub", x, lower_edge)
-    to_upper = block.op("to_upper", "sub", upper_edge, x)
-    nearer = block.op("nearer", "lt", to_lower, to_upper)
-    share = block.op("share", "div", block.select("distance", nearer, to_lower, to_upper), width)
-    far = block.op("far", "lt", share, real(-1))
-    return block.select("held_share", far, real(-1), share)
+    width = _width(block, block.op("room", "sub", upper_edge, lower_edge))
+    nearest, _ = _nearest(block, lower_edge, upper_edge, x)
+    share = block.op("share", "div", nearest, width)
+    beyond = block.op("beyond", "lt", share, real(-1))
+    return block.select("held_share", beyond, real(-1), share)
 
 
 MARGIN_DOC = (
@@ -173,10 +183,13 @@ def transform_function(law: Law, n: int) -> Function:
         lower_edge = block.let("lower_edge", Load("lower", i))
         upper_edge = block.let("upper_edge", Load("upper", i))
         x = block.let("x_i", Load("x", i))
-        d = clamped_distances(block, law, lower_edge, upper_edge, x)
-        (raw,) = block.call(law.normalized_error, d.a, d.b, d.width, names=("e_raw",))
+        d = place_of(block, law, (lower_edge, upper_edge), x, Fraction(1))
+        a = block.select("a", d.upper_nearer, d.far, d.near)
+        b = block.select("b", d.upper_nearer, d.near, d.far)
+        (raw,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))
         e = _clamp(block, "e_held", raw, real(-law.e_max), real(law.e_max))
-        epsilon, xi = block.call(law.transformed_error, d.a, d.b, names=("epsilon_i", "xi_i"))
+        size, xi = block.call(law.transformed_error, d.near, d.far, names=("epsilon_near", "xi_i"))
+        epsilon = block.op("epsilon_i", "mul", d.gain, size)
         finite_x = block.let("finite_x", IsFinite(x))
         finite_room = block.let("finite_room", IsFinite(d.room))
         finite = block.op("finite", "and", finite_x, finite_room)

@@ -11,17 +11,19 @@ from stt_codegen.controller.component import (
     LEAST_WIDTH,
     MARGIN_DOC,
     Law,
-    clamped_distances,
     control_component,
     control_law_of,
+    inside_of,
     margin_component,
-    strictly_inside,
+    place_of,
     transform_function,
 )
 from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
+from stt_codegen.program.number import largest_below
 from stt_codegen.program.program import (
+    FALSE,
     NAN,
     REAL,
     STATUS,
@@ -62,7 +64,7 @@ class SplineKernels:
 def refined_program(task: Task, design: RefinedDesign) -> Program:
     """Everything that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar."""
     n = design.dimension
-    spline = SplineKernels(_segment(design), *_kernels_of_the_tube())
+    spline = SplineKernels(_segment(design, task.emit.scalar), *_kernels_of_the_tube())
     law = control_law_of(task)
     tables = [_coefficients(design)]
     if law.u_max is not None:
@@ -120,24 +122,20 @@ def _coefficients(design: RefinedDesign) -> Table:
     )
 
 
-def _segment(design: RefinedDesign) -> Kernel:
-    """t -> index of the segment's first table entry, and the place s in the segment, for t held within [0, t_c]."""
+def _segment(design: RefinedDesign, scalar: str) -> Kernel:
+    """t -> index of the segment's first table entry, and the place s in the segment, for finite t held within [0, t_c].
+
+    Spline time is held at the last number below K: its floor is then a segment whatever t is, without a second clamp."""
     k = design.segments
     t = Var("t", REAL)
     block = Block({"t", "row", "s"})
     positive = block.op("positive", "lt", real(0), t)
-    running = block.op("running", "lt", t, real(design.prescribed_time))
     started = block.select("started", positive, t, real(0))
-    held = block.select("held", running, started, real(0))
-    scaled = block.op("scaled", "mul", held, real(Fraction(k) / design.prescribed_time))
-    early = block.op("early", "lt", scaled, real(k))
-    use = block.op("use", "and", running, early)
-    u = block.select("u", use, scaled, real(k))
-    whole = block.let("whole", Trunc(u))
-    before_last = block.op("before_last", "ilt", whole, integer(k - 1))
-    index = block.select("segment", before_last, whole, integer(k - 1))
-    base = block.op("base", "real", index)
-    s = block.op("place", "sub", u, base)
+    scaled = block.op("scaled", "mul", started, real(Fraction(k) / design.prescribed_time))
+    end = real(largest_below(Fraction(k), scalar))
+    u = block.select("u", block.op("early", "lt", scaled, end), scaled, end)
+    index = block.let("segment", Trunc(u))
+    s = block.op("place", "sub", u, block.op("base", "real", index))
     row = block.op("first", "imul", index, integer(2 * design.dimension))
     return Kernel(
         name="segment",
@@ -147,7 +145,7 @@ def _segment(design: RefinedDesign) -> Kernel:
         output_names=("row", "s"),
         doc=(
             f"Spline time u = {k} t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).",
-            f"At and after t_c: the last segment and s = 1, exactly (t_c = {decimal(design.prescribed_time)} s).",
+            f"Before 0 the start; from t_c on the last number below {k} (t_c = {decimal(design.prescribed_time)} s).",
         ),
     )
 
@@ -225,13 +223,13 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
 
 
 def _not_finite(block: Block, n: int) -> Var:
-    """Whether t or a component of x is not finite: 0 times it is then NaN, and so is the sum, which is tested once."""
+    """Whether t or a component of x is not finite: 0 times it is then NaN, and so is the sum, which is else 0: tested once."""
     nought = block.op("t_zero", "mul", Var("t", REAL), real(0))
     with block.loop("j", n) as loop:
         total = loop.carry("zero", nought)
         term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
         loop.update(total, block.op("zeros", "add", total, term))
-    return block.op("bad", "not", block.let("finite", IsFinite(total)))
+    return block.op("bad", "not", block.op("finite", "le", total, real(0)))
 
 
 def _margin(spline: SplineKernels, n: int) -> Function:
@@ -263,16 +261,16 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         i = loop.index
-        inside = loop.carry("inside", TRUE)
+        outside = loop.carry("outside", FALSE)
         at = _entry(block, row, i)
         lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
         upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
         x = block.let("x_i", Load("x", i))
-        distances = clamped_distances(block, law, lower_edge, upper_edge, x, guarded)
+        place = place_of(block, law, (lower_edge, upper_edge), x, law.gain, guarded)
+        loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
         u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
-        block.store("u", i, control_component(block, law, distances, u_max))
-        loop.update(inside, block.op("inside_all", "and", inside, strictly_inside(block, lower_edge, upper_edge, x)))
-    block.leave(Select(inside, OK, OUTSIDE))
+        block.store("u", i, control_component(block, law, place, u_max))
+    block.leave(Select(outside, OUTSIDE, OK))
     gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
     return Function(
         "control",

@@ -22,13 +22,14 @@ def normalized_error() -> ca.Function:
 
 
 def transformed_error() -> ca.Function:
-    """a, b > 0 -> eps = ln(a/b) and xi = 1/a + 1/b = (1 + a/b) / a.
+    """a, b > 0 -> eps = ln(a/b) = -ln(b/a) and xi = 1/a + 1/b = (1 + b/a) / b.
 
-    xi in this form costs one division; `xi_by_differentiation` is the same number from eps itself (a test shows it).
+    xi in this form costs one division; `xi_by_differentiation` is the same number from eps itself (a test shows it). It is
+    called with a <= b, measured from the nearer edge, so that the logarithm is of a number that is not below 1.
     """
     a, b = ca.SX.sym("a"), ca.SX.sym("b")
-    ratio = a / b
-    return ca.Function("transformed_error", [a, b], [ca.log(ratio), (1 + ratio) / a], ["a", "b"], ["epsilon", "xi"])
+    ratio = b / a
+    return ca.Function("transformed_error", [a, b], [-ca.log(ratio), (1 + ratio) / b], ["a", "b"], ["epsilon", "xi"])
 
 
 def xi_by_differentiation() -> ca.Function:

@@ -22,7 +22,7 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.number import FORMATS, exponent_of, round_to
 from stt_codegen.program.program import (
     BOOL,
     INT,
@@ -62,6 +62,7 @@ class Enclosure:
         printer = _Printer(program, rounding)
         names: dict[str, Any] = {f.__name__: f for f in _HELPERS}
         names |= {"_one": arb(1, _up(form.roundoff)), "_ulps": arb(1, _up(ulps))}
+        names |= {"_least_mantissa": form.least_mantissa}
         names |= {"_tiny": arb(0, _up(form.tiny) * 2 * LIBRARY_ULPS)}
         names |= {printer.table(t.name): [ball(round_to(v, program.scalar)) for v in t.values] for t in program.tables}
         names |= {f"_k_{k.name}": self._split(k.name) for k in program.kernels}
@@ -201,8 +202,10 @@ def _finite(a: Ball) -> _Truth:
     return True if a.is_finite() else None
 
 
-def _trunc(a: Ball) -> _Int:
-    return _span((int(float(a.lower())), int(float(a.upper()))))
+def _trunc(a: Ball, most: int | None) -> _Int:
+    """`most`: the largest that it can be, where that is known; a ball's own end may be a little above it."""
+    ends = int(float(a.lower())), int(float(a.upper()))
+    return _span(ends if most is None else (min(end, most) for end in ends))
 
 
 def _added(a: _Int, b: _Int) -> _Int:
@@ -247,9 +250,22 @@ def _joined(exits: list[tuple[Any, list[list[Ball]]]]) -> tuple[list[list[Ball]]
     return outputs, statuses
 
 
+def _exponent(y: Ball, least: Fraction) -> _Int:
+    ends = []
+    for end in (y.lower(), y.upper()):
+        size = Fraction(float(end)) / least
+        ends.append(exponent_of(size) if size >= 1 else 0)
+    return _span(ends)
+
+
+def _mantissa(y: Ball, least: Fraction) -> Ball:
+    e = _exponent(y, least)
+    return y / 2**e if isinstance(e, int) else hull(float(least), float(2 * least))
+
+
 _HELPERS = (
     _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _before, _number, _load, _put,
-    _joined,
+    _joined, _exponent, _mantissa,
 )  # fmt: skip
 
 # -------------------------------------------------------------------------------------------- the printer
@@ -266,7 +282,8 @@ class _Printer:
     def __init__(self, program: Program, rounding: bool) -> None:
         self.program, self.rounding = program, rounding
         self.constants: dict[str, Ball] = {}
-        self.compares: dict[str, Op] = {}  # of the kernel or function being printed
+        self.compares: dict[str, Op] = {}  # of the kernel or function being printed, as
+        self.selects: dict[str, Select] = {}
         self.frame = False
 
     def table(self, name: str) -> str:
@@ -303,10 +320,18 @@ class _Printer:
             case IsFinite(arg=a):
                 return f"_finite({self.operand(a)})"
             case Trunc(arg=a):
-                return f"_trunc({self.operand(a)})"
+                return f"_trunc({self.operand(a)}, {self.most(a)})"
             case Load(array=array, index=index):
                 name = self.table(array) if any(t.name == array for t in self.program.tables) else array
                 return f"_load({name}, {self.operand(index)})"
+
+    def most(self, value: Operand) -> int | None:
+        """The whole part of a constant that a value is held below."""
+        held = self.selects.get(value.name) if isinstance(value, Var) else None
+        if held is None or self.extreme(held) != "min":
+            return None
+        bounds = [v.value for v in (held.then, held.other) if isinstance(v, Const)]
+        return int(round_to(Fraction(bounds[0]), self.program.scalar)) if bounds else None  # type: ignore[arg-type]
 
     def extreme(self, value: Select) -> str:
         """ "max" or "min" where a Select is just that."""
@@ -331,6 +356,8 @@ class _Printer:
             return f"_not(_both(_not({args[0]}), _not({args[1]})))"
         if name in _FRAME:
             return f"{_FRAME[name]}({', '.join(args)})"
+        if name in ("exponent", "mantissa"):
+            return f"_{name}({args[0]}, _least_mantissa)"
         if name in ("neg", "fabs"):
             return f"-{args[0]}" if name == "neg" else f"abs({args[0]})"
         if name in _ROUNDED:
@@ -390,6 +417,7 @@ class _Printer:
         self.frame = False
         values = {a.var.name: a.value for a in kernel.body}
         self.compares = {name: v for name, v in values.items() if isinstance(v, Op) and v.name in _SIGN}
+        self.selects = {name: v for name, v in values.items() if isinstance(v, Select)}
         extremes = {v.condition for v in values.values() if isinstance(v, Select) and self.extreme(v)}
         used = {o for v in values.values() if not (isinstance(v, Select) and self.extreme(v)) for o in _operands(v)}
         used |= {o for v in values.values() if isinstance(v, Select) for o in (v.then, v.other)} | set(kernel.outputs)
@@ -403,6 +431,7 @@ class _Printer:
         self.compares = {
             a.var.name: a.value for a in _assigns(function.body) if isinstance(a.value, Op) and a.value.name in ("lt", "le")
         }
+        self.selects = {a.var.name: a.value for a in _assigns(function.body) if isinstance(a.value, Select)}
         zero = self._constant("_zero", arb(0))
         inputs = ", ".join(p.name for p in function.inputs)
         lines = [f"def {function.name}({inputs}):", "    _exits = []"]

@@ -36,6 +36,7 @@ from stt_codegen.program.program import (
     Trunc,
     Type,
     Var,
+    uses_split,
 )
 
 _INFIX = {
@@ -52,6 +53,33 @@ _INFIX = {
     "ilt": "<",
 }
 LITERALS_A_LINE = 4
+_BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
+    "float": ("uint32_t", 23, "0x3f3504f3U"),
+    "double": ("uint64_t", 52, "0x3fe6a09e667f3bcdU"),
+}
+
+
+def split_lines(prefix: str, scalar: str) -> list[str]:
+    """The C of the nodes `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
+    word, shift, least = _BITS[scalar]
+    head = [f"    {word} bits;", "    memcpy(&bits, &y, sizeof bits);"]
+    return [
+        "/* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */",
+        f"static inline int32_t {prefix}_exponent({prefix}_real y)",
+        "{",
+        *head,
+        f"    return (int32_t)((bits - {least}) >> {shift});",
+        "}",
+        "",
+        f"static inline {prefix}_real {prefix}_mantissa({prefix}_real y)",
+        "{",
+        *head,
+        f"    bits = ((bits - {least}) & {(1 << shift) - 1:#x}U) + {least};",
+        f"    {prefix}_real m;",
+        "    memcpy(&m, &bits, sizeof m);",
+        "    return m;",
+        "}",
+    ]
 
 
 class CPrinter:
@@ -62,6 +90,10 @@ class CPrinter:
         self.prefix = program.prefix
         self.macro = program.prefix.upper()
         self.real = f"{self.prefix}_real"
+
+    def helpers(self) -> list[str]:
+        """What some node of the program needs beside expressions."""
+        return split_lines(self.prefix, self.program.scalar) if uses_split(self.program) else []
 
     # ---- names and literals
 
@@ -117,6 +149,8 @@ class CPrinter:
                 return f"!{args[0]}"
             case "real":
                 return f"({self.real}){args[0]}"
+            case "exponent" | "mantissa":
+                return f"{self.prefix}_{name}({args[0]})"
             case "eq":  # == on reals is refused by -Wfloat-equal; this is the same, false for NaN included
                 return f"({args[0]} <= {args[1]}) && ({args[1]} <= {args[0]})"
             case "ne":
@@ -181,12 +215,12 @@ class CPrinter:
         lines = self.comment(kernel.doc)
         if len(kernel.outputs) == 1:
             kind = self.type_name(kernel.outputs[0].type)
-            lines += self.wrap(f"static {kind} {self.prefix}_{kernel.name}(", inputs, ")")
+            lines += self.wrap(f"static inline {kind} {self.prefix}_{kernel.name}(", inputs, ")")
             return [*lines, "{", *self.statements(kernel.body), f"    return {self.expression(kernel.outputs[0])};", "}"]
         taken = {v.name for v in kernel.inputs} | {a.var.name for a in kernel.body}
         names = [n + "_out" if n in taken else n for n in kernel.output_names]
         outs = [f"{self.type_name(o.type)} *{n}" for o, n in zip(kernel.outputs, names, strict=True)]
-        lines += self.wrap(f"static void {self.prefix}_{kernel.name}(", inputs + outs, ")")
+        lines += self.wrap(f"static inline void {self.prefix}_{kernel.name}(", inputs + outs, ")")
         stores = [f"    *{n} = {self.expression(o)};" for n, o in zip(names, kernel.outputs, strict=True)]
         return [*lines, "{", *self.statements(kernel.body), *stores, "}"]
 

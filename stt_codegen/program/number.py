@@ -30,6 +30,11 @@ class Format:
         return Fraction(2) ** (self.least - self.precision)
 
     @property
+    def least_mantissa(self) -> Fraction:
+        """Where the nodes `exponent` and `mantissa` cut: 1/sqrt 2, rounded."""
+        return round_to(Fraction("0.70710678118654752440"), "float" if self.precision == 24 else "double")
+
+    @property
     def largest(self) -> Fraction:
         return (2 - Fraction(2) ** (1 - self.precision)) * Fraction(2) ** self.greatest
 
@@ -66,6 +71,12 @@ def round_down(value: Fraction, scalar: str) -> Fraction:
     """The largest number of the format that is not above a positive value."""
     nearest = round_to(value, scalar)
     return nearest if nearest <= value else round_to(value - Fraction(2) ** ulp_exponent(value, scalar) / 2, scalar)
+
+
+def largest_below(value: Fraction, scalar: str) -> Fraction:
+    """The largest number of the format below a positive value."""
+    exact = round_down(value, scalar)
+    return exact if exact < value else round_down(exact - Fraction(2) ** (ulp_exponent(exact, scalar) - 2), scalar)
 
 
 def _within(value: float, scalar: str) -> float:

@@ -40,6 +40,9 @@ OPERATIONS: dict[str, tuple[tuple[Type, ...], Type]] = {
     "imul": ((INT, INT), INT),
     "ilt": ((INT, INT), BOOL),
     "real": ((INT,), REAL),
+    # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact
+    "exponent": ((REAL,), INT),
+    "mantissa": ((REAL,), REAL),
 }
 
 MATH_CALLS = frozenset(
@@ -279,6 +282,12 @@ class Program:
         return next(t for t in self.tables if t.name == name)
 
 
+def uses_split(program: Program) -> bool:
+    """Whether a kernel splits a number into exponent and mantissa."""
+    values = (a.value for kernel in program.kernels for a in kernel.body)
+    return any(isinstance(v, Op) and v.name in ("exponent", "mantissa") for v in values)
+
+
 # ------------------------------------------------------------------------------------------------ building
 
 
@@ -363,4 +372,4 @@ def integer(value: int) -> Const:
     return Const(value, INT)
 
 
-TRUE, NAN = Const(True, BOOL), Const(None, REAL)
+TRUE, FALSE, NAN = Const(True, BOOL), Const(False, BOOL), Const(None, REAL)

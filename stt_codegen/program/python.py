@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from stt_codegen.program.number import round_to, shortest
+from stt_codegen.program.number import FORMATS, round_to, shortest
 from stt_codegen.program.program import (
     INT,
     MATH_CALLS,
@@ -27,6 +27,7 @@ from stt_codegen.program.program import (
     Table,
     Trunc,
     Var,
+    uses_split,
 )
 
 _INFIX = {
@@ -55,6 +56,18 @@ class PythonPrinter:
 
     def __init__(self, program: Program) -> None:
         self.program = program
+
+    def helpers(self) -> list[str]:
+        """What some node of the program needs beside expressions."""
+        if not uses_split(self.program):
+            return []
+        least = self.literal(Const(FORMATS[self.program.scalar].least_mantissa))
+        return [
+            "def _split(y):",
+            '    """m and e with y = m 2^e, m in [1/sqrt 2, sqrt 2)."""',
+            "    m, e = math.frexp(y)",
+            f"    return (m, e) if m >= {least} else (2.0 * m, e - 1)",
+        ]
 
     def literal(self, constant: Const) -> str:
         value = constant.value
@@ -99,6 +112,8 @@ class PythonPrinter:
                 return f"not {args[0]}"
             case "real":
                 return f"float({args[0]})"
+            case "exponent" | "mantissa":
+                return f"_split({args[0]})[{0 if name == 'mantissa' else 1}]"
         raise NotImplementedError(f"Python has no printer for operation {name!r}")
 
     def array(self, name: str) -> str:

@@ -18,6 +18,7 @@ from typing import Any
 
 from pycparser import c_ast, c_parser
 
+from stt_codegen.program.c import split_lines
 from stt_codegen.program.number import round_to
 from stt_codegen.program.program import (
     BOOL,
@@ -150,7 +151,8 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
         raise Unreadable("the header has no dimension or no scalar type")
     reader = _Reader(prefix, real.group(1), int(dimension.group(1)))
     known = f"typedef {real.group(1)} {prefix}_real; typedef int int32_t; typedef int bool; typedef int {prefix}_status;\n"
-    code = re.sub(r"/\*.*?\*/", " ", source, flags=re.S)
+    split = "\n".join(split_lines(prefix, scalar)) + "\n"  # the one text that is no Program; as printed, or it is read as one
+    code = re.sub(r"/\*.*?\*/", " ", source.replace(split, ""), flags=re.S)
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)
@@ -165,6 +167,7 @@ class _Reader:
         self.tables: list[Table] = []
         self.kernels: list[Kernel] = []
         self.functions: list[Function] = []
+        self.splits = {f"{prefix}_exponent", f"{prefix}_mantissa"}
         self.types: dict[str, Type] = {}
         self.pointers: list[str] = []  # of a kernel: where its outputs go, in order
 
@@ -254,6 +257,8 @@ class _Reader:
                 array = node.name.name
                 own = array in self.types
                 return Load(array if own else self.name(array), self.operand(node.subscript))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name in self.splits:
+                return Op(self.name(name), tuple(map(self.operand, args.exprs)))
             case c_ast.FuncCall(name=c_ast.ID(name=name)):
                 operation = name.removesuffix("f") if self.scalar == "float" else name
                 if operation not in MATH_CALLS | {"fabs"}:
@@ -287,8 +292,8 @@ class _Reader:
             match node:
                 case c_ast.Decl(init=None):
                     self.types[node.name] = self.kind(node.type)
-                case c_ast.Decl(quals=["const"], init=c_ast.FuncCall(name=c_ast.ID(name=name), args=args)) if name.startswith(
-                    f"{self.prefix}_"
+                case c_ast.Decl(quals=["const"], init=c_ast.FuncCall(name=c_ast.ID(name=name), args=args)) if (
+                    name.startswith(f"{self.prefix}_") and name not in self.splits
                 ):
                     given = tuple(map(self.operand, args.exprs))
                     body.append(Call((self.declare(node),), self.name(name), given))

@@ -58,21 +58,16 @@ static const empty_real empty_coefficients[140] = {
 };
 
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
- * At and after t_c: the last segment and s = 1, exactly (t_c = 4 s).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 4 s).
  */
-static void empty_segment(empty_real t, int32_t *row, empty_real *s)
+static inline void empty_segment(empty_real t, int32_t *row, empty_real *s)
 {
     const bool positive = 0.0 < t;
-    const bool running = t < 4.0;
     const empty_real started = positive ? t : 0.0;
-    const empty_real held = running ? started : 0.0;
-    const empty_real scaled = held * 8.0;
-    const bool early = scaled < 32.0;
-    const bool use = running && early;
-    const empty_real u = use ? scaled : 32.0;
-    const int32_t whole = (int32_t)u;
-    const bool before_last = whole < 31;
-    const int32_t segment = before_last ? whole : 31;
+    const empty_real scaled = started * 8.0;
+    const bool early = scaled < 31.999999999999996;
+    const empty_real u = early ? scaled : 31.999999999999996;
+    const int32_t segment = (int32_t)u;
     const empty_real base = (empty_real)segment;
     const empty_real place = u - base;
     const int32_t first = segment * 4;
@@ -81,7 +76,7 @@ static void empty_segment(empty_real t, int32_t *row, empty_real *s)
 }
 
 /* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
-static void empty_basis(empty_real s, empty_real *w0, empty_real *w1, empty_real *w2, empty_real *w3)
+static inline void empty_basis(empty_real s, empty_real *w0, empty_real *w1, empty_real *w2, empty_real *w3)
 {
     const empty_real v0 = 1.0 - s;
     const empty_real v1 = v0 * v0;
@@ -102,7 +97,8 @@ static void empty_basis(empty_real s, empty_real *w0, empty_real *w1, empty_real
 }
 
 /* Derivative of the weights with respect to s. */
-static void empty_basis_rate(empty_real s, empty_real *dw0, empty_real *dw1, empty_real *dw2, empty_real *dw3)
+static inline void empty_basis_rate(empty_real s, empty_real *dw0, empty_real *dw1, empty_real *dw2,
+                                    empty_real *dw3)
 {
     const empty_real v0 = 1.0 - s;
     const empty_real v1 = v0 + v0;
@@ -130,8 +126,8 @@ static void empty_basis_rate(empty_real s, empty_real *dw0, empty_real *dw1, emp
 }
 
 /* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static empty_real empty_blend(empty_real w0, empty_real w1, empty_real w2, empty_real w3, empty_real q0,
-                              empty_real q1, empty_real q2, empty_real q3)
+static inline empty_real empty_blend(empty_real w0, empty_real w1, empty_real w2, empty_real w3, empty_real q0,
+                                     empty_real q1, empty_real q2, empty_real q3)
 {
     const empty_real v0 = w0 * q0;
     const empty_real v1 = w1 * q1;
@@ -144,7 +140,7 @@ static empty_real empty_blend(empty_real w0, empty_real w1, empty_real w2, empty
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static empty_real empty_normalized_error(empty_real a, empty_real b, empty_real width)
+static inline empty_real empty_normalized_error(empty_real a, empty_real b, empty_real width)
 {
     const empty_real v0 = a - b;
     const empty_real v1 = v0 / width;
@@ -152,18 +148,19 @@ static empty_real empty_normalized_error(empty_real a, empty_real b, empty_real 
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void empty_transformed_error(empty_real a, empty_real b, empty_real *epsilon, empty_real *xi)
+static inline void empty_transformed_error(empty_real a, empty_real b, empty_real *epsilon, empty_real *xi)
 {
-    const empty_real v0 = a / b;
+    const empty_real v0 = b / a;
     const empty_real v1 = log(v0);
-    const empty_real v2 = 1.0 + v0;
-    const empty_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const empty_real v2 = -v1;
+    const empty_real v3 = 1.0 + v0;
+    const empty_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static empty_real empty_law(empty_real k, empty_real xi, empty_real epsilon)
+static inline empty_real empty_law(empty_real k, empty_real xi, empty_real epsilon)
 {
     const empty_real v0 = k * xi;
     const empty_real v1 = v0 * epsilon;
@@ -273,7 +270,7 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
         const empty_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -289,7 +286,7 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
     empty_real w2;
     empty_real w3;
     empty_basis(s, &w0, &w1, &w2, &w3);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
         const int32_t at = row + pair;
@@ -312,28 +309,25 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
         const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const empty_real x_i = x[i];
         const empty_real room = upper_edge - lower_edge;
-        const empty_real least = room * 0.005;
-        const empty_real most = room * 0.995;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const empty_real a_raised = near_lower ? least : to_lower;
-        const empty_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const empty_real a = near_upper ? most : a_raised;
-        const empty_real b = near_upper ? least : b_held;
+        const bool upper_nearer = to_upper < to_lower;
+        const empty_real nearest = upper_nearer ? to_upper : to_lower;
+        const empty_real gain = upper_nearer ? (-0.5) : 0.5;
+        const empty_real least = room * 0.005;
+        const bool clear = least < nearest;
+        const empty_real near = clear ? nearest : least;
+        const empty_real far = room - near;
+        const bool within = 0.0 < nearest;
+        const bool outside_any = within ? outside : true;
         empty_real epsilon;
         empty_real xi;
-        empty_transformed_error(a, b, &epsilon, &xi);
-        const empty_real push = empty_law(0.5, xi, epsilon);
+        empty_transformed_error(near, far, &epsilon, &xi);
+        const empty_real push = empty_law(gain, xi, epsilon);
         u[i] = push;
-        const bool above = lower_edge < x_i;
-        const bool below = x_i < upper_edge;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? EMPTY_OK : EMPTY_OUTSIDE_TUBE;
+    return outside ? EMPTY_OUTSIDE_TUBE : EMPTY_OK;
 }
 
 empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
@@ -346,7 +340,7 @@ empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
         const empty_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (empty_real)NAN;
@@ -386,11 +380,11 @@ empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
         const empty_real width = wide ? room : 9.5367431640625e-7;
         const empty_real to_lower = x_i - lower_edge;
         const empty_real to_upper = upper_edge - x_i;
-        const bool nearer = to_lower < to_upper;
-        const empty_real distance = nearer ? to_lower : to_upper;
-        const empty_real share = distance / width;
-        const bool far = share < (-1.0);
-        const empty_real held_share = far ? (-1.0) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const empty_real nearest = upper_nearer ? to_upper : to_lower;
+        const empty_real share = nearest / width;
+        const bool beyond = share < (-1.0);
+        const empty_real held_share = beyond ? (-1.0) : share;
         const bool less = held_share < margin;
         const empty_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -411,26 +405,32 @@ void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMP
         const bool empty = !filled;
         const bool wide = 9.5367431640625e-7 < room;
         const empty_real width = wide ? room : 9.5367431640625e-7;
-        const empty_real least = width * 0.005;
-        const empty_real most = width * 0.995;
         const empty_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const empty_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const empty_real a = a_over ? most : a_raised;
         const empty_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const empty_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const empty_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const empty_real nearest = upper_nearer ? to_upper : to_lower;
+        const empty_real side = upper_nearer ? (-1.0) : 1.0;
+        const empty_real least = width * 0.005;
+        const empty_real widened = width - room;
+        const empty_real spare = widened * 0.5;
+        const empty_real half = width * 0.5;
+        const empty_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const empty_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const empty_real near = near_over ? half : near_raised;
+        const empty_real far = width - near;
+        const empty_real a = upper_nearer ? far : near;
+        const empty_real b = upper_nearer ? near : far;
         const empty_real e_raw = empty_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const empty_real e_held_raised = e_held_above ? e_raw : (-0.99);
         const bool e_held_over = 0.99 < e_held_raised;
         const empty_real e_held = e_held_over ? 0.99 : e_held_raised;
-        empty_real epsilon_i;
+        empty_real epsilon_near;
         empty_real xi_i;
-        empty_transformed_error(a, b, &epsilon_i, &xi_i);
+        empty_transformed_error(near, far, &epsilon_near, &xi_i);
+        const empty_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

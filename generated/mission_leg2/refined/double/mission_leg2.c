@@ -58,21 +58,16 @@ static const mission_leg2_real mission_leg2_coefficients[140] = {
 };
 
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
- * At and after t_c: the last segment and s = 1, exactly (t_c = 3 s).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 3 s).
  */
-static void mission_leg2_segment(mission_leg2_real t, int32_t *row, mission_leg2_real *s)
+static inline void mission_leg2_segment(mission_leg2_real t, int32_t *row, mission_leg2_real *s)
 {
     const bool positive = 0.0 < t;
-    const bool running = t < 3.0;
     const mission_leg2_real started = positive ? t : 0.0;
-    const mission_leg2_real held = running ? started : 0.0;
-    const mission_leg2_real scaled = held * 10.666666666666666;
-    const bool early = scaled < 32.0;
-    const bool use = running && early;
-    const mission_leg2_real u = use ? scaled : 32.0;
-    const int32_t whole = (int32_t)u;
-    const bool before_last = whole < 31;
-    const int32_t segment = before_last ? whole : 31;
+    const mission_leg2_real scaled = started * 10.666666666666666;
+    const bool early = scaled < 31.999999999999996;
+    const mission_leg2_real u = early ? scaled : 31.999999999999996;
+    const int32_t segment = (int32_t)u;
     const mission_leg2_real base = (mission_leg2_real)segment;
     const mission_leg2_real place = u - base;
     const int32_t first = segment * 4;
@@ -81,8 +76,8 @@ static void mission_leg2_segment(mission_leg2_real t, int32_t *row, mission_leg2
 }
 
 /* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
-static void mission_leg2_basis(mission_leg2_real s, mission_leg2_real *w0, mission_leg2_real *w1,
-                               mission_leg2_real *w2, mission_leg2_real *w3)
+static inline void mission_leg2_basis(mission_leg2_real s, mission_leg2_real *w0, mission_leg2_real *w1,
+                                      mission_leg2_real *w2, mission_leg2_real *w3)
 {
     const mission_leg2_real v0 = 1.0 - s;
     const mission_leg2_real v1 = v0 * v0;
@@ -103,8 +98,8 @@ static void mission_leg2_basis(mission_leg2_real s, mission_leg2_real *w0, missi
 }
 
 /* Derivative of the weights with respect to s. */
-static void mission_leg2_basis_rate(mission_leg2_real s, mission_leg2_real *dw0, mission_leg2_real *dw1,
-                                    mission_leg2_real *dw2, mission_leg2_real *dw3)
+static inline void mission_leg2_basis_rate(mission_leg2_real s, mission_leg2_real *dw0, mission_leg2_real *dw1,
+                                           mission_leg2_real *dw2, mission_leg2_real *dw3)
 {
     const mission_leg2_real v0 = 1.0 - s;
     const mission_leg2_real v1 = v0 + v0;
@@ -132,9 +127,10 @@ static void mission_leg2_basis_rate(mission_leg2_real s, mission_leg2_real *dw0,
 }
 
 /* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static mission_leg2_real mission_leg2_blend(mission_leg2_real w0, mission_leg2_real w1, mission_leg2_real w2,
-                                            mission_leg2_real w3, mission_leg2_real q0, mission_leg2_real q1,
-                                            mission_leg2_real q2, mission_leg2_real q3)
+static inline mission_leg2_real mission_leg2_blend(mission_leg2_real w0, mission_leg2_real w1,
+                                                   mission_leg2_real w2, mission_leg2_real w3,
+                                                   mission_leg2_real q0, mission_leg2_real q1,
+                                                   mission_leg2_real q2, mission_leg2_real q3)
 {
     const mission_leg2_real v0 = w0 * q0;
     const mission_leg2_real v1 = w1 * q1;
@@ -147,8 +143,8 @@ static mission_leg2_real mission_leg2_blend(mission_leg2_real w0, mission_leg2_r
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static mission_leg2_real mission_leg2_normalized_error(mission_leg2_real a, mission_leg2_real b,
-                                                       mission_leg2_real width)
+static inline mission_leg2_real mission_leg2_normalized_error(mission_leg2_real a, mission_leg2_real b,
+                                                              mission_leg2_real width)
 {
     const mission_leg2_real v0 = a - b;
     const mission_leg2_real v1 = v0 / width;
@@ -156,19 +152,21 @@ static mission_leg2_real mission_leg2_normalized_error(mission_leg2_real a, miss
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void mission_leg2_transformed_error(mission_leg2_real a, mission_leg2_real b, mission_leg2_real *epsilon,
-                                           mission_leg2_real *xi)
+static inline void mission_leg2_transformed_error(mission_leg2_real a, mission_leg2_real b,
+                                                  mission_leg2_real *epsilon, mission_leg2_real *xi)
 {
-    const mission_leg2_real v0 = a / b;
+    const mission_leg2_real v0 = b / a;
     const mission_leg2_real v1 = log(v0);
-    const mission_leg2_real v2 = 1.0 + v0;
-    const mission_leg2_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const mission_leg2_real v2 = -v1;
+    const mission_leg2_real v3 = 1.0 + v0;
+    const mission_leg2_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static mission_leg2_real mission_leg2_law(mission_leg2_real k, mission_leg2_real xi, mission_leg2_real epsilon)
+static inline mission_leg2_real mission_leg2_law(mission_leg2_real k, mission_leg2_real xi,
+                                                 mission_leg2_real epsilon)
 {
     const mission_leg2_real v0 = k * xi;
     const mission_leg2_real v1 = v0 * epsilon;
@@ -281,7 +279,7 @@ mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2
         const mission_leg2_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -297,7 +295,7 @@ mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2
     mission_leg2_real w2;
     mission_leg2_real w3;
     mission_leg2_basis(s, &w0, &w1, &w2, &w3);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
         const int32_t at = row + pair;
@@ -320,28 +318,25 @@ mission_leg2_status mission_leg2_control(mission_leg2_real t, const mission_leg2
         const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const mission_leg2_real x_i = x[i];
         const mission_leg2_real room = upper_edge - lower_edge;
-        const mission_leg2_real least = room * 0.005;
-        const mission_leg2_real most = room * 0.995;
         const mission_leg2_real to_lower = x_i - lower_edge;
         const mission_leg2_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const mission_leg2_real a_raised = near_lower ? least : to_lower;
-        const mission_leg2_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const mission_leg2_real a = near_upper ? most : a_raised;
-        const mission_leg2_real b = near_upper ? least : b_held;
+        const bool upper_nearer = to_upper < to_lower;
+        const mission_leg2_real nearest = upper_nearer ? to_upper : to_lower;
+        const mission_leg2_real gain = upper_nearer ? (-0.5) : 0.5;
+        const mission_leg2_real least = room * 0.005;
+        const bool clear = least < nearest;
+        const mission_leg2_real near = clear ? nearest : least;
+        const mission_leg2_real far = room - near;
+        const bool within = 0.0 < nearest;
+        const bool outside_any = within ? outside : true;
         mission_leg2_real epsilon;
         mission_leg2_real xi;
-        mission_leg2_transformed_error(a, b, &epsilon, &xi);
-        const mission_leg2_real push = mission_leg2_law(0.5, xi, epsilon);
+        mission_leg2_transformed_error(near, far, &epsilon, &xi);
+        const mission_leg2_real push = mission_leg2_law(gain, xi, epsilon);
         u[i] = push;
-        const bool above = lower_edge < x_i;
-        const bool below = x_i < upper_edge;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? MISSION_LEG2_OK : MISSION_LEG2_OUTSIDE_TUBE;
+    return outside ? MISSION_LEG2_OUTSIDE_TUBE : MISSION_LEG2_OK;
 }
 
 mission_leg2_real mission_leg2_margin(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N])
@@ -354,7 +349,7 @@ mission_leg2_real mission_leg2_margin(mission_leg2_real t, const mission_leg2_re
         const mission_leg2_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (mission_leg2_real)NAN;
@@ -394,11 +389,11 @@ mission_leg2_real mission_leg2_margin(mission_leg2_real t, const mission_leg2_re
         const mission_leg2_real width = wide ? room : 9.5367431640625e-7;
         const mission_leg2_real to_lower = x_i - lower_edge;
         const mission_leg2_real to_upper = upper_edge - x_i;
-        const bool nearer = to_lower < to_upper;
-        const mission_leg2_real distance = nearer ? to_lower : to_upper;
-        const mission_leg2_real share = distance / width;
-        const bool far = share < (-1.0);
-        const mission_leg2_real held_share = far ? (-1.0) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const mission_leg2_real nearest = upper_nearer ? to_upper : to_lower;
+        const mission_leg2_real share = nearest / width;
+        const bool beyond = share < (-1.0);
+        const mission_leg2_real held_share = beyond ? (-1.0) : share;
         const bool less = held_share < margin;
         const mission_leg2_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -420,26 +415,32 @@ void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
         const bool empty = !filled;
         const bool wide = 9.5367431640625e-7 < room;
         const mission_leg2_real width = wide ? room : 9.5367431640625e-7;
-        const mission_leg2_real least = width * 0.005;
-        const mission_leg2_real most = width * 0.995;
         const mission_leg2_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const mission_leg2_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const mission_leg2_real a = a_over ? most : a_raised;
         const mission_leg2_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const mission_leg2_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const mission_leg2_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const mission_leg2_real nearest = upper_nearer ? to_upper : to_lower;
+        const mission_leg2_real side = upper_nearer ? (-1.0) : 1.0;
+        const mission_leg2_real least = width * 0.005;
+        const mission_leg2_real widened = width - room;
+        const mission_leg2_real spare = widened * 0.5;
+        const mission_leg2_real half = width * 0.5;
+        const mission_leg2_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const mission_leg2_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const mission_leg2_real near = near_over ? half : near_raised;
+        const mission_leg2_real far = width - near;
+        const mission_leg2_real a = upper_nearer ? far : near;
+        const mission_leg2_real b = upper_nearer ? near : far;
         const mission_leg2_real e_raw = mission_leg2_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const mission_leg2_real e_held_raised = e_held_above ? e_raw : (-0.99);
         const bool e_held_over = 0.99 < e_held_raised;
         const mission_leg2_real e_held = e_held_over ? 0.99 : e_held_raised;
-        mission_leg2_real epsilon_i;
+        mission_leg2_real epsilon_near;
         mission_leg2_real xi_i;
-        mission_leg2_transformed_error(a, b, &epsilon_i, &xi_i);
+        mission_leg2_transformed_error(near, far, &epsilon_near, &xi_i);
+        const mission_leg2_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

@@ -93,21 +93,16 @@ static const omni_heading_real omni_heading_coefficients[210] = {
 };
 
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
- * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
  */
-static void omni_heading_segment(omni_heading_real t, int32_t *row, omni_heading_real *s)
+static inline void omni_heading_segment(omni_heading_real t, int32_t *row, omni_heading_real *s)
 {
     const bool positive = 0.0F < t;
-    const bool running = t < 9.0F;
     const omni_heading_real started = positive ? t : 0.0F;
-    const omni_heading_real held = running ? started : 0.0F;
-    const omni_heading_real scaled = held * 3.5555556F;
-    const bool early = scaled < 32.0F;
-    const bool use = running && early;
-    const omni_heading_real u = use ? scaled : 32.0F;
-    const int32_t whole = (int32_t)u;
-    const bool before_last = whole < 31;
-    const int32_t segment = before_last ? whole : 31;
+    const omni_heading_real scaled = started * 3.5555556F;
+    const bool early = scaled < 31.999998F;
+    const omni_heading_real u = early ? scaled : 31.999998F;
+    const int32_t segment = (int32_t)u;
     const omni_heading_real base = (omni_heading_real)segment;
     const omni_heading_real place = u - base;
     const int32_t first = segment * 6;
@@ -116,8 +111,8 @@ static void omni_heading_segment(omni_heading_real t, int32_t *row, omni_heading
 }
 
 /* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
-static void omni_heading_basis(omni_heading_real s, omni_heading_real *w0, omni_heading_real *w1,
-                               omni_heading_real *w2, omni_heading_real *w3)
+static inline void omni_heading_basis(omni_heading_real s, omni_heading_real *w0, omni_heading_real *w1,
+                                      omni_heading_real *w2, omni_heading_real *w3)
 {
     const omni_heading_real v0 = 1.0F - s;
     const omni_heading_real v1 = v0 * v0;
@@ -138,8 +133,8 @@ static void omni_heading_basis(omni_heading_real s, omni_heading_real *w0, omni_
 }
 
 /* Derivative of the weights with respect to s. */
-static void omni_heading_basis_rate(omni_heading_real s, omni_heading_real *dw0, omni_heading_real *dw1,
-                                    omni_heading_real *dw2, omni_heading_real *dw3)
+static inline void omni_heading_basis_rate(omni_heading_real s, omni_heading_real *dw0, omni_heading_real *dw1,
+                                           omni_heading_real *dw2, omni_heading_real *dw3)
 {
     const omni_heading_real v0 = 1.0F - s;
     const omni_heading_real v1 = v0 + v0;
@@ -167,9 +162,10 @@ static void omni_heading_basis_rate(omni_heading_real s, omni_heading_real *dw0,
 }
 
 /* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static omni_heading_real omni_heading_blend(omni_heading_real w0, omni_heading_real w1, omni_heading_real w2,
-                                            omni_heading_real w3, omni_heading_real q0, omni_heading_real q1,
-                                            omni_heading_real q2, omni_heading_real q3)
+static inline omni_heading_real omni_heading_blend(omni_heading_real w0, omni_heading_real w1,
+                                                   omni_heading_real w2, omni_heading_real w3,
+                                                   omni_heading_real q0, omni_heading_real q1,
+                                                   omni_heading_real q2, omni_heading_real q3)
 {
     const omni_heading_real v0 = w0 * q0;
     const omni_heading_real v1 = w1 * q1;
@@ -182,8 +178,8 @@ static omni_heading_real omni_heading_blend(omni_heading_real w0, omni_heading_r
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static omni_heading_real omni_heading_normalized_error(omni_heading_real a, omni_heading_real b,
-                                                       omni_heading_real width)
+static inline omni_heading_real omni_heading_normalized_error(omni_heading_real a, omni_heading_real b,
+                                                              omni_heading_real width)
 {
     const omni_heading_real v0 = a - b;
     const omni_heading_real v1 = v0 / width;
@@ -191,19 +187,21 @@ static omni_heading_real omni_heading_normalized_error(omni_heading_real a, omni
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void omni_heading_transformed_error(omni_heading_real a, omni_heading_real b, omni_heading_real *epsilon,
-                                           omni_heading_real *xi)
+static inline void omni_heading_transformed_error(omni_heading_real a, omni_heading_real b,
+                                                  omni_heading_real *epsilon, omni_heading_real *xi)
 {
-    const omni_heading_real v0 = a / b;
+    const omni_heading_real v0 = b / a;
     const omni_heading_real v1 = logf(v0);
-    const omni_heading_real v2 = 1.0F + v0;
-    const omni_heading_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const omni_heading_real v2 = -v1;
+    const omni_heading_real v3 = 1.0F + v0;
+    const omni_heading_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static omni_heading_real omni_heading_law(omni_heading_real k, omni_heading_real xi, omni_heading_real epsilon)
+static inline omni_heading_real omni_heading_law(omni_heading_real k, omni_heading_real xi,
+                                                 omni_heading_real epsilon)
 {
     const omni_heading_real v0 = k * xi;
     const omni_heading_real v1 = v0 * epsilon;
@@ -316,7 +314,7 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
         const omni_heading_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 3; ++j2) {
@@ -332,7 +330,7 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
     omni_heading_real w2;
     omni_heading_real w3;
     omni_heading_basis(s, &w0, &w1, &w2, &w3);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
         const int32_t at = row + pair;
@@ -355,28 +353,25 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
         const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const omni_heading_real x_i = x[i];
         const omni_heading_real room = upper_edge - lower_edge;
-        const omni_heading_real least = room * 0.005F;
-        const omni_heading_real most = room * 0.995F;
         const omni_heading_real to_lower = x_i - lower_edge;
         const omni_heading_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const omni_heading_real a_raised = near_lower ? least : to_lower;
-        const omni_heading_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const omni_heading_real a = near_upper ? most : a_raised;
-        const omni_heading_real b = near_upper ? least : b_held;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_heading_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_heading_real gain = upper_nearer ? (-0.5F) : 0.5F;
+        const omni_heading_real least = room * 0.005F;
+        const bool clear = least < nearest;
+        const omni_heading_real near = clear ? nearest : least;
+        const omni_heading_real far = room - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
         omni_heading_real epsilon;
         omni_heading_real xi;
-        omni_heading_transformed_error(a, b, &epsilon, &xi);
-        const omni_heading_real push = omni_heading_law(0.5F, xi, epsilon);
+        omni_heading_transformed_error(near, far, &epsilon, &xi);
+        const omni_heading_real push = omni_heading_law(gain, xi, epsilon);
         u[i] = push;
-        const bool above = lower_edge < x_i;
-        const bool below = x_i < upper_edge;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? OMNI_HEADING_OK : OMNI_HEADING_OUTSIDE_TUBE;
+    return outside ? OMNI_HEADING_OUTSIDE_TUBE : OMNI_HEADING_OK;
 }
 
 omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N])
@@ -389,7 +384,7 @@ omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_re
         const omni_heading_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0F;
     const bool bad = !finite;
     if (bad) {
         return (omni_heading_real)NAN;
@@ -429,11 +424,11 @@ omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_re
         const omni_heading_real width = wide ? room : 9.536743e-7F;
         const omni_heading_real to_lower = x_i - lower_edge;
         const omni_heading_real to_upper = upper_edge - x_i;
-        const bool nearer = to_lower < to_upper;
-        const omni_heading_real distance = nearer ? to_lower : to_upper;
-        const omni_heading_real share = distance / width;
-        const bool far = share < (-1.0F);
-        const omni_heading_real held_share = far ? (-1.0F) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_heading_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_heading_real share = nearest / width;
+        const bool beyond = share < (-1.0F);
+        const omni_heading_real held_share = beyond ? (-1.0F) : share;
         const bool less = held_share < margin;
         const omni_heading_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -455,26 +450,32 @@ void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
         const bool empty = !filled;
         const bool wide = 9.536743e-7F < room;
         const omni_heading_real width = wide ? room : 9.536743e-7F;
-        const omni_heading_real least = width * 0.005F;
-        const omni_heading_real most = width * 0.995F;
         const omni_heading_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const omni_heading_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_heading_real a = a_over ? most : a_raised;
         const omni_heading_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const omni_heading_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_heading_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_heading_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_heading_real side = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_heading_real least = width * 0.005F;
+        const omni_heading_real widened = width - room;
+        const omni_heading_real spare = widened * 0.5F;
+        const omni_heading_real half = width * 0.5F;
+        const omni_heading_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const omni_heading_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const omni_heading_real near = near_over ? half : near_raised;
+        const omni_heading_real far = width - near;
+        const omni_heading_real a = upper_nearer ? far : near;
+        const omni_heading_real b = upper_nearer ? near : far;
         const omni_heading_real e_raw = omni_heading_normalized_error(a, b, width);
         const bool e_held_above = (-0.99F) < e_raw;
         const omni_heading_real e_held_raised = e_held_above ? e_raw : (-0.99F);
         const bool e_held_over = 0.99F < e_held_raised;
         const omni_heading_real e_held = e_held_over ? 0.99F : e_held_raised;
-        omni_heading_real epsilon_i;
+        omni_heading_real epsilon_near;
         omni_heading_real xi_i;
-        omni_heading_transformed_error(a, b, &epsilon_i, &xi_i);
+        omni_heading_transformed_error(near, far, &epsilon_near, &xi_i);
+        const omni_heading_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

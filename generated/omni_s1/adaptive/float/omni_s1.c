@@ -41,7 +41,7 @@ static const omni_s1_real omni_s1_bumps[16] = {
 };
 
 /* t held within [0, t_c]. */
-static omni_s1_real omni_s1_hold(omni_s1_real t, omni_s1_real t_c)
+static inline omni_s1_real omni_s1_hold(omni_s1_real t, omni_s1_real t_c)
 {
     const bool positive = 0.0F < t;
     const omni_s1_real started = positive ? t : 0.0F;
@@ -51,7 +51,7 @@ static omni_s1_real omni_s1_hold(omni_s1_real t, omni_s1_real t_c)
 }
 
 /* Time profile of (4): sigma = tanh(t / (t_c - t)), 1 from t_c on. */
-static omni_s1_real omni_s1_profile(omni_s1_real t, omni_s1_real t_c)
+static inline omni_s1_real omni_s1_profile(omni_s1_real t, omni_s1_real t_c)
 {
     const omni_s1_real v0 = t_c - t;
     const omni_s1_real v1 = 0.0009765625F * t_c;
@@ -67,8 +67,8 @@ static omni_s1_real omni_s1_profile(omni_s1_real t, omni_s1_real t_c)
 }
 
 /* sigma of (4) and its derivative. */
-static void omni_s1_profile_rate(omni_s1_real t, omni_s1_real t_c, omni_s1_real *sigma,
-                                 omni_s1_real *sigma_rate)
+static inline void omni_s1_profile_rate(omni_s1_real t, omni_s1_real t_c, omni_s1_real *sigma,
+                                        omni_s1_real *sigma_rate)
 {
     const omni_s1_real v0 = t_c - t;
     const omni_s1_real v1 = 0.0009765625F * t_c;
@@ -102,7 +102,7 @@ static void omni_s1_profile_rate(omni_s1_real t, omni_s1_real t_c, omni_s1_real 
 }
 
 /* An edge of the reachability tube (4). */
-static omni_s1_real omni_s1_reach_edge(omni_s1_real start, omni_s1_real end, omni_s1_real sigma)
+static inline omni_s1_real omni_s1_reach_edge(omni_s1_real start, omni_s1_real end, omni_s1_real sigma)
 {
     const omni_s1_real v0 = end - start;
     const omni_s1_real v1 = v0 * sigma;
@@ -111,7 +111,7 @@ static omni_s1_real omni_s1_reach_edge(omni_s1_real start, omni_s1_real end, omn
 }
 
 /* The rate of an edge of the reachability tube (4). */
-static omni_s1_real omni_s1_reach_rate(omni_s1_real start, omni_s1_real end, omni_s1_real sigma_rate)
+static inline omni_s1_real omni_s1_reach_rate(omni_s1_real start, omni_s1_real end, omni_s1_real sigma_rate)
 {
     const omni_s1_real v0 = end - start;
     const omni_s1_real v1 = v0 * sigma_rate;
@@ -119,8 +119,8 @@ static omni_s1_real omni_s1_reach_rate(omni_s1_real start, omni_s1_real end, omn
 }
 
 /* A circumvent function (7), (8) above its rest level. */
-static omni_s1_real omni_s1_circumvent(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
-                                       omni_s1_real middle, omni_s1_real radius, omni_s1_real cut)
+static inline omni_s1_real omni_s1_circumvent(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
+                                              omni_s1_real middle, omni_s1_real radius, omni_s1_real cut)
 {
     const omni_s1_real v0 = t - middle;
     const omni_s1_real v1 = v0 * v0;
@@ -140,9 +140,9 @@ static omni_s1_real omni_s1_circumvent(omni_s1_real t, omni_s1_real height, omni
 }
 
 /* A circumvent function (7), (8) and its derivative. */
-static void omni_s1_circumvent_rate(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
-                                    omni_s1_real middle, omni_s1_real radius, omni_s1_real cut,
-                                    omni_s1_real *bump, omni_s1_real *bump_rate)
+static inline void omni_s1_circumvent_rate(omni_s1_real t, omni_s1_real height, omni_s1_real steepness,
+                                           omni_s1_real middle, omni_s1_real radius, omni_s1_real cut,
+                                           omni_s1_real *bump, omni_s1_real *bump_rate)
 {
     const omni_s1_real v0 = t - middle;
     const omni_s1_real v1 = v0 * v0;
@@ -190,9 +190,9 @@ static void omni_s1_circumvent_rate(omni_s1_real t, omni_s1_real height, omni_s1
 }
 
 /* The update function's equation (11) and its exact Jacobian. */
-static void omni_s1_update_rate(omni_s1_real psi, omni_s1_real alpha, omni_s1_real theta0, omni_s1_real kappa,
-                                omni_s1_real mu, omni_s1_real varsigma, omni_s1_real *alpha_rate,
-                                omni_s1_real *jacobian)
+static inline void omni_s1_update_rate(omni_s1_real psi, omni_s1_real alpha, omni_s1_real theta0,
+                                       omni_s1_real kappa, omni_s1_real mu, omni_s1_real varsigma,
+                                       omni_s1_real *alpha_rate, omni_s1_real *jacobian)
 {
     const omni_s1_real v0 = theta0 + theta0;
     const omni_s1_real v1 = psi - mu;
@@ -228,9 +228,10 @@ static void omni_s1_update_rate(omni_s1_real psi, omni_s1_real alpha, omni_s1_re
 }
 
 /* Implicit step of (11): (z - p) z^2 = q, and where to start. */
-static void omni_s1_implicit_start(omni_s1_real psi, omni_s1_real alpha, omni_s1_real h, omni_s1_real theta0,
-                                   omni_s1_real kappa, omni_s1_real mu, omni_s1_real varsigma, omni_s1_real *p,
-                                   omni_s1_real *q, omni_s1_real *rest, omni_s1_real *z)
+static inline void omni_s1_implicit_start(omni_s1_real psi, omni_s1_real alpha, omni_s1_real h,
+                                          omni_s1_real theta0, omni_s1_real kappa, omni_s1_real mu,
+                                          omni_s1_real varsigma, omni_s1_real *p, omni_s1_real *q,
+                                          omni_s1_real *rest, omni_s1_real *z)
 {
     const omni_s1_real v0 = h * kappa;
     const omni_s1_real v1 = 1.0F + v0;
@@ -270,7 +271,7 @@ static void omni_s1_implicit_start(omni_s1_real psi, omni_s1_real alpha, omni_s1
 }
 
 /* One Newton iterate for (z - p) z^2 = q. */
-static omni_s1_real omni_s1_newton(omni_s1_real p, omni_s1_real q, omni_s1_real z)
+static inline omni_s1_real omni_s1_newton(omni_s1_real p, omni_s1_real q, omni_s1_real z)
 {
     const omni_s1_real v0 = z - p;
     const omni_s1_real v1 = v0 * z;
@@ -287,7 +288,7 @@ static omni_s1_real omni_s1_newton(omni_s1_real p, omni_s1_real q, omni_s1_real 
 }
 
 /* Implicit step of (11): alpha from the root z = psi + alpha. */
-static omni_s1_real omni_s1_implicit_end(omni_s1_real q, omni_s1_real rest, omni_s1_real z)
+static inline omni_s1_real omni_s1_implicit_end(omni_s1_real q, omni_s1_real rest, omni_s1_real z)
 {
     const omni_s1_real v0 = z * z;
     const omni_s1_real v1 = q / v0;
@@ -296,7 +297,8 @@ static omni_s1_real omni_s1_implicit_end(omni_s1_real q, omni_s1_real rest, omni
 }
 
 /* gamma_L of (10). */
-static omni_s1_real omni_s1_lower_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu)
+static inline omni_s1_real omni_s1_lower_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta,
+                                              omni_s1_real nu)
 {
     const omni_s1_real v0 = rho - alpha;
     const omni_s1_real v1 = v0 + beta;
@@ -315,9 +317,10 @@ static omni_s1_real omni_s1_lower_edge(omni_s1_real rho, omni_s1_real alpha, omn
 }
 
 /* gamma_L of (10) and its total rate. */
-static void omni_s1_lower_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu,
-                                    omni_s1_real rho_rate, omni_s1_real alpha_rate, omni_s1_real beta_rate,
-                                    omni_s1_real *gamma, omni_s1_real *gamma_rate)
+static inline void omni_s1_lower_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta,
+                                           omni_s1_real nu, omni_s1_real rho_rate, omni_s1_real alpha_rate,
+                                           omni_s1_real beta_rate, omni_s1_real *gamma,
+                                           omni_s1_real *gamma_rate)
 {
     const omni_s1_real v0 = rho - alpha;
     const omni_s1_real v1 = v0 + beta;
@@ -354,7 +357,8 @@ static void omni_s1_lower_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s
 }
 
 /* gamma_U of (10). */
-static omni_s1_real omni_s1_upper_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu)
+static inline omni_s1_real omni_s1_upper_edge(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta,
+                                              omni_s1_real nu)
 {
     const omni_s1_real v0 = rho + alpha;
     const omni_s1_real v1 = v0 + beta;
@@ -373,9 +377,10 @@ static omni_s1_real omni_s1_upper_edge(omni_s1_real rho, omni_s1_real alpha, omn
 }
 
 /* gamma_U of (10) and its total rate. */
-static void omni_s1_upper_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta, omni_s1_real nu,
-                                    omni_s1_real rho_rate, omni_s1_real alpha_rate, omni_s1_real beta_rate,
-                                    omni_s1_real *gamma, omni_s1_real *gamma_rate)
+static inline void omni_s1_upper_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s1_real beta,
+                                           omni_s1_real nu, omni_s1_real rho_rate, omni_s1_real alpha_rate,
+                                           omni_s1_real beta_rate, omni_s1_real *gamma,
+                                           omni_s1_real *gamma_rate)
 {
     const omni_s1_real v0 = rho + alpha;
     const omni_s1_real v1 = v0 + beta;
@@ -412,7 +417,7 @@ static void omni_s1_upper_edge_rate(omni_s1_real rho, omni_s1_real alpha, omni_s
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omni_s1_real width)
+static inline omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omni_s1_real width)
 {
     const omni_s1_real v0 = a - b;
     const omni_s1_real v1 = v0 / width;
@@ -420,18 +425,20 @@ static omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omn
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void omni_s1_transformed_error(omni_s1_real a, omni_s1_real b, omni_s1_real *epsilon, omni_s1_real *xi)
+static inline void omni_s1_transformed_error(omni_s1_real a, omni_s1_real b, omni_s1_real *epsilon,
+                                             omni_s1_real *xi)
 {
-    const omni_s1_real v0 = a / b;
+    const omni_s1_real v0 = b / a;
     const omni_s1_real v1 = logf(v0);
-    const omni_s1_real v2 = 1.0F + v0;
-    const omni_s1_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const omni_s1_real v2 = -v1;
+    const omni_s1_real v3 = 1.0F + v0;
+    const omni_s1_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static omni_s1_real omni_s1_law(omni_s1_real k, omni_s1_real xi, omni_s1_real epsilon)
+static inline omni_s1_real omni_s1_law(omni_s1_real k, omni_s1_real xi, omni_s1_real epsilon)
 {
     const omni_s1_real v0 = k * xi;
     const omni_s1_real v1 = v0 * epsilon;
@@ -881,7 +888,7 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
     }
     const omni_s1_real held = omni_s1_hold(t, 9.0F);
     const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t reach_row = i * 4;
         const int32_t wall_row = i * 2;
@@ -949,31 +956,32 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
         const bool empty = !filled;
         const bool wide = 9.536743e-7F < room;
         const omni_s1_real width = wide ? room : 9.536743e-7F;
-        const omni_s1_real least = width * 0.005F;
-        const omni_s1_real most = width * 0.995F;
         const omni_s1_real to_lower = x_i - gamma_low;
-        const bool a_above = least < to_lower;
-        const omni_s1_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_s1_real a = a_over ? most : a_raised;
         const omni_s1_real to_upper = gamma_high - x_i;
-        const bool b_above = least < to_upper;
-        const omni_s1_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_s1_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real gain = upper_nearer ? (-0.5F) : 0.5F;
+        const omni_s1_real least = width * 0.005F;
+        const omni_s1_real widened = width - room;
+        const omni_s1_real spare = widened * 0.5F;
+        const omni_s1_real half = width * 0.5F;
+        const omni_s1_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const omni_s1_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const omni_s1_real near = near_over ? half : near_raised;
+        const omni_s1_real far = width - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
         omni_s1_real epsilon;
         omni_s1_real xi;
-        omni_s1_transformed_error(a, b, &epsilon, &xi);
-        const omni_s1_real push = omni_s1_law(0.5F, xi, epsilon);
+        omni_s1_transformed_error(near, far, &epsilon, &xi);
+        const omni_s1_real push = omni_s1_law(gain, xi, epsilon);
         const omni_s1_real u_law = empty ? 0.0F : push;
         u[i] = u_law;
-        const bool above = gamma_low < x_i;
-        const bool below = x_i < gamma_high;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? OMNI_S1_OK : OMNI_S1_OUTSIDE_TUBE;
+    return outside ? OMNI_S1_OUTSIDE_TUBE : OMNI_S1_OK;
 }
 
 omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
@@ -1068,11 +1076,11 @@ omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1
         const omni_s1_real width = wide ? room : 9.536743e-7F;
         const omni_s1_real to_lower = x_i - gamma_low;
         const omni_s1_real to_upper = gamma_high - x_i;
-        const bool nearer = to_lower < to_upper;
-        const omni_s1_real distance = nearer ? to_lower : to_upper;
-        const omni_s1_real share = distance / width;
-        const bool far = share < (-1.0F);
-        const omni_s1_real held_share = far ? (-1.0F) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real share = nearest / width;
+        const bool beyond = share < (-1.0F);
+        const omni_s1_real held_share = beyond ? (-1.0F) : share;
         const bool less = held_share < margin;
         const omni_s1_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -1093,26 +1101,32 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
         const bool empty = !filled;
         const bool wide = 9.536743e-7F < room;
         const omni_s1_real width = wide ? room : 9.536743e-7F;
-        const omni_s1_real least = width * 0.005F;
-        const omni_s1_real most = width * 0.995F;
         const omni_s1_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const omni_s1_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_s1_real a = a_over ? most : a_raised;
         const omni_s1_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const omni_s1_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_s1_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real side = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_s1_real least = width * 0.005F;
+        const omni_s1_real widened = width - room;
+        const omni_s1_real spare = widened * 0.5F;
+        const omni_s1_real half = width * 0.5F;
+        const omni_s1_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const omni_s1_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const omni_s1_real near = near_over ? half : near_raised;
+        const omni_s1_real far = width - near;
+        const omni_s1_real a = upper_nearer ? far : near;
+        const omni_s1_real b = upper_nearer ? near : far;
         const omni_s1_real e_raw = omni_s1_normalized_error(a, b, width);
         const bool e_held_above = (-0.99F) < e_raw;
         const omni_s1_real e_held_raised = e_held_above ? e_raw : (-0.99F);
         const bool e_held_over = 0.99F < e_held_raised;
         const omni_s1_real e_held = e_held_over ? 0.99F : e_held_raised;
-        omni_s1_real epsilon_i;
+        omni_s1_real epsilon_near;
         omni_s1_real xi_i;
-        omni_s1_transformed_error(a, b, &epsilon_i, &xi_i);
+        omni_s1_transformed_error(near, far, &epsilon_near, &xi_i);
+        const omni_s1_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

@@ -396,11 +396,12 @@ def _normalized_error(a, b, width):
 
 def _transformed_error(a, b):
     """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
-    v0 = a / b
+    v0 = b / a
     v1 = math.log(v0)
-    v2 = 1.0 + v0
-    v3 = v2 / a
-    return v1, v3
+    v2 = -v1
+    v3 = 1.0 + v0
+    v4 = v3 / b
+    return v2, v4
 
 
 def _law(k, xi, epsilon):
@@ -831,7 +832,7 @@ def control(t, alpha, x):
         return BAD_INPUT, tuple(u)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
-    inside = True
+    outside = False
     for i in range(2):
         reach_row = i * 4
         wall_row = i * 2
@@ -897,28 +898,29 @@ def control(t, alpha, x):
         empty = not filled
         wide = 9.5367431640625e-7 < room
         width = room if wide else 9.5367431640625e-7
-        least = width * 0.004999999888241291
-        most = width * 0.9950000047683716
         to_lower = x_i - gamma_low
-        a_above = least < to_lower
-        a_raised = to_lower if a_above else least
-        a_over = most < a_raised
-        a = most if a_over else a_raised
         to_upper = gamma_high - x_i
-        b_above = least < to_upper
-        b_raised = to_upper if b_above else least
-        b_over = most < b_raised
-        b = most if b_over else b_raised
-        epsilon, xi = _transformed_error(a, b)
-        push = _law(0.5, xi, epsilon)
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = -0.5 if upper_nearer else 0.5
+        least = width * 0.004999999888241291
+        widened = width - room
+        spare = widened * 0.5
+        half = width * 0.5
+        shifted = nearest + spare
+        near_above = least < shifted
+        near_raised = shifted if near_above else least
+        near_over = half < near_raised
+        near = half if near_over else near_raised
+        far = width - near
+        within = 0.0 < nearest
+        outside_any = outside if within else True
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
         u_law = 0.0 if empty else push
         u[i] = u_law
-        above = gamma_low < x_i
-        below = x_i < gamma_high
-        within = above and below
-        inside_all = inside and within
-        inside = inside_all
-    return OK if inside else OUTSIDE_TUBE, tuple(u)
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
 def margin(t, alpha, x):
@@ -1013,11 +1015,11 @@ def margin(t, alpha, x):
         width = room if wide else 9.5367431640625e-7
         to_lower = x_i - gamma_low
         to_upper = gamma_high - x_i
-        nearer = to_lower < to_upper
-        distance = to_lower if nearer else to_upper
-        share = distance / width
-        far = share < -1.0
-        held_share = -1.0 if far else share
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / width
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
         less = held_share < margin
         margin_next = held_share if less else margin
         margin = margin_next
@@ -1047,24 +1049,30 @@ def transform(lower, upper, x):
         empty = not filled
         wide = 9.5367431640625e-7 < room
         width = room if wide else 9.5367431640625e-7
-        least = width * 0.004999999888241291
-        most = width * 0.9950000047683716
         to_lower = x_i - lower_edge
-        a_above = least < to_lower
-        a_raised = to_lower if a_above else least
-        a_over = most < a_raised
-        a = most if a_over else a_raised
         to_upper = upper_edge - x_i
-        b_above = least < to_upper
-        b_raised = to_upper if b_above else least
-        b_over = most < b_raised
-        b = most if b_over else b_raised
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        side = -1.0 if upper_nearer else 1.0
+        least = width * 0.004999999888241291
+        widened = width - room
+        spare = widened * 0.5
+        half = width * 0.5
+        shifted = nearest + spare
+        near_above = least < shifted
+        near_raised = shifted if near_above else least
+        near_over = half < near_raised
+        near = half if near_over else near_raised
+        far = width - near
+        a = far if upper_nearer else near
+        b = near if upper_nearer else far
         e_raw = _normalized_error(a, b, width)
         e_held_above = -0.9900000095367432 < e_raw
         e_held_raised = e_raw if e_held_above else -0.9900000095367432
         e_held_over = 0.9900000095367432 < e_held_raised
         e_held = 0.9900000095367432 if e_held_over else e_held_raised
-        epsilon_i, xi_i = _transformed_error(a, b)
+        epsilon_near, xi_i = _transformed_error(near, far)
+        epsilon_i = side * epsilon_near
         finite_x = math.isfinite(x_i)
         finite_room = math.isfinite(room)
         finite = finite_x and finite_room

@@ -58,21 +58,16 @@ static const omni_s3_real omni_s3_coefficients[140] = {
 };
 
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
- * At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
  */
-static void omni_s3_segment(omni_s3_real t, int32_t *row, omni_s3_real *s)
+static inline void omni_s3_segment(omni_s3_real t, int32_t *row, omni_s3_real *s)
 {
     const bool positive = 0.0 < t;
-    const bool running = t < 9.0;
     const omni_s3_real started = positive ? t : 0.0;
-    const omni_s3_real held = running ? started : 0.0;
-    const omni_s3_real scaled = held * 3.5555555555555554;
-    const bool early = scaled < 32.0;
-    const bool use = running && early;
-    const omni_s3_real u = use ? scaled : 32.0;
-    const int32_t whole = (int32_t)u;
-    const bool before_last = whole < 31;
-    const int32_t segment = before_last ? whole : 31;
+    const omni_s3_real scaled = started * 3.5555555555555554;
+    const bool early = scaled < 31.999999999999996;
+    const omni_s3_real u = early ? scaled : 31.999999999999996;
+    const int32_t segment = (int32_t)u;
     const omni_s3_real base = (omni_s3_real)segment;
     const omni_s3_real place = u - base;
     const int32_t first = segment * 4;
@@ -81,8 +76,8 @@ static void omni_s3_segment(omni_s3_real t, int32_t *row, omni_s3_real *s)
 }
 
 /* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
-static void omni_s3_basis(omni_s3_real s, omni_s3_real *w0, omni_s3_real *w1, omni_s3_real *w2,
-                          omni_s3_real *w3)
+static inline void omni_s3_basis(omni_s3_real s, omni_s3_real *w0, omni_s3_real *w1, omni_s3_real *w2,
+                                 omni_s3_real *w3)
 {
     const omni_s3_real v0 = 1.0 - s;
     const omni_s3_real v1 = v0 * v0;
@@ -103,8 +98,8 @@ static void omni_s3_basis(omni_s3_real s, omni_s3_real *w0, omni_s3_real *w1, om
 }
 
 /* Derivative of the weights with respect to s. */
-static void omni_s3_basis_rate(omni_s3_real s, omni_s3_real *dw0, omni_s3_real *dw1, omni_s3_real *dw2,
-                               omni_s3_real *dw3)
+static inline void omni_s3_basis_rate(omni_s3_real s, omni_s3_real *dw0, omni_s3_real *dw1, omni_s3_real *dw2,
+                                      omni_s3_real *dw3)
 {
     const omni_s3_real v0 = 1.0 - s;
     const omni_s3_real v1 = v0 + v0;
@@ -132,8 +127,8 @@ static void omni_s3_basis_rate(omni_s3_real s, omni_s3_real *dw0, omni_s3_real *
 }
 
 /* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static omni_s3_real omni_s3_blend(omni_s3_real w0, omni_s3_real w1, omni_s3_real w2, omni_s3_real w3,
-                                  omni_s3_real q0, omni_s3_real q1, omni_s3_real q2, omni_s3_real q3)
+static inline omni_s3_real omni_s3_blend(omni_s3_real w0, omni_s3_real w1, omni_s3_real w2, omni_s3_real w3,
+                                         omni_s3_real q0, omni_s3_real q1, omni_s3_real q2, omni_s3_real q3)
 {
     const omni_s3_real v0 = w0 * q0;
     const omni_s3_real v1 = w1 * q1;
@@ -146,7 +141,7 @@ static omni_s3_real omni_s3_blend(omni_s3_real w0, omni_s3_real w1, omni_s3_real
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static omni_s3_real omni_s3_normalized_error(omni_s3_real a, omni_s3_real b, omni_s3_real width)
+static inline omni_s3_real omni_s3_normalized_error(omni_s3_real a, omni_s3_real b, omni_s3_real width)
 {
     const omni_s3_real v0 = a - b;
     const omni_s3_real v1 = v0 / width;
@@ -154,18 +149,20 @@ static omni_s3_real omni_s3_normalized_error(omni_s3_real a, omni_s3_real b, omn
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void omni_s3_transformed_error(omni_s3_real a, omni_s3_real b, omni_s3_real *epsilon, omni_s3_real *xi)
+static inline void omni_s3_transformed_error(omni_s3_real a, omni_s3_real b, omni_s3_real *epsilon,
+                                             omni_s3_real *xi)
 {
-    const omni_s3_real v0 = a / b;
+    const omni_s3_real v0 = b / a;
     const omni_s3_real v1 = log(v0);
-    const omni_s3_real v2 = 1.0 + v0;
-    const omni_s3_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const omni_s3_real v2 = -v1;
+    const omni_s3_real v3 = 1.0 + v0;
+    const omni_s3_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static omni_s3_real omni_s3_law(omni_s3_real k, omni_s3_real xi, omni_s3_real epsilon)
+static inline omni_s3_real omni_s3_law(omni_s3_real k, omni_s3_real xi, omni_s3_real epsilon)
 {
     const omni_s3_real v0 = k * xi;
     const omni_s3_real v1 = v0 * epsilon;
@@ -275,7 +272,7 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
         const omni_s3_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 2; ++j2) {
@@ -291,7 +288,7 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
     omni_s3_real w2;
     omni_s3_real w3;
     omni_s3_basis(s, &w0, &w1, &w2, &w3);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 2; ++i) {
         const int32_t pair = i * 2;
         const int32_t at = row + pair;
@@ -314,28 +311,25 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real x[OMNI_S3_N], 
         const omni_s3_real upper_edge = omni_s3_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const omni_s3_real x_i = x[i];
         const omni_s3_real room = upper_edge - lower_edge;
-        const omni_s3_real least = room * 0.005;
-        const omni_s3_real most = room * 0.995;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const omni_s3_real a_raised = near_lower ? least : to_lower;
-        const omni_s3_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const omni_s3_real a = near_upper ? most : a_raised;
-        const omni_s3_real b = near_upper ? least : b_held;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s3_real gain = upper_nearer ? (-0.5) : 0.5;
+        const omni_s3_real least = room * 0.005;
+        const bool clear = least < nearest;
+        const omni_s3_real near = clear ? nearest : least;
+        const omni_s3_real far = room - near;
+        const bool within = 0.0 < nearest;
+        const bool outside_any = within ? outside : true;
         omni_s3_real epsilon;
         omni_s3_real xi;
-        omni_s3_transformed_error(a, b, &epsilon, &xi);
-        const omni_s3_real push = omni_s3_law(0.5, xi, epsilon);
+        omni_s3_transformed_error(near, far, &epsilon, &xi);
+        const omni_s3_real push = omni_s3_law(gain, xi, epsilon);
         u[i] = push;
-        const bool above = lower_edge < x_i;
-        const bool below = x_i < upper_edge;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? OMNI_S3_OK : OMNI_S3_OUTSIDE_TUBE;
+    return outside ? OMNI_S3_OUTSIDE_TUBE : OMNI_S3_OK;
 }
 
 omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real x[OMNI_S3_N])
@@ -348,7 +342,7 @@ omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real x[OMNI_S3_N])
         const omni_s3_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (omni_s3_real)NAN;
@@ -388,11 +382,11 @@ omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real x[OMNI_S3_N])
         const omni_s3_real width = wide ? room : 9.5367431640625e-7;
         const omni_s3_real to_lower = x_i - lower_edge;
         const omni_s3_real to_upper = upper_edge - x_i;
-        const bool nearer = to_lower < to_upper;
-        const omni_s3_real distance = nearer ? to_lower : to_upper;
-        const omni_s3_real share = distance / width;
-        const bool far = share < (-1.0);
-        const omni_s3_real held_share = far ? (-1.0) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s3_real share = nearest / width;
+        const bool beyond = share < (-1.0);
+        const omni_s3_real held_share = beyond ? (-1.0) : share;
         const bool less = held_share < margin;
         const omni_s3_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -413,26 +407,32 @@ void omni_s3_transform(const omni_s3_real lower[OMNI_S3_N], const omni_s3_real u
         const bool empty = !filled;
         const bool wide = 9.5367431640625e-7 < room;
         const omni_s3_real width = wide ? room : 9.5367431640625e-7;
-        const omni_s3_real least = width * 0.005;
-        const omni_s3_real most = width * 0.995;
         const omni_s3_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const omni_s3_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const omni_s3_real a = a_over ? most : a_raised;
         const omni_s3_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const omni_s3_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const omni_s3_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s3_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s3_real side = upper_nearer ? (-1.0) : 1.0;
+        const omni_s3_real least = width * 0.005;
+        const omni_s3_real widened = width - room;
+        const omni_s3_real spare = widened * 0.5;
+        const omni_s3_real half = width * 0.5;
+        const omni_s3_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const omni_s3_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const omni_s3_real near = near_over ? half : near_raised;
+        const omni_s3_real far = width - near;
+        const omni_s3_real a = upper_nearer ? far : near;
+        const omni_s3_real b = upper_nearer ? near : far;
         const omni_s3_real e_raw = omni_s3_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const omni_s3_real e_held_raised = e_held_above ? e_raw : (-0.99);
         const bool e_held_over = 0.99 < e_held_raised;
         const omni_s3_real e_held = e_held_over ? 0.99 : e_held_raised;
-        omni_s3_real epsilon_i;
+        omni_s3_real epsilon_near;
         omni_s3_real xi_i;
-        omni_s3_transformed_error(a, b, &epsilon_i, &xi_i);
+        omni_s3_transformed_error(near, far, &epsilon_near, &xi_i);
+        const omni_s3_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

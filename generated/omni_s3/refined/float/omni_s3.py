@@ -70,19 +70,14 @@ def _vector(name, values, length):
 
 def _segment(t):
     """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
-    At and after t_c: the last segment and s = 1, exactly (t_c = 9 s).
+    Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
     """
     positive = 0.0 < t
-    running = t < 9.0
     started = t if positive else 0.0
-    held = started if running else 0.0
-    scaled = held * 3.555555582046509
-    early = scaled < 32.0
-    use = running and early
-    u = scaled if use else 32.0
-    whole = int(u)
-    before_last = whole < 31
-    segment = whole if before_last else 31
+    scaled = started * 3.555555582046509
+    early = scaled < 31.999998092651367
+    u = scaled if early else 31.999998092651367
+    segment = int(u)
     base = float(segment)
     place = u - base
     first = segment * 4
@@ -151,11 +146,12 @@ def _normalized_error(a, b, width):
 
 def _transformed_error(a, b):
     """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
-    v0 = a / b
+    v0 = b / a
     v1 = math.log(v0)
-    v2 = 1.0 + v0
-    v3 = v2 / a
-    return v1, v3
+    v2 = -v1
+    v3 = 1.0 + v0
+    v4 = v3 / b
+    return v2, v4
 
 
 def _law(k, xi, epsilon):
@@ -268,7 +264,7 @@ def control(t, x):
         x_zero = x_j * 0.0
         zeros = zero + x_zero
         zero = zeros
-    finite = math.isfinite(zero)
+    finite = zero <= 0.0
     bad = not finite
     if bad:
         for j2 in range(2):
@@ -276,7 +272,7 @@ def control(t, x):
         return BAD_INPUT, tuple(u)
     row, s = _segment(t)
     w0, w1, w2, w3 = _basis(s)
-    inside = True
+    outside = False
     for i in range(2):
         pair = i * 2
         at = row + pair
@@ -299,25 +295,22 @@ def control(t, x):
         upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
         x_i = x[i]
         room = upper_edge - lower_edge
-        least = room * 0.004999999888241291
-        most = room * 0.9950000047683716
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        near_lower = to_lower < least
-        a_raised = least if near_lower else to_lower
-        b_held = most if near_lower else to_upper
-        near_upper = b_held < least
-        a = most if near_upper else a_raised
-        b = least if near_upper else b_held
-        epsilon, xi = _transformed_error(a, b)
-        push = _law(0.5, xi, epsilon)
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = -0.5 if upper_nearer else 0.5
+        least = room * 0.004999999888241291
+        clear = least < nearest
+        near = nearest if clear else least
+        far = room - near
+        within = 0.0 < nearest
+        outside_any = outside if within else True
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
         u[i] = push
-        above = lower_edge < x_i
-        below = x_i < upper_edge
-        within = above and below
-        inside_all = inside and within
-        inside = inside_all
-    return OK if inside else OUTSIDE_TUBE, tuple(u)
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
 
 
 def margin(t, x):
@@ -334,7 +327,7 @@ def margin(t, x):
         x_zero = x_j * 0.0
         zeros = zero + x_zero
         zero = zeros
-    finite = math.isfinite(zero)
+    finite = zero <= 0.0
     bad = not finite
     if bad:
         return math.nan
@@ -367,11 +360,11 @@ def margin(t, x):
         width = room if wide else 9.5367431640625e-7
         to_lower = x_i - lower_edge
         to_upper = upper_edge - x_i
-        nearer = to_lower < to_upper
-        distance = to_lower if nearer else to_upper
-        share = distance / width
-        far = share < -1.0
-        held_share = -1.0 if far else share
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / width
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
         less = held_share < margin
         margin_next = held_share if less else margin
         margin = margin_next
@@ -401,24 +394,30 @@ def transform(lower, upper, x):
         empty = not filled
         wide = 9.5367431640625e-7 < room
         width = room if wide else 9.5367431640625e-7
-        least = width * 0.004999999888241291
-        most = width * 0.9950000047683716
         to_lower = x_i - lower_edge
-        a_above = least < to_lower
-        a_raised = to_lower if a_above else least
-        a_over = most < a_raised
-        a = most if a_over else a_raised
         to_upper = upper_edge - x_i
-        b_above = least < to_upper
-        b_raised = to_upper if b_above else least
-        b_over = most < b_raised
-        b = most if b_over else b_raised
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        side = -1.0 if upper_nearer else 1.0
+        least = width * 0.004999999888241291
+        widened = width - room
+        spare = widened * 0.5
+        half = width * 0.5
+        shifted = nearest + spare
+        near_above = least < shifted
+        near_raised = shifted if near_above else least
+        near_over = half < near_raised
+        near = half if near_over else near_raised
+        far = width - near
+        a = far if upper_nearer else near
+        b = near if upper_nearer else far
         e_raw = _normalized_error(a, b, width)
         e_held_above = -0.9900000095367432 < e_raw
         e_held_raised = e_raw if e_held_above else -0.9900000095367432
         e_held_over = 0.9900000095367432 < e_held_raised
         e_held = 0.9900000095367432 if e_held_over else e_held_raised
-        epsilon_i, xi_i = _transformed_error(a, b)
+        epsilon_near, xi_i = _transformed_error(near, far)
+        epsilon_i = side * epsilon_near
         finite_x = math.isfinite(x_i)
         finite_room = math.isfinite(room)
         finite = finite_x and finite_room

@@ -93,21 +93,16 @@ static const spacecraft_real spacecraft_coefficients[210] = {
 };
 
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
- * At and after t_c: the last segment and s = 1, exactly (t_c = 15 s).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 15 s).
  */
-static void spacecraft_segment(spacecraft_real t, int32_t *row, spacecraft_real *s)
+static inline void spacecraft_segment(spacecraft_real t, int32_t *row, spacecraft_real *s)
 {
     const bool positive = 0.0 < t;
-    const bool running = t < 15.0;
     const spacecraft_real started = positive ? t : 0.0;
-    const spacecraft_real held = running ? started : 0.0;
-    const spacecraft_real scaled = held * 2.1333333333333333;
-    const bool early = scaled < 32.0;
-    const bool use = running && early;
-    const spacecraft_real u = use ? scaled : 32.0;
-    const int32_t whole = (int32_t)u;
-    const bool before_last = whole < 31;
-    const int32_t segment = before_last ? whole : 31;
+    const spacecraft_real scaled = started * 2.1333333333333333;
+    const bool early = scaled < 31.999999999999996;
+    const spacecraft_real u = early ? scaled : 31.999999999999996;
+    const int32_t segment = (int32_t)u;
     const spacecraft_real base = (spacecraft_real)segment;
     const spacecraft_real place = u - base;
     const int32_t first = segment * 6;
@@ -116,8 +111,8 @@ static void spacecraft_segment(spacecraft_real t, int32_t *row, spacecraft_real 
 }
 
 /* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
-static void spacecraft_basis(spacecraft_real s, spacecraft_real *w0, spacecraft_real *w1, spacecraft_real *w2,
-                             spacecraft_real *w3)
+static inline void spacecraft_basis(spacecraft_real s, spacecraft_real *w0, spacecraft_real *w1,
+                                    spacecraft_real *w2, spacecraft_real *w3)
 {
     const spacecraft_real v0 = 1.0 - s;
     const spacecraft_real v1 = v0 * v0;
@@ -138,8 +133,8 @@ static void spacecraft_basis(spacecraft_real s, spacecraft_real *w0, spacecraft_
 }
 
 /* Derivative of the weights with respect to s. */
-static void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0, spacecraft_real *dw1,
-                                  spacecraft_real *dw2, spacecraft_real *dw3)
+static inline void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0, spacecraft_real *dw1,
+                                         spacecraft_real *dw2, spacecraft_real *dw3)
 {
     const spacecraft_real v0 = 1.0 - s;
     const spacecraft_real v1 = v0 + v0;
@@ -167,9 +162,9 @@ static void spacecraft_basis_rate(spacecraft_real s, spacecraft_real *dw0, space
 }
 
 /* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
-static spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, spacecraft_real w2,
-                                        spacecraft_real w3, spacecraft_real q0, spacecraft_real q1,
-                                        spacecraft_real q2, spacecraft_real q3)
+static inline spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, spacecraft_real w2,
+                                               spacecraft_real w3, spacecraft_real q0, spacecraft_real q1,
+                                               spacecraft_real q2, spacecraft_real q3)
 {
     const spacecraft_real v0 = w0 * q0;
     const spacecraft_real v1 = w1 * q1;
@@ -182,7 +177,8 @@ static spacecraft_real spacecraft_blend(spacecraft_real w0, spacecraft_real w1, 
 }
 
 /* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
-static spacecraft_real spacecraft_normalized_error(spacecraft_real a, spacecraft_real b, spacecraft_real width)
+static inline spacecraft_real spacecraft_normalized_error(spacecraft_real a, spacecraft_real b,
+                                                          spacecraft_real width)
 {
     const spacecraft_real v0 = a - b;
     const spacecraft_real v1 = v0 / width;
@@ -190,19 +186,20 @@ static spacecraft_real spacecraft_normalized_error(spacecraft_real a, spacecraft
 }
 
 /* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
-static void spacecraft_transformed_error(spacecraft_real a, spacecraft_real b, spacecraft_real *epsilon,
-                                         spacecraft_real *xi)
+static inline void spacecraft_transformed_error(spacecraft_real a, spacecraft_real b, spacecraft_real *epsilon,
+                                                spacecraft_real *xi)
 {
-    const spacecraft_real v0 = a / b;
+    const spacecraft_real v0 = b / a;
     const spacecraft_real v1 = log(v0);
-    const spacecraft_real v2 = 1.0 + v0;
-    const spacecraft_real v3 = v2 / a;
-    *epsilon = v1;
-    *xi = v3;
+    const spacecraft_real v2 = -v1;
+    const spacecraft_real v3 = 1.0 + v0;
+    const spacecraft_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
 }
 
 /* Control law (13): u = -k xi epsilon. */
-static spacecraft_real spacecraft_law(spacecraft_real k, spacecraft_real xi, spacecraft_real epsilon)
+static inline spacecraft_real spacecraft_law(spacecraft_real k, spacecraft_real xi, spacecraft_real epsilon)
 {
     const spacecraft_real v0 = k * xi;
     const spacecraft_real v1 = v0 * epsilon;
@@ -315,7 +312,7 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
         const spacecraft_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         for (int32_t j2 = 0; j2 < 3; ++j2) {
@@ -331,7 +328,7 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
     spacecraft_real w2;
     spacecraft_real w3;
     spacecraft_basis(s, &w0, &w1, &w2, &w3);
-    bool inside = true;
+    bool outside = false;
     for (int32_t i = 0; i < 3; ++i) {
         const int32_t pair = i * 2;
         const int32_t at = row + pair;
@@ -354,28 +351,25 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
         const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const spacecraft_real x_i = x[i];
         const spacecraft_real room = upper_edge - lower_edge;
-        const spacecraft_real least = room * 0.005;
-        const spacecraft_real most = room * 0.995;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool near_lower = to_lower < least;
-        const spacecraft_real a_raised = near_lower ? least : to_lower;
-        const spacecraft_real b_held = near_lower ? most : to_upper;
-        const bool near_upper = b_held < least;
-        const spacecraft_real a = near_upper ? most : a_raised;
-        const spacecraft_real b = near_upper ? least : b_held;
+        const bool upper_nearer = to_upper < to_lower;
+        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real gain = upper_nearer ? (-0.5) : 0.5;
+        const spacecraft_real least = room * 0.005;
+        const bool clear = least < nearest;
+        const spacecraft_real near = clear ? nearest : least;
+        const spacecraft_real far = room - near;
+        const bool within = 0.0 < nearest;
+        const bool outside_any = within ? outside : true;
         spacecraft_real epsilon;
         spacecraft_real xi;
-        spacecraft_transformed_error(a, b, &epsilon, &xi);
-        const spacecraft_real push = spacecraft_law(0.5, xi, epsilon);
+        spacecraft_transformed_error(near, far, &epsilon, &xi);
+        const spacecraft_real push = spacecraft_law(gain, xi, epsilon);
         u[i] = push;
-        const bool above = lower_edge < x_i;
-        const bool below = x_i < upper_edge;
-        const bool within = above && below;
-        const bool inside_all = inside && within;
-        inside = inside_all;
+        outside = outside_any;
     }
-    return inside ? SPACECRAFT_OK : SPACECRAFT_OUTSIDE_TUBE;
+    return outside ? SPACECRAFT_OUTSIDE_TUBE : SPACECRAFT_OK;
 }
 
 spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N])
@@ -388,7 +382,7 @@ spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPA
         const spacecraft_real zeros = zero + x_zero;
         zero = zeros;
     }
-    const bool finite = isfinite(zero) != 0;
+    const bool finite = zero <= 0.0;
     const bool bad = !finite;
     if (bad) {
         return (spacecraft_real)NAN;
@@ -428,11 +422,11 @@ spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPA
         const spacecraft_real width = wide ? room : 9.5367431640625e-7;
         const spacecraft_real to_lower = x_i - lower_edge;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool nearer = to_lower < to_upper;
-        const spacecraft_real distance = nearer ? to_lower : to_upper;
-        const spacecraft_real share = distance / width;
-        const bool far = share < (-1.0);
-        const spacecraft_real held_share = far ? (-1.0) : share;
+        const bool upper_nearer = to_upper < to_lower;
+        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real share = nearest / width;
+        const bool beyond = share < (-1.0);
+        const spacecraft_real held_share = beyond ? (-1.0) : share;
         const bool less = held_share < margin;
         const spacecraft_real margin_next = less ? held_share : margin;
         margin = margin_next;
@@ -453,26 +447,32 @@ void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const space
         const bool empty = !filled;
         const bool wide = 9.5367431640625e-7 < room;
         const spacecraft_real width = wide ? room : 9.5367431640625e-7;
-        const spacecraft_real least = width * 0.005;
-        const spacecraft_real most = width * 0.995;
         const spacecraft_real to_lower = x_i - lower_edge;
-        const bool a_above = least < to_lower;
-        const spacecraft_real a_raised = a_above ? to_lower : least;
-        const bool a_over = most < a_raised;
-        const spacecraft_real a = a_over ? most : a_raised;
         const spacecraft_real to_upper = upper_edge - x_i;
-        const bool b_above = least < to_upper;
-        const spacecraft_real b_raised = b_above ? to_upper : least;
-        const bool b_over = most < b_raised;
-        const spacecraft_real b = b_over ? most : b_raised;
+        const bool upper_nearer = to_upper < to_lower;
+        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real side = upper_nearer ? (-1.0) : 1.0;
+        const spacecraft_real least = width * 0.005;
+        const spacecraft_real widened = width - room;
+        const spacecraft_real spare = widened * 0.5;
+        const spacecraft_real half = width * 0.5;
+        const spacecraft_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const spacecraft_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const spacecraft_real near = near_over ? half : near_raised;
+        const spacecraft_real far = width - near;
+        const spacecraft_real a = upper_nearer ? far : near;
+        const spacecraft_real b = upper_nearer ? near : far;
         const spacecraft_real e_raw = spacecraft_normalized_error(a, b, width);
         const bool e_held_above = (-0.99) < e_raw;
         const spacecraft_real e_held_raised = e_held_above ? e_raw : (-0.99);
         const bool e_held_over = 0.99 < e_held_raised;
         const spacecraft_real e_held = e_held_over ? 0.99 : e_held_raised;
-        spacecraft_real epsilon_i;
+        spacecraft_real epsilon_near;
         spacecraft_real xi_i;
-        spacecraft_transformed_error(a, b, &epsilon_i, &xi_i);
+        spacecraft_transformed_error(near, far, &epsilon_near, &xi_i);
+        const spacecraft_real epsilon_i = side * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;
