@@ -22,6 +22,7 @@ from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.errors import MissingTool, SttError
 from stt_codegen.pipeline import Controller
+from stt_codegen.program.program import REAL, TICK
 
 Array = npt.NDArray[Any]
 
@@ -98,7 +99,8 @@ class CompiledC(Backend):
         params = self.program.function(function).params
         call = getattr(self.library, f"{self.program.prefix}_{function}")
         call.restype = self.real if self.program.function(function).returns_real else ctypes.c_int
-        call.argtypes = [self.real if p.length is None else ctypes.c_void_p for p in params]
+        scalars = {REAL: self.real, TICK: ctypes.c_uint32}
+        call.argtypes = [scalars[p.type] if p.length is None else ctypes.c_void_p for p in params]
         count = len(inputs[0])
         given = iter(inputs)
         columns: list[list[Any]] = []
@@ -106,7 +108,7 @@ class CompiledC(Backend):
         kept = []  # alive until the calls are done: the columns hold bare addresses
         for p in params:
             if p.length is None:
-                columns.append([float(v) for v in next(given)])
+                columns.append([int(v) if p.type is TICK else float(v) for v in next(given)])
                 continue
             if p.output and not p.inout:
                 array = np.zeros((count, p.length), dtype=self.number)
@@ -230,6 +232,10 @@ class CasadiRefined(_CasadiLaw):
         design = self.design
         scale = np.where(t < float(design.prescribed_time), float(design.segments / design.prescribed_time), 0.0)[:, None]
         return lower * scale, upper * scale
+
+    def _control_tick(self, ticks: Array, x: Array) -> tuple[Array, ...]:
+        assert self.task.emit.tick_period is not None
+        return self._control(ticks * float(self.task.emit.tick_period), x)
 
 
 class CasadiAdapted(_CasadiLaw):

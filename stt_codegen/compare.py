@@ -35,6 +35,7 @@ from stt_codegen.controller.adapted import probe_program
 from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.controller.logarithm import relative_error
+from stt_codegen.controller.ticks import ticks_of
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
@@ -135,11 +136,11 @@ class _Rows:
         self.add("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * self.eps + own * np.abs(epsilon), size)
         self.add("xi", got_xi, xi, 12 * self.eps * xi, xi)
 
-    def status(self, got: Array, want: Array, distance: Array) -> None:
+    def status(self, got: Array, want: Array, distance: Array, label: str = "") -> None:
         """Statuses; `distance` (P, n): how much farther x is from each edge than the arithmetic can move it."""
         wrong = (got != want) & (distance.min(axis=1) > 0)
         self.rows.append(
-            Row(self.backend, "status", float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
+            Row(self.backend, "status" + label, float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
         )
 
 
@@ -166,20 +167,35 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
     rows.transform(controller, backend, lower, upper, x)
 
-    k, e_max = task.control.gain, task.control.e_max
-    status, u = reference.control(low, high, x, k, e_max, task.control.u_max)
-    got_status, got_u = backend.control(t, x)
     want = reference.margin(low, high, x, float(LEAST_WIDTH))
     width = np.maximum(high - low, float(LEAST_WIDTH))
     moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
     weight = 1 + 2 * np.abs(np.clip(np.minimum(x - low, high - x) / width, -1, 0.5))  # of the distance, and twice of the width
     rows.add("margin", backend.margin(t, x), want, (moved * weight).max(axis=1) + 8 * eps, 1.0)
-    _, epsilon, xi = reference.transform(low, high, x, e_max)
-    gain = abs(float(k))
-    spread = _law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(e_max))
+    _law_rows(rows, controller, (low, high, delta), x, backend.control(t, x), "")
+    period = task.emit.tick_period
+    if period is not None:
+        ends = np.array([0, 1, *(ticks_of(design, period).last + k for k in (-2, -1, 0, 1)), 2**32 - 1])
+        ticks = np.clip(np.rint(t.astype(float) / float(period)), 0, 2**32 - 1).astype(np.int64)
+        ticks[: len(ends)] = np.maximum(ends, 0)
+        low, high = reference.tube(table, unit, t_c, ticks.astype(np.longdouble) * reference.exact(period))
+        got = backend.call("control_tick", ticks, x)
+        _law_rows(rows, controller, (low, high, delta), x, (got[0], got[1]), " at a tick")
+
+
+def _law_rows(
+    rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
+) -> None:
+    """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
+    control, eps = controller.task.control, rows.eps
+    low, high, delta = tube
+    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
+    _, epsilon, xi = reference.transform(low, high, x, control.e_max)
+    gain = abs(float(control.gain))
+    spread = _law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(control.e_max))
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
-    rows.add("u", got_u, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
-    rows.status(got_status, status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x))
+    rows.add("u" + label, got[1], u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
+    rows.status(got[0], status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x), label)
 
 
 @dataclass(frozen=True)

@@ -163,6 +163,7 @@ class EmitOptions(_Table):
     scalar: Scalar = "float"
     math: Literal["libm", "inline"] = "libm"
     tick_period: Positive | None = Field(default=None, description="seconds; adds an entry point with an integer tick")
+    selftest: bool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
 
 
 class PlantBounds(_Table):

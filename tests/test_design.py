@@ -20,7 +20,7 @@ from stt_codegen.design.cells import way_through_cells
 from stt_codegen.design.refine import SPEED_ROOM
 from stt_codegen.design.route import find_route, shortest_route
 from stt_codegen.design.sides import _common_changes
-from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task, design_tube
 from stt_codegen.program.cost import cost_of
 from stt_codegen.task import load_task, parse_task
@@ -197,12 +197,6 @@ def test_what_a_refusal_names_does() -> None:
 def test_a_set_that_closes_the_way_alone_is_named() -> None:
     with pytest.raises(NotCertified, match="whatever the clearance; without wall there would be one"):
         build_task(parse_task(EMPTY + unsafe("pillar", [1.4, 0.0], [1.6, 0.5]) + unsafe("wall", [2.0, 0.0], [2.5, 3.0])))
-
-
-@pytest.mark.parametrize("added", ['[emit]\nmath = "inline"', "[emit]\ntick_period = 0.001"])
-def test_an_option_of_the_format_that_cannot_be_honoured_yet_is_refused(added: str) -> None:
-    with pytest.raises(BadInput, match="not available"):
-        build_task(parse_task(EMPTY + f"\n{added}\n"))
 
 
 @pytest.mark.parametrize("target", ["[0.0, 0.0]\nupper = [1.0, 1.0]", "[0.0, 0.0]\nupper = [1.0, 2.0]"])

@@ -22,7 +22,7 @@ from stt_codegen.compare import Row, compare_backend
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
-from stt_codegen.program.program import Function
+from stt_codegen.program.program import TICK, Function, Param
 
 Array = npt.NDArray[Any]
 LONGEST_RUN = 300.0  # seconds
@@ -155,9 +155,7 @@ class Emulated(Backend):
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         f = self.program.function(function)
-        columns = [np.asarray(v, dtype=self.number).reshape(len(inputs[0]), -1) for v in inputs]
-        data = np.ascontiguousarray(np.hstack(columns))
-        words = data.view(np.uint32).reshape(len(data), -1)
+        words = np.hstack([self._words(p, v) for p, v in zip(f.inputs, inputs, strict=True)])
         chunk = max(1, self.board.room // (4 * words.shape[1]))
         rows = np.concatenate([self._run(f, words[k : k + chunk]) for k in range(0, len(words), chunk)])
         taken = rows[:, 1] / self.board.ticks
@@ -177,6 +175,13 @@ class Emulated(Backend):
         if f.returns_real:
             return (results[0].ravel(), *results[1:])
         return (rows[:, 0].astype(int), *results) if f.returns_status else tuple(results)
+
+    def _words(self, p: Param, values: Array) -> Array:
+        """The bits of one parameter at every point, in words of 32; a count is one number's worth, padded."""
+        numbers = np.ascontiguousarray(np.asarray(values, np.uint32 if p.type is TICK else self.number).reshape(len(values), -1))
+        words = numbers.view(np.uint32).reshape(len(numbers), -1)
+        pad = self.number().itemsize // 4 - 1 if p.type is TICK else 0
+        return np.pad(words, ((0, 0), (0, pad)))
 
     def _run(self, f: Function, words: Array) -> Array:
         """One image with these points: rows of status, ticks and output words."""
@@ -220,10 +225,10 @@ def build_image(controller: Controller, board: Board, f: Function, words: Array,
 def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
     arrays: list[tuple[str, int, int | None]] = []
     arguments: list[str] = []
-    offset = 0
+    offset, per = 0, 1 if scalar == "float" else 2
     for p in f.params:
         if p.length is None:
-            arguments.append(f"given[{offset}]")
+            arguments.append(f"raw[{offset * per}]" if p.type is TICK else f"given[{offset}]")
             offset += 1
             continue
         arguments.append(p.name)
@@ -231,7 +236,6 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
         arrays.append((p.name, p.length, offset if reads else None))
         offset += p.length if reads else 0
     outputs = [(p.name, p.length) for p in f.outputs]
-    per = 1 if scalar == "float" else 2
     length = 9 * (5 + sum((n or 0) * per for _, n in outputs))
     return template("board/harness.c.j2").render(
         prefix=prefix, function=f, numbers=offset, bits=32 * per, arrays=arrays, outputs=outputs, call=", ".join(arguments),

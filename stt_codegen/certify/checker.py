@@ -151,8 +151,9 @@ class Tube:
 
 
 def arithmetic(tube: Tube, pieces: list[Piece]) -> Fraction:
-    """P7, by hand: the emitted spline time is within 4 K eps (3 roundings and the constant); every weight is a sum and product of positive numbers with at
-    most 7 roundings, product and sums add 3, so the blend is within 11 eps of 6 times the largest coefficient."""
+    """P7, by hand: the emitted spline time is within 4 K eps (two roundings, and the end below K); every weight is a sum and
+    product of positive numbers with at most 7 roundings, product and sums add 3, so the blend is within 11 eps of 6 times the
+    largest coefficient."""
     steepest = max(3 * abs(b - a) for piece in pieces for pair in piece for e in pair for a, b in zip(e, e[1:]))
     largest = max(abs(v) for row in tube.table for pair in row for v in pair)
     return 4 * tube.segments * tube.eps * steepest + 66 * tube.eps * largest

@@ -83,9 +83,10 @@ def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
 
 @dataclass(frozen=True)
 class Place:
-    """Where x stands between its two edges: the distance to the nearer one (negative outside), whether that is the upper one, and
-    `gain` with the sign of that side (minus at the upper one); near and far, the clamped distances to both, and the width that they add up to (never below
-    LEAST_WIDTH); the room between the edges; whether the tube is empty in this component (None where it never is)."""
+    """Where x stands between its two edges: the distance to the nearer one (negative outside), whether that is the upper one,
+    and `gain` with the sign of that side (minus at the upper one); near and far, the clamped distances to both, and the width
+    that they add up to (never below LEAST_WIDTH); the room between the edges; whether the tube is empty in this component
+    (None where it never is)."""
 
     nearest: Var
     upper_nearer: Var
@@ -111,9 +112,7 @@ def _width(block: Block, room: Var) -> Var:
     return block.select("width", wide, room, real(LEAST_WIDTH))
 
 
-def place_of(
-    block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand, gain: Fraction, guarded: bool = True
-) -> Place:
+def place_of(block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand, gain: Fraction, guarded: bool = True) -> Place:
     """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width. A NaN counts as
     outside. Without `guarded` the caller knows that the edges are more than LEAST_WIDTH apart."""
     lower_edge, upper_edge = edges

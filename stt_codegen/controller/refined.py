@@ -18,6 +18,7 @@ from stt_codegen.controller.component import (
     place_of,
     transform_function,
 )
+from stt_codegen.controller.ticks import segment_at_tick, ticks_of
 from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
@@ -27,6 +28,7 @@ from stt_codegen.program.program import (
     NAN,
     REAL,
     STATUS,
+    TICK,
     TRUE,
     Block,
     Const,
@@ -67,6 +69,8 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     spline = SplineKernels(_segment(design, task.emit.scalar), *_kernels_of_the_tube())
     law = control_law_of(task)
     tables = [_coefficients(design)]
+    period = task.emit.tick_period
+    clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
     if law.u_max is not None:
         tables.append(Table("u_max", law.u_max, n, ("Saturation of u, by component.",)))
     guarded = Program(
@@ -74,20 +78,19 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
         dimension=n,
         scalar=task.emit.scalar,
         tables=tuple(tables),
-        kernels=(spline.segment, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
+        kernels=(spline.segment, *clock, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
         functions=(
             _tube(spline, n),
             _tube_rate(spline, design, n),
-            _control(task, spline, law, n, True),
+            *_controls(task, spline, law, n, True, clock),
             _margin(spline, n),
             transform_function(law, n),
         ),
     )
     if not _always_wide(design, guarded):
         return guarded
-    return replace(
-        guarded, functions=tuple(_control(task, spline, law, n, False) if f.name == "control" else f for f in guarded.functions)
-    )
+    unguarded = {f.name: f for f in _controls(task, spline, law, n, False, clock)}
+    return replace(guarded, functions=tuple(unguarded.get(f.name, f) for f in guarded.functions))
 
 
 def _always_wide(design: RefinedDesign, program: Program) -> bool:
@@ -222,9 +225,9 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
     )
 
 
-def _not_finite(block: Block, n: int) -> Var:
+def _not_finite(block: Block, n: int, t: Var | None) -> Var:
     """Whether t or a component of x is not finite: 0 times it is then NaN, and so is the sum, which is else 0: tested once."""
-    nought = block.op("t_zero", "mul", Var("t", REAL), real(0))
+    nought = real(0) if t is None else block.op("t_zero", "mul", t, real(0))
     with block.loop("j", n) as loop:
         total = loop.carry("zero", nought)
         term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
@@ -235,7 +238,7 @@ def _not_finite(block: Block, n: int) -> Var:
 def _margin(spline: SplineKernels, n: int) -> Function:
     t = Var("t", REAL)
     block = Block({"t", "x"})
-    bad = _not_finite(block, n)
+    bad = _not_finite(block, n, t)
     with block.leave_when(bad, NAN):
         pass
     row, s = block.call(spline.segment, t)
@@ -251,13 +254,22 @@ def _margin(spline: SplineKernels, n: int) -> Function:
     return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, True)
 
 
+def _controls(
+    task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool, clock: tuple[Kernel, ...]
+) -> tuple[Function, ...]:
+    """`control`, and `control_tick` where there is a clock."""
+    kernels = (spline.segment, *clock)
+    return tuple(_control(task, replace(spline, segment=kernel), law, n, guarded) for kernel in kernels)
+
+
 def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool) -> Function:
-    t = Var("t", REAL)
-    block = Block({"t", "x", "u"})
-    bad = _not_finite(block, n)
+    """The law at a time that is whatever `spline.segment` takes: seconds or a tick."""
+    (when,) = spline.segment.inputs
+    block = Block({when.name, "x", "u"})
+    bad = _not_finite(block, n, when if when.type is REAL else None)
     with block.leave_when(bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
-    row, s = block.call(spline.segment, t)
+    row, s = block.call(spline.segment, when)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         i = loop.index
@@ -272,16 +284,22 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         block.store("u", i, control_component(block, law, place, u_max))
     block.leave(Select(outside, OUTSIDE, OK))
     gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
+    times = "x" if when.type is TICK else "t or x"
     return Function(
-        "control",
-        (Param("t", None), Param("x", n), Param("u", n, True)),
+        "control_tick" if when.type is TICK else "control",
+        (Param(when.name, None, type=when.type), Param("x", n), Param("u", n, True)),
         tuple(block.statements),
         True,
         (
             f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
             + (", u saturated." if law.u_max is not None else "."),
-            "t: seconds since the start (held within [0, t_c]); x: state; u: input, written in every case.",
+            _time_doc(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]); x: state; u: input.",
             "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0",
-            "(0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.",
+            f"(0 where the tube is empty). BAD_INPUT: {times} has a NaN or an infinity; u is 0. u may be the array x itself.",
         ),
     )
+
+
+def _time_doc(task: Task) -> str:
+    assert task.emit.tick_period is not None
+    return f"tick: periods of {decimal(task.emit.tick_period)} s since the start (do not let it wrap to 0); x: state; u: input."

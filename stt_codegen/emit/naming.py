@@ -20,10 +20,15 @@ def file_names(prefix: str) -> tuple[str, ...]:
     return tuple(prefix + suffix for suffix in SUFFIXES)
 
 
+def selftest_name(prefix: str) -> str:
+    """The file that `emit.selftest` adds."""
+    return f"{prefix}_selftest.c"
+
+
 def check_names(program: Program) -> None:
     """Raise ValueError when two externals collide, a local is assigned twice, or a name is a word of C, C++ or <math.h>."""
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
-    external += ["real", "status"]
+    external += ["real", "status", "selftest", "exponent", "mantissa"]
     _unique(external, "the file")
     for kernel in program.kernels:
         _unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 
 from stt_codegen.design.tube import RefinedDesign
-from stt_codegen.emit.naming import file_names
+from stt_codegen.emit.naming import file_names, selftest_name
 from stt_codegen.emit.render import Files, design_hash, template
 from stt_codegen.pipeline import Controller
 
@@ -28,6 +28,7 @@ def package(controller: Controller, kind: str) -> Files:
         "macro": prefix.upper(),
         "kind": controller.design.kind,
         "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "selftest": controller.task.emit.selftest,
         "hash": design_hash(controller.task, controller.design),
         "adaptive": not isinstance(controller.design, RefinedDesign),
         "period_us": int(period * 10**6),
@@ -39,7 +40,8 @@ def package(controller: Controller, kind: str) -> Files:
         "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
         "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
     }[kind]
-    files = {f"src/{name}": controller.files[name] for name in (header, source)}
+    sources = [name for name in (header, source, selftest_name(prefix)) if name in controller.files]
+    files = {f"src/{name}": controller.files[name] for name in sources}
     files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}
     return {f"{prefix}/{path}": data for path, data in files.items()}

@@ -16,7 +16,7 @@ import jinja2
 from stt_codegen.certify.certificate import Certificate, Finding, above, below
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import LOWER, RefinedDesign
-from stt_codegen.emit.naming import check_names, file_names
+from stt_codegen.emit.naming import check_names, file_names, selftest_name
 from stt_codegen.program.c import CPrinter
 from stt_codegen.program.number import round_to
 from stt_codegen.program.program import Const, Program, Status
@@ -45,15 +45,25 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "kind": design.kind,
         "hash": design_hash(task, design),
         "notice": _notice(task, certificate),
+        "selftest": task.emit.selftest,
         "steps": certificate.steps if certificate.holds else None,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
+    period = task.emit.tick_period
+    if period is not None:
+        common["tick"] = Const(round_to(period, program.scalar))
     shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
     files = {
         header: template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
         source: template("controller.c.j2").render(**common, c=printer),
         module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
+    if task.emit.selftest:
+        from stt_codegen.emit.selftest import vectors
+
+        files[selftest_name(task.name)] = template("selftest.c.j2").render(
+            prefix=task.name, macro=common["macro"], c=printer, v=vectors(task, program), zip=zip
+        )
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     document = certificate_document(task, design, program, certificate, digests)

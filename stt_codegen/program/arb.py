@@ -26,6 +26,7 @@ from stt_codegen.program.number import FORMATS, exponent_of, round_to
 from stt_codegen.program.program import (
     BOOL,
     INT,
+    TICK,
     Assign,
     Call,
     Const,
@@ -216,6 +217,19 @@ def _times(a: _Int, b: _Int) -> _Int:
     return _span(x * y for x in _ends(a) for y in _ends(b))
 
 
+def _less_by(a: _Int, b: _Int) -> _Int:
+    (a_low, a_high), (b_low, b_high) = _ends(a), _ends(b)
+    return _span((a_low - b_high, a_high - b_low))
+
+
+def _quotient(a: _Int, b: _Int) -> _Int:
+    return _span(x // y for x in _ends(a) for y in _ends(b))
+
+
+def _same(a: _Int) -> _Int:
+    return a
+
+
 def _before(a: _Int, b: _Int) -> _Truth:
     (a_low, a_high), (b_low, b_high) = _ends(a), _ends(b)
     return True if a_high < b_low else False if a_low >= b_high else None
@@ -264,7 +278,8 @@ def _mantissa(y: Ball, least: Fraction) -> Ball:
 
 
 _HELPERS = (
-    _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _before, _number, _load, _put,
+    _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _less_by, _quotient, _same,
+    _before, _number, _load, _put,
     _joined, _exponent, _mantissa,
 )  # fmt: skip
 
@@ -272,6 +287,7 @@ _HELPERS = (
 
 _ROUNDED = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 _FRAME = {"iadd": "_added", "imul": "_times", "ilt": "_before", "eq": "_equal", "and": "_both", "not": "_not", "real": "_number"}
+_FRAME |= {"isub": "_less_by", "idiv": "_quotient", "tlt": "_before", "int": "_same"}
 _SIGN = {"lt": "< 0", "le": "<= 0", "eq": "== 0", "ne": "!= 0"}
 _MIRROR = {"lt": "> 0", "le": ">= 0", "eq": "== 0", "ne": "!= 0"}
 
@@ -295,7 +311,7 @@ class _Printer:
         number = value.value
         if isinstance(number, Status):
             return self._constant(f"_S_{number.name}", frozenset({number}))
-        if value.type in (BOOL, INT):
+        if value.type in (BOOL, INT, TICK):
             return str(number)
         if number is None:
             return self._constant("_nan", arb.nan())
@@ -363,7 +379,8 @@ class _Printer:
         if name in _ROUNDED:
             exact = f"{args[0]} {_ROUNDED[name]} {args[1]}"
             tiny = " + _tiny" if name in ("mul", "div") else ""
-            return f"({exact}) * _one{tiny}" if self.rounding else exact
+            by_zero = name == "mul" and any(isinstance(a, Const) and a.value == 0 for a in op.args)  # exact
+            return f"({exact}) * _one{tiny}" if self.rounding and not by_zero else exact
         exact = f"{args[0]} ** {args[1]}" if name == "pow" else f"{args[0]}.{name}()"
         if not self.rounding or name in ("floor", "ceil"):
             return exact

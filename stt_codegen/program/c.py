@@ -15,6 +15,7 @@ from stt_codegen.program.program import (
     MATH_CALLS,
     REAL,
     STATUS,
+    TICK,
     Assign,
     Call,
     Const,
@@ -51,6 +52,9 @@ _INFIX = {
     "iadd": "+",
     "imul": "*",
     "ilt": "<",
+    "isub": "-",
+    "idiv": "/",
+    "tlt": "<",
 }
 LITERALS_A_LINE = 4
 _BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
@@ -98,7 +102,7 @@ class CPrinter:
     # ---- names and literals
 
     def type_name(self, kind: Type) -> str:
-        return {REAL: self.real, INT: "int32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
+        return {REAL: self.real, INT: "int32_t", TICK: "uint32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
 
     def math_name(self, operation: str) -> str:
         """The C library's function in the program's own precision."""
@@ -112,6 +116,8 @@ class CPrinter:
             return "true" if value else "false"
         if constant.type is INT:
             return str(value)
+        if constant.type is TICK:
+            return f"{value}U"
         if value is None:
             return f"({self.real})NAN"
         text = shortest(round_to(value, self.program.scalar), self.program.scalar)  # type: ignore[arg-type]
@@ -149,6 +155,8 @@ class CPrinter:
                 return f"!{args[0]}"
             case "real":
                 return f"({self.real}){args[0]}"
+            case "int":
+                return f"(int32_t){args[0]}"
             case "exponent" | "mantissa":
                 return f"{self.prefix}_{name}({args[0]})"
             case "eq":  # == on reals is refused by -Wfloat-equal; this is the same, false for NaN included
@@ -238,7 +246,7 @@ class CPrinter:
 
     def param(self, param: Param) -> str:
         if param.length is None:
-            return f"{self.real} {param.name}"
+            return f"{self.type_name(param.type)} {param.name}"
         factor = param.length // self.program.dimension
         length = f"{self.macro}_N" if factor == 1 else f"{factor} * {self.macro}_N"
         return f"{'' if param.output else 'const '}{self.real} {param.name}[{length}]"

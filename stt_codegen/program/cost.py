@@ -28,7 +28,7 @@ _KIND = {
     "lt": "compare", "le": "compare", "eq": "compare", "ne": "compare", "ilt": "compare",
     "and": "compare", "or": "compare", "not": "compare",
     "iadd": "integer", "imul": "integer", "real": "integer",
-    "exponent": "integer", "mantissa": "integer",
+    "isub": "integer", "idiv": "integer", "int": "integer", "tlt": "compare", "exponent": "integer", "mantissa": "integer",
 }  # fmt: skip
 
 

@@ -21,11 +21,12 @@ from fractions import Fraction
 class Type(Enum):
     REAL = "real"  # float or double, the program's scalar
     INT = "int"  # a table index or loop counter, at least 32 bits
+    TICK = "tick"  # a count from 0 to 2^32 - 1, a parameter only
     BOOL = "bool"
     STATUS = "status"
 
 
-REAL, INT, BOOL, STATUS = Type.REAL, Type.INT, Type.BOOL, Type.STATUS
+REAL, INT, TICK, BOOL, STATUS = Type.REAL, Type.INT, Type.TICK, Type.BOOL, Type.STATUS
 
 # Operations: argument types and result type. Comparisons with a NaN are false, `ne` is true, as in IEEE 754.
 _UNARY = "neg fabs sqrt exp expm1 log log1p sinh cosh tanh atanh sin cos tan floor ceil"
@@ -38,7 +39,11 @@ OPERATIONS: dict[str, tuple[tuple[Type, ...], Type]] = {
     "not": ((BOOL,), BOOL),
     "iadd": ((INT, INT), INT),
     "imul": ((INT, INT), INT),
+    "isub": ((INT, INT), INT),
+    "idiv": ((INT, INT), INT),  # of a number that is not negative by a positive one, rounded down
     "ilt": ((INT, INT), BOOL),
+    "tlt": ((TICK, TICK), BOOL),
+    "int": ((TICK,), INT),  # of a count below 2^31
     "real": ((INT,), REAL),
     # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact
     "exponent": ((REAL,), INT),
@@ -232,13 +237,14 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Param:
-    """A parameter of a public function: a scalar (`length` None, input only) or an array of reals: read, written
-    (`output`), or read and changed in place (`output` and `inout`)."""
+    """A parameter of a public function: a scalar (`length` None, input only; a real or a count) or an array of reals: read,
+    written (`output`), or read and changed in place (`output` and `inout`)."""
 
     name: str
     length: int | None
     output: bool = False
     inout: bool = False
+    type: Type = REAL
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from stt_codegen.program.number import FORMATS, round_to, shortest
 from stt_codegen.program.program import (
     INT,
     MATH_CALLS,
+    TICK,
     Assign,
     Call,
     Const,
@@ -44,6 +45,9 @@ _INFIX = {
     "iadd": "+",
     "imul": "*",
     "ilt": "<",
+    "isub": "-",
+    "idiv": "//",
+    "tlt": "<",
     "pow": "**",
 }
 
@@ -75,7 +79,7 @@ class PythonPrinter:
             return value.name
         if isinstance(value, bool):
             return str(value)
-        if constant.type is INT:
+        if constant.type in (INT, TICK):
             return str(value)
         if value is None:
             return "math.nan"
@@ -112,6 +116,8 @@ class PythonPrinter:
                 return f"not {args[0]}"
             case "real":
                 return f"float({args[0]})"
+            case "int":
+                return args[0]
             case "exponent" | "mantissa":
                 return f"_split({args[0]})[{0 if name == 'mantissa' else 1}]"
         raise NotImplementedError(f"Python has no printer for operation {name!r}")
@@ -172,10 +178,9 @@ class PythonPrinter:
     def function(self, function: Function) -> list[str]:
         lines = [f"def {function.name}({', '.join(p.name for p in function.inputs)}):", *self.docstring(function.doc)]
         for p in function.inputs:
+            scalar = f'_count("{p.name}", {p.name})' if p.type is TICK else f"float({p.name})"
             lines.append(
-                f"    {p.name} = float({p.name})"
-                if p.length is None
-                else f'    {p.name} = _vector("{p.name}", {p.name}, {p.length})'
+                f"    {p.name} = {scalar}" if p.length is None else f'    {p.name} = _vector("{p.name}", {p.name}, {p.length})'
             )
         lines += [f"    {p.name} = [0.0] * {p.length}" for p in function.outputs if not p.inout]
         return [*lines, *self.statements(function.body, function)]

@@ -26,6 +26,7 @@ from stt_codegen.program.program import (
     MATH_CALLS,
     REAL,
     STATUS,
+    TICK,
     Assign,
     Call,
     Carry,
@@ -130,7 +131,9 @@ def printed(program: Program) -> Program:
             for k in program.kernels
         ),
         functions=tuple(
-            replace(f, params=tuple(Param(p.name, p.length, p.output) for p in f.params), body=statements(f.body), doc=())
+            replace(
+                f, params=tuple(Param(p.name, p.length, p.output, type=p.type) for p in f.params), body=statements(f.body), doc=()
+            )
             for f in program.functions
         ),
     )
@@ -139,7 +142,8 @@ def printed(program: Program) -> Program:
 # ------------------------------------------------------------------------------------------- from the text
 
 _REALS = {"+": "add", "-": "sub", "*": "mul", "/": "div", "<": "lt", "<=": "le"}
-_INTS = {"+": "iadd", "*": "imul", "<": "ilt"}
+_INTS = {"+": "iadd", "-": "isub", "*": "imul", "/": "idiv", "<": "ilt"}
+_TICKS = {"<": "tlt"}
 _TRUTHS = {"&&": "and", "||": "or"}
 
 
@@ -150,7 +154,8 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     if not dimension or not real:
         raise Unreadable("the header has no dimension or no scalar type")
     reader = _Reader(prefix, real.group(1), int(dimension.group(1)))
-    known = f"typedef {real.group(1)} {prefix}_real; typedef int int32_t; typedef int bool; typedef int {prefix}_status;\n"
+    known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool;"
+    known += f"typedef {real.group(1)} {prefix}_real; typedef int {prefix}_status;\n"
     split = "\n".join(split_lines(prefix, scalar)) + "\n"  # the one text that is no Program; as printed, or it is read as one
     code = re.sub(r"/\*.*?\*/", " ", source.replace(split, ""), flags=re.S)
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
@@ -188,7 +193,7 @@ class _Reader:
         return text.removeprefix(f"{self.prefix}_")
 
     def kind(self, node: Any) -> Type:
-        names = {f"{self.prefix}_real": REAL, "int32_t": INT, "bool": BOOL, f"{self.prefix}_status": STATUS}
+        names = {f"{self.prefix}_real": REAL, "int32_t": INT, "uint32_t": TICK, "bool": BOOL, f"{self.prefix}_status": STATUS}
         text = " ".join(node.type.names)
         if text not in names:
             raise Unreadable(f"the type {text}, {node.coord}")
@@ -230,6 +235,8 @@ class _Reader:
                 return Var(name, self.types[name])
             case c_ast.Constant(value=text) if text.isdigit():
                 return Const(int(text), INT)
+            case c_ast.Constant(value=text) if text[:-1].isdigit() and text.endswith("U"):
+                return Const(int(text[:-1]), TICK)
             case c_ast.Constant() | c_ast.UnaryOp(op="-", expr=c_ast.Constant()):
                 return Const(self.number(node))
             case c_ast.UnaryOp(op="-"):
@@ -252,7 +259,9 @@ class _Reader:
                 return Const(None)
             case c_ast.Cast():
                 value = self.operand(node.expr)
-                return Trunc(value) if self.kind(node.to_type.type) is INT else Op("real", (value,))
+                if self.kind(node.to_type.type) is INT:
+                    return Op("int", (value,)) if value.type is TICK else Trunc(value)
+                return Op("real", (value,))
             case c_ast.ArrayRef():
                 array = node.name.name
                 own = array in self.types
@@ -267,7 +276,7 @@ class _Reader:
         raise Unreadable(f"a {type(node).__name__}, {node.coord}")
 
     def binary(self, op: str, a: Operand, b: Operand, node: Any) -> Expression:
-        table = {REAL: _REALS, INT: _INTS, BOOL: _TRUTHS}.get(a.type, {})
+        table = {REAL: _REALS, INT: _INTS, TICK: _TICKS, BOOL: _TRUTHS}.get(a.type, {})
         if a.type is not b.type or op not in table:
             raise Unreadable(f"{a.type.value} {op} {b.type.value}, {node.coord}")
         return Op(table[op], (a, b))
@@ -383,7 +392,7 @@ class _Reader:
                 case _:
                     self.types[p.name] = self.kind(p.type)
                     inputs.append(Var(p.name, self.types[p.name]))
-                    params.append(Param(p.name, None))
+                    params.append(Param(p.name, None, type=self.types[p.name]))
         body, outputs = self.statements(node.body.block_items, kernel)
         returned = declared.type.type.type.names
         if kernel:

@@ -1,0 +1,579 @@
+/* omni_board.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_board.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "omni_board.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "omni_board.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_board_real omni_board_coefficients[140] = {
+    -0.038776398F, 0.04453659F, -0.07992363F, 0.043358803F,
+    0.0000104904175F, 0.08332348F, 0.019994736F, 0.08332348F,
+    0.038796425F, 0.12211037F, 4.7683716e-6F, 0.1232872F,
+    9.536743e-6F, 0.16089725F, 4.7683716e-6F, 0.16325188F,
+    4.7683716e-6F, 0.16166115F, 0.015218735F, 0.20321655F,
+    4.7683716e-6F, 0.16166115F, 0.05518341F, 0.24318123F,
+    4.7683716e-6F, 0.16166115F, 0.09514713F, 0.28314495F,
+    4.7683716e-6F, 0.16166115F, 0.13511181F, 0.32310963F,
+    0.00077438354F, 0.16166115F, 0.17507648F, 0.3630743F,
+    0.03956127F, 0.12287426F, 0.2150402F, 0.40303802F,
+    0.07834911F, 0.16166115F, 0.25500488F, 0.41166115F,
+    0.117136F, 0.20044899F, 0.29496956F, 0.41166115F,
+    0.15592289F, 0.23923588F, 0.25500488F, 0.41166115F,
+    0.19470978F, 0.27802277F, 0.25500488F, 0.41166115F,
+    0.23349667F, 0.31680965F, 0.25500488F, 0.41166115F,
+    0.27228355F, 0.35559654F, 0.25500488F, 0.41166115F,
+    0.31107044F, 0.39438343F, 0.25500488F, 0.41166115F,
+    0.34985733F, 0.43317032F, 0.25500488F, 0.41166115F,
+    0.38864422F, 0.4719572F, 0.26181412F, 0.41166115F,
+    0.4274311F, 0.5107441F, 0.3017788F, 0.41166115F,
+    0.466218F, 0.549531F, 0.34174252F, 0.37169743F,
+    0.5050049F, 0.5883179F, 0.3817072F, 0.41166115F,
+    0.5437918F, 0.62710476F, 0.42167187F, 0.45162582F,
+    0.5050049F, 0.66589165F, 0.46163654F, 0.4915905F,
+    0.5050049F, 0.70467854F, 0.42167187F, 0.5315552F,
+    0.5050049F, 0.7434654F, 0.44361115F, 0.5715189F,
+    0.5050049F, 0.7822523F, 0.48357582F, 0.6114836F,
+    0.5302124F, 0.8210392F, 0.5235405F, 0.65144825F,
+    0.5689993F, 0.83332825F, 0.5635042F, 0.691412F,
+    0.6077862F, 0.83332825F, 0.6034689F, 0.73137665F,
+    0.64657307F, 0.83332825F, 0.6434336F, 0.7713413F,
+    0.68535995F, 0.83332825F, 0.6833973F, 0.811306F,
+    0.72414684F, 0.80749035F, 0.72336197F, 0.83332825F,
+    0.76293373F, 0.8462467F, 0.76332664F, 0.83332825F,
+    0.72414684F, 0.80749035F, 0.72336197F, 0.83332825F
+};
+
+/* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */
+static inline int32_t omni_board_exponent(omni_board_real y)
+{
+    uint32_t bits;
+    memcpy(&bits, &y, sizeof bits);
+    return (int32_t)((bits - 0x3f3504f3U) >> 23);
+}
+
+static inline omni_board_real omni_board_mantissa(omni_board_real y)
+{
+    uint32_t bits;
+    memcpy(&bits, &y, sizeof bits);
+    bits = ((bits - 0x3f3504f3U) & 0x7fffffU) + 0x3f3504f3U;
+    omni_board_real m;
+    memcpy(&m, &bits, sizeof m);
+    return m;
+}
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
+ */
+static inline void omni_board_segment(omni_board_real t, int32_t *row, omni_board_real *s)
+{
+    const bool positive = 0.0F < t;
+    const omni_board_real started = positive ? t : 0.0F;
+    const omni_board_real scaled = started * 3.5555556F;
+    const bool early = scaled < 31.999998F;
+    const omni_board_real u = early ? scaled : 31.999998F;
+    const int32_t segment = (int32_t)u;
+    const omni_board_real base = (omni_board_real)segment;
+    const omni_board_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* As segment, for a count of ticks: one is 4/1125 of a segment, in integers; only s is rounded.
+ * From tick 9000 on the last segment and s = 1, which is t_c.
+ */
+static inline void omni_board_segment_at_tick(uint32_t tick, int32_t *row, omni_board_real *s)
+{
+    const bool running = tick < 9000U;
+    const uint32_t held = running ? tick : 9000U;
+    const int32_t count = (int32_t)held;
+    const int32_t passed = count * 4;
+    const bool early = passed < 36000;
+    const int32_t place = early ? passed : 36000;
+    const int32_t whole = place / 1125;
+    const bool before_last = whole < 31;
+    const int32_t segment = before_last ? whole : 31;
+    const int32_t base = segment * 1125;
+    const int32_t rest = place - base;
+    const omni_board_real part = (omni_board_real)rest;
+    const omni_board_real share = part / 1125.0F;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = share;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static inline void omni_board_basis(omni_board_real s, omni_board_real *w0, omni_board_real *w1,
+                                    omni_board_real *w2, omni_board_real *w3)
+{
+    const omni_board_real v0 = 1.0F - s;
+    const omni_board_real v1 = v0 * v0;
+    const omni_board_real v2 = v1 * v0;
+    const omni_board_real v3 = v0 * s;
+    const omni_board_real v4 = 1.0F + v3;
+    const omni_board_real v5 = 3.0F * v4;
+    const omni_board_real v6 = v0 * v5;
+    const omni_board_real v7 = 1.0F + v6;
+    const omni_board_real v8 = s * v5;
+    const omni_board_real v9 = 1.0F + v8;
+    const omni_board_real v10 = s * s;
+    const omni_board_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static inline void omni_board_basis_rate(omni_board_real s, omni_board_real *dw0, omni_board_real *dw1,
+                                         omni_board_real *dw2, omni_board_real *dw3)
+{
+    const omni_board_real v0 = 1.0F - s;
+    const omni_board_real v1 = v0 + v0;
+    const omni_board_real v2 = v0 * v1;
+    const omni_board_real v3 = v0 * v0;
+    const omni_board_real v4 = v2 + v3;
+    const omni_board_real v5 = -v4;
+    const omni_board_real v6 = v0 - s;
+    const omni_board_real v7 = 3.0F * v6;
+    const omni_board_real v8 = v0 * v7;
+    const omni_board_real v9 = v0 * s;
+    const omni_board_real v10 = 1.0F + v9;
+    const omni_board_real v11 = 3.0F * v10;
+    const omni_board_real v12 = v8 - v11;
+    const omni_board_real v13 = s * v7;
+    const omni_board_real v14 = v11 + v13;
+    const omni_board_real v15 = s + s;
+    const omni_board_real v16 = s * v15;
+    const omni_board_real v17 = s * s;
+    const omni_board_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static inline omni_board_real omni_board_blend(omni_board_real w0, omni_board_real w1, omni_board_real w2,
+                                               omni_board_real w3, omni_board_real q0, omni_board_real q1,
+                                               omni_board_real q2, omni_board_real q3)
+{
+    const omni_board_real v0 = w0 * q0;
+    const omni_board_real v1 = w1 * q1;
+    const omni_board_real v2 = v0 + v1;
+    const omni_board_real v3 = w2 * q2;
+    const omni_board_real v4 = w3 * q3;
+    const omni_board_real v5 = v3 + v4;
+    const omni_board_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static inline omni_board_real omni_board_normalized_error(omni_board_real a, omni_board_real b,
+                                                          omni_board_real width)
+{
+    const omni_board_real v0 = a - b;
+    const omni_board_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b.
+ * ln y by y = m 2^e as e ln 2 + 2 atanh((m - 1)/(m + 1)), with a relative error below 2^-14.
+ */
+static inline void omni_board_transformed_error(omni_board_real a, omni_board_real b, omni_board_real *epsilon,
+                                                omni_board_real *xi)
+{
+    const omni_board_real v0 = b / a;
+    const int32_t exponent = omni_board_exponent(v0);
+    const omni_board_real base = (omni_board_real)exponent;
+    const omni_board_real mantissa = omni_board_mantissa(v0);
+    const omni_board_real below = mantissa - 1.0F;
+    const omni_board_real above = mantissa + 1.0F;
+    const omni_board_real s = below / above;
+    const omni_board_real z = s * s;
+    const omni_board_real bent = z * 0.6766044F;
+    const omni_board_real around = bent + 2.0F;
+    const omni_board_real part = s * around;
+    const omni_board_real whole = base * 0.6931472F;
+    const omni_board_real v1 = whole + part;
+    const omni_board_real v2 = -v1;
+    const omni_board_real v3 = 1.0F + v0;
+    const omni_board_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static inline omni_board_real omni_board_law(omni_board_real k, omni_board_real xi, omni_board_real epsilon)
+{
+    const omni_board_real v0 = k * xi;
+    const omni_board_real v1 = v0 * epsilon;
+    const omni_board_real v2 = -v1;
+    return v2;
+}
+
+void omni_board_tube(omni_board_real t, omni_board_real lower[OMNI_BOARD_N],
+                     omni_board_real upper[OMNI_BOARD_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (omni_board_real)NAN;
+            upper[j] = (omni_board_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment(t, &row, &s);
+    omni_board_real w0;
+    omni_board_real w1;
+    omni_board_real w2;
+    omni_board_real w3;
+    omni_board_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_edge = omni_board_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_board_tube_rate(omni_board_real t, omni_board_real lower_rate[OMNI_BOARD_N],
+                          omni_board_real upper_rate[OMNI_BOARD_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (omni_board_real)NAN;
+            upper_rate[j] = (omni_board_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment(t, &row, &s);
+    omni_board_real dw0;
+    omni_board_real dw1;
+    omni_board_real dw2;
+    omni_board_real dw3;
+    omni_board_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0F;
+    const omni_board_real per_second = moving ? 3.5555556F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_slope = omni_board_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_board_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_slope = omni_board_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_board_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_board_status omni_board_control(omni_board_real t, const omni_board_real x[OMNI_BOARD_N],
+                                     omni_board_real u[OMNI_BOARD_N])
+{
+    const omni_board_real t_zero = t * 0.0F;
+    omni_board_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_board_real x_j = x[j];
+        const omni_board_real x_zero = x_j * 0.0F;
+        const omni_board_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return OMNI_BOARD_BAD_INPUT;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment(t, &row, &s);
+    omni_board_real w0;
+    omni_board_real w1;
+    omni_board_real w2;
+    omni_board_real w3;
+    omni_board_basis(s, &w0, &w1, &w2, &w3);
+    bool outside = false;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_edge = omni_board_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_board_real x_i = x[i];
+        const omni_board_real room = upper_edge - lower_edge;
+        const omni_board_real to_lower = x_i - lower_edge;
+        const omni_board_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_board_real gain = upper_nearer ? (-0.5F) : 0.5F;
+        const omni_board_real least = room * 0.005F;
+        const bool clear = least < nearest;
+        const omni_board_real near = clear ? nearest : least;
+        const omni_board_real far = room - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
+        omni_board_real epsilon;
+        omni_board_real xi;
+        omni_board_transformed_error(near, far, &epsilon, &xi);
+        const omni_board_real push = omni_board_law(gain, xi, epsilon);
+        u[i] = push;
+        outside = outside_any;
+    }
+    return outside ? OMNI_BOARD_OUTSIDE_TUBE : OMNI_BOARD_OK;
+}
+
+omni_board_status omni_board_control_tick(uint32_t tick, const omni_board_real x[OMNI_BOARD_N],
+                                          omni_board_real u[OMNI_BOARD_N])
+{
+    omni_board_real zero = 0.0F;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_board_real x_j = x[j];
+        const omni_board_real x_zero = x_j * 0.0F;
+        const omni_board_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return OMNI_BOARD_BAD_INPUT;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment_at_tick(tick, &row, &s);
+    omni_board_real w0;
+    omni_board_real w1;
+    omni_board_real w2;
+    omni_board_real w3;
+    omni_board_basis(s, &w0, &w1, &w2, &w3);
+    bool outside = false;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_edge = omni_board_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_board_real x_i = x[i];
+        const omni_board_real room = upper_edge - lower_edge;
+        const omni_board_real to_lower = x_i - lower_edge;
+        const omni_board_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_board_real gain = upper_nearer ? (-0.5F) : 0.5F;
+        const omni_board_real least = room * 0.005F;
+        const bool clear = least < nearest;
+        const omni_board_real near = clear ? nearest : least;
+        const omni_board_real far = room - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
+        omni_board_real epsilon;
+        omni_board_real xi;
+        omni_board_transformed_error(near, far, &epsilon, &xi);
+        const omni_board_real push = omni_board_law(gain, xi, epsilon);
+        u[i] = push;
+        outside = outside_any;
+    }
+    return outside ? OMNI_BOARD_OUTSIDE_TUBE : OMNI_BOARD_OK;
+}
+
+omni_board_real omni_board_margin(omni_board_real t, const omni_board_real x[OMNI_BOARD_N])
+{
+    const omni_board_real t_zero = t * 0.0F;
+    omni_board_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_board_real x_j = x[j];
+        const omni_board_real x_zero = x_j * 0.0F;
+        const omni_board_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        return (omni_board_real)NAN;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment(t, &row, &s);
+    omni_board_real w0;
+    omni_board_real w1;
+    omni_board_real w2;
+    omni_board_real w3;
+    omni_board_basis(s, &w0, &w1, &w2, &w3);
+    omni_board_real margin = 0.5F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_edge = omni_board_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_board_real x_i = x[i];
+        const omni_board_real room = upper_edge - lower_edge;
+        const bool wide = 9.536743e-7F < room;
+        const omni_board_real width = wide ? room : 9.536743e-7F;
+        const omni_board_real to_lower = x_i - lower_edge;
+        const omni_board_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_board_real share = nearest / width;
+        const bool beyond = share < (-1.0F);
+        const omni_board_real held_share = beyond ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const omni_board_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
+void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_board_real upper[OMNI_BOARD_N],
+                          const omni_board_real x[OMNI_BOARD_N], omni_board_real e[OMNI_BOARD_N],
+                          omni_board_real epsilon[OMNI_BOARD_N], omni_board_real xi[OMNI_BOARD_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_board_real lower_edge = lower[i];
+        const omni_board_real upper_edge = upper[i];
+        const omni_board_real x_i = x[i];
+        const omni_board_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const omni_board_real width = wide ? room : 9.536743e-7F;
+        const omni_board_real to_lower = x_i - lower_edge;
+        const omni_board_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_board_real side = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_board_real least = width * 0.005F;
+        const omni_board_real widened = width - room;
+        const omni_board_real spare = widened * 0.5F;
+        const omni_board_real half = width * 0.5F;
+        const omni_board_real shifted = nearest + spare;
+        const bool near_above = least < shifted;
+        const omni_board_real near_raised = near_above ? shifted : least;
+        const bool near_over = half < near_raised;
+        const omni_board_real near = near_over ? half : near_raised;
+        const omni_board_real far = width - near;
+        const omni_board_real a = upper_nearer ? far : near;
+        const omni_board_real b = upper_nearer ? near : far;
+        const omni_board_real e_raw = omni_board_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const omni_board_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const omni_board_real e_held = e_held_over ? 0.99F : e_held_raised;
+        omni_board_real epsilon_near;
+        omni_board_real xi_i;
+        omni_board_transformed_error(near, far, &epsilon_near, &xi_i);
+        const omni_board_real epsilon_i = side * epsilon_near;
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_board_real e_settled = empty ? 0.0F : e_held;
+        const omni_board_real e_out = finite ? e_settled : (omni_board_real)NAN;
+        e[i] = e_out;
+        const omni_board_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const omni_board_real epsilon_out = finite ? epsilon_settled : (omni_board_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_board_real xi_settled = empty ? 0.0F : xi_i;
+        const omni_board_real xi_out = finite ? xi_settled : (omni_board_real)NAN;
+        xi[i] = xi_out;
+    }
+}

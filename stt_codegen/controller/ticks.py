@@ -1,0 +1,67 @@
+"""Time as a count of equal periods, exact over the whole mission: where float seconds run out of resolution, ticks do not.
+
+A tick of P seconds is P K / t_c segments = numerator/denominator in lowest terms. Segment and rest are integers, so only the last
+quotient, s = rest / denominator, is rounded: s is within 3 eps of the true place, less than the `time_error` of seconds, and P7
+covers it. rest <= denominator makes s <= 1; at t_c and after it is the last segment with s = 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.errors import BadInput
+from stt_codegen.program.program import TICK, Block, Const, Kernel, Var, integer, real
+from stt_codegen.wording import decimal
+
+MOST = 1 << 31  # what an int32_t holds
+
+
+@dataclass(frozen=True)
+class Ticks:
+    """One tick in segments, numerator/denominator; `last`: the first tick that is not before t_c."""
+
+    numerator: int
+    denominator: int
+    last: int
+
+
+def ticks_of(design: RefinedDesign, period: Fraction) -> Ticks:
+    """Raises `BadInput` when the integers that the period leads to do not fit 32 bits."""
+    share = period * design.segments / design.prescribed_time
+    whole = design.segments * share.denominator
+    if whole + share.numerator >= MOST:
+        near = design.prescribed_time / max(1, round(design.prescribed_time / period))
+        raise BadInput(
+            f"emit.tick_period: {decimal(period)} s over {decimal(design.prescribed_time)} s and {design.segments} segments makes "
+            f"integers beyond 31 bits; a period that divides prescribed_time, like {float(near):.9g} s, leads to smaller ones"
+        )
+    return Ticks(share.numerator, share.denominator, -(-whole // share.numerator))
+
+
+def segment_at_tick(design: RefinedDesign, ticks: Ticks) -> Kernel:
+    """tick -> index of the segment's first table entry, and the place s in it, as the kernel `segment` for seconds."""
+    k, den = design.segments, ticks.denominator
+    tick = Var("tick", TICK)
+    block = Block({"tick", "row", "s"})
+    last = Const(ticks.last, TICK)
+    held = block.select("held", block.op("running", "tlt", tick, last), tick, last)
+    passed = block.op("passed", "imul", block.op("count", "int", held), integer(ticks.numerator))
+    place = block.select("place", block.op("early", "ilt", passed, integer(k * den)), passed, integer(k * den))
+    whole = block.op("whole", "idiv", place, integer(den))
+    index = block.select("segment", block.op("before_last", "ilt", whole, integer(k - 1)), whole, integer(k - 1))
+    rest = block.op("rest", "isub", place, block.op("base", "imul", index, integer(den)))
+    s = block.op("share", "div", block.op("part", "real", rest), real(den))
+    row = block.op("first", "imul", index, integer(2 * design.dimension))
+    return Kernel(
+        name="segment_at_tick",
+        inputs=(tick,),
+        body=tuple(block.statements),  # type: ignore[arg-type]
+        outputs=(row, s),
+        output_names=("row", "s"),
+        doc=(
+            f"As segment, for a count of ticks: one is {ticks.numerator}/{den} of a segment, in integers; only s is rounded.",
+            f"From tick {ticks.last} on the last segment and s = 1, which is t_c.",
+        ),
+    )
