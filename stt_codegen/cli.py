@@ -30,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-bench = typer.Typer(help="Measure: designs over random arenas.", no_args_is_help=True)
+bench = typer.Typer(help="Measure: designs over random arenas, steps on emulated boards.", no_args_is_help=True)
 app.add_typer(bench, name="bench")
 
 TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
@@ -358,7 +358,8 @@ def pil(
         _show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
         unit = BOARDS[board].unit
         for name, c in costs.items():
-            print(f"  {name}: {c['least']} to {c['most']} {unit}, median {c['median']}; most at {c['worst_at']}")
+            taken = f"{c['least']} to {c['most']} {unit}, median {c['median']}"
+            print(f"  {name}: {taken}; {c['stack']} B of stack; most at {c['worst_at']}")
     if not good:
         raise typer.Exit(1)
 
@@ -409,6 +410,27 @@ def arenas(
     from stt_codegen.bench.command import run_arenas
 
     run_arenas(family, design, count, clearance, min_width, processes, scheduler, peers, record, json)
+
+
+@bench.command()
+def mcu(
+    board: Annotated[list[str] | None, typer.Option(help="m0, m3, m4f, m7, rv32 or avr; may be repeated")] = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 1000,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Count what `control` costs on every emulated board, beside CasADi's C and C written by hand; about eight minutes.
+
+    Exit code 1 when a controller is beyond a bound of `compare` on some board.
+    """
+    from stt_codegen.bench.mcu import run_mcu
+    from stt_codegen.board.emulated import BOARDS
+
+    for name in board or ():
+        if name not in BOARDS:
+            raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
+    if not run_mcu(board, points, record, json, lambda what: _say(f"  {what}")):
+        raise typer.Exit(1)
 
 
 @app.command()

@@ -10,6 +10,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -122,22 +123,23 @@ CFLAGS = ("-O2", "-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 
 @dataclass
 class Counts:
-    """What the calls of one function took, in the board's unit, by point."""
+    """What the calls of one function took, in the board's unit, and how many bytes of stack they used, by point."""
 
     taken: Array
+    stack: Array
     inputs: tuple[Array, ...]
 
     def summary(self) -> dict[str, Any]:
         worst = int(np.argmax(self.taken))
         at = [np.asarray(v)[worst].tolist() for v in self.inputs]
         least, median, most = (round(float(v)) for v in (self.taken.min(), np.median(self.taken), self.taken.max()))
-        return {"least": least, "median": median, "most": most, "worst_at": at}
+        return {"least": least, "median": median, "most": most, "worst_at": at, "stack": int(self.stack.max())}
 
 
 class Emulated(Backend):
     """The emitted C on a board. `counts` collects what each function's calls took."""
 
-    def __init__(self, controller: Controller, board: Board, optimise: str = "-O2") -> None:
+    def __init__(self, controller: Controller, board: Board, optimise: str = "-O2", extra: tuple[str, ...] = ()) -> None:
         if controller.program.scalar not in board.scalars:
             raise BadInput(f"--board {board.name}: its compiler has no 64-bit {controller.program.scalar}; use --scalar float")
         source = controller.files[f"{controller.program.prefix}.c"].decode()
@@ -147,7 +149,7 @@ class Emulated(Backend):
         for tool in (board.compiler, board.command[0]):
             if shutil.which(tool) is None:
                 raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")
-        self.controller, self.board, self.optimise = controller, board, optimise
+        self.controller, self.board, self.flags = controller, board, (*(optimise if v == "-O2" else v for v in CFLAGS), *extra)
         self.program, self.scalar = controller.program, controller.program.scalar
         self.name = f"C {self.scalar} on {board.name}"
         self.number = np.float32 if self.scalar == "float" else np.float64
@@ -158,15 +160,15 @@ class Emulated(Backend):
         words = np.hstack([self._words(p, v) for p, v in zip(f.inputs, inputs, strict=True)])
         chunk = max(1, self.board.room // (4 * words.shape[1]))
         rows = np.concatenate([self._run(f, words[k : k + chunk]) for k in range(0, len(words), chunk)])
-        taken = rows[:, 1] / self.board.ticks
+        taken, stack = rows[:, 1] / self.board.ticks, rows[:, 2]
         if function in self.counts:
             before = self.counts[function]
-            taken = np.concatenate([before.taken, taken])
+            taken, stack = np.concatenate([before.taken, taken]), np.concatenate([before.stack, stack])
             inputs_so_far = tuple(np.concatenate([a, b]) for a, b in zip(before.inputs, inputs, strict=True))
         else:
             inputs_so_far = inputs
-        self.counts[function] = Counts(taken, inputs_so_far)
-        results, at = [], 2
+        self.counts[function] = Counts(taken, stack, inputs_so_far)
+        results, at = [], 3
         per = self.number().itemsize // 4
         for length in [1] * f.returns_real + [p.length or 0 for p in f.outputs]:
             bits = np.ascontiguousarray(rows[:, at : at + length * per])
@@ -184,9 +186,9 @@ class Emulated(Backend):
         return np.pad(words, ((0, 0), (0, pad)))
 
     def _run(self, f: Function, words: Array) -> Array:
-        """One image with these points: rows of status, ticks and output words."""
+        """One image with these points: rows of status, ticks, bytes of stack, and output words."""
         with tempfile.TemporaryDirectory() as folder:
-            image = build_image(self.controller, self.board, f, words, Path(folder), self.optimise)
+            image = build_image(self.controller, self.board, f, words, Path(folder), self.flags)
             try:
                 result = subprocess.run(  # semihosting writes to either stream
                     [*self.board.command, str(image)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -204,7 +206,7 @@ class Emulated(Backend):
         return np.array(rows, dtype=np.uint32)
 
 
-def build_image(controller: Controller, board: Board, f: Function, words: Array, folder: Path, optimise: str) -> Path:
+def build_image(controller: Controller, board: Board, f: Function, words: Array, folder: Path, flags: Sequence[str]) -> Path:
     """The image that calls `f` at these points (words of their bits), in `folder`."""
     program = controller.program
     templates = template_folder() / "board"
@@ -216,7 +218,6 @@ def build_image(controller: Controller, board: Board, f: Function, words: Array,
     (folder / "harness.c").write_text(_harness(program.prefix, program.scalar, f, words))
     libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
     sources = [str(folder / v) for v in (*board.sources, "harness.c", f"{program.prefix}.c")]
-    flags = [optimise if v == "-O2" else v for v in CFLAGS]
     image = folder / "image.elf"
     run_compiler([board.compiler, *board.flags, *flags, f"-I{folder}", *sources, "-o", str(image), *libraries])
     return image
@@ -236,7 +237,7 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
         arrays.append((p.name, p.length, offset if reads else None))
         offset += p.length if reads else 0
     outputs = [(p.name, p.length) for p in f.outputs]
-    length = 9 * (5 + sum((n or 0) * per for _, n in outputs))
+    length = 9 * (6 + sum((n or 0) * per for _, n in outputs))
     return template("board/harness.c.j2").render(
         prefix=prefix, function=f, numbers=offset, bits=32 * per, arrays=arrays, outputs=outputs, call=", ".join(arguments),
         line_length=length, points=[", ".join(f"0x{w:x}U" for w in row) for row in words.tolist()],
@@ -245,7 +246,7 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
 
 def run_on_board(controller: Controller, board: Board, points: int) -> tuple[list[Row], dict[str, dict[str, Any]]]:
     """The comparison with the reference on so many random points and the edges; and for each public function what its calls
-    took: least, median and most in the board's unit, and the inputs of the longest."""
+    took: least, median and most in the board's unit, the inputs of the longest, and the most stack."""
     made: list[Emulated] = []
 
     def make(given: Controller) -> Emulated:

@@ -34,8 +34,8 @@ def ticks_of(design: RefinedDesign, period: Fraction) -> Ticks:
     if whole + share.numerator >= MOST:
         near = design.prescribed_time / max(1, round(design.prescribed_time / period))
         raise BadInput(
-            f"emit.tick_period: {decimal(period)} s over {decimal(design.prescribed_time)} s and {design.segments} segments makes "
-            f"integers beyond 31 bits; a period that divides prescribed_time, like {float(near):.9g} s, leads to smaller ones"
+            f"emit.tick_period: {decimal(period)} s over {decimal(design.prescribed_time)} s and {design.segments} segments "
+            f"makes integers beyond 31 bits; a period that divides prescribed_time makes smaller ones, like {float(near):.9g} s"
         )
     return Ticks(share.numerator, share.denominator, -(-whole // share.numerator))
 

@@ -9,6 +9,8 @@
 
 #define BOARD_CONST
 #define BOARD_BARRIER __asm__ volatile("" ::: "memory")
+#define BOARD_PAINT 4096 /* bytes below the stack pointer that are painted before a call */
+#define BOARD_STACK_POINTER(p) __asm__ volatile("mov %0, sp" : "=r"(p))
 #define BOARD_SYSTICK ((volatile uint32_t *)0xE000E010U) /* control, reload, value */
 
 static inline int board_call(int operation, const void *argument)

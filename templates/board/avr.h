@@ -10,6 +10,8 @@
 
 #define BOARD_CONST PROGMEM
 #define BOARD_BARRIER __asm__ volatile("" ::: "memory")
+#define BOARD_PAINT 300 /* bytes below the stack pointer that are painted before a call */
+#define BOARD_STACK_POINTER(p) ((p) = (volatile uint8_t *)SP)
 
 static volatile uint16_t board_turns; /* of the 16-bit counter */
 

@@ -8,12 +8,14 @@
 
 #define BOARD_CONST
 #define BOARD_BARRIER __asm__ volatile("" ::: "memory")
+#define BOARD_PAINT 4096 /* bytes below the stack pointer that are painted before a call */
+#define BOARD_STACK_POINTER(p) __asm__ volatile("mv %0, sp" : "=r"(p))
 
 static inline int board_call(int operation, const void *argument)
 {
     register int a0 __asm__("a0") = operation;
     register const void *a1 __asm__("a1") = argument;
-    __asm__ volatile(".option push\n.option norvc\n.balign 16\nslli x0, x0, 0x1f\nebreak\nsrai x0, x0, 7\n.option pop"
+    __asm__ volatile(".option push\n.balign 16\n.option norvc\nslli x0, x0, 0x1f\nebreak\nsrai x0, x0, 7\n.option pop"
                      : "+r"(a0)
                      : "r"(a1)
                      : "memory");
