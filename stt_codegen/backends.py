@@ -79,21 +79,24 @@ def run_compiler(arguments: Iterable[str]) -> None:
 
 
 class CompiledC(Backend):
-    """The emitted C, compiled with the strict flags into a shared library."""
+    """The emitted C, compiled with the strict flags into a shared library (or with other flags, by who gives one)."""
 
-    def __init__(self, controller: Controller, compiler: str | None = None) -> None:
+    def __init__(self, controller: Controller, compiler: str | None = None, library: Path | None = None) -> None:
         self.program = controller.program
         self.scalar = self.program.scalar
         self.name = f"C {self.scalar}"
         self.number = np.float32 if self.scalar == "float" else np.float64
         self.real: Any = ctypes.c_float if self.scalar == "float" else ctypes.c_double
+        if library is not None:
+            self.library = ctypes.CDLL(str(library))
+            return
         with tempfile.TemporaryDirectory() as folder:
             for name, data in controller.files.items():
                 Path(folder, name).write_bytes(data)
-            library = str(Path(folder, "controller.so"))
+            made = str(Path(folder, "controller.so"))
             source = str(Path(folder, f"{self.program.prefix}.c"))
-            run_compiler([compiler or find_compiler(), *STRICT, "-shared", "-fPIC", "-o", library, source, "-lm"])
-            self.library = ctypes.CDLL(library)
+            run_compiler([compiler or find_compiler(), *STRICT, "-shared", "-fPIC", "-o", made, source, "-lm"])
+            self.library = ctypes.CDLL(made)
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         params = self.program.function(function).params

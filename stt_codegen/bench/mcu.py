@@ -99,7 +99,8 @@ def sizes(controller: Controller, board: Board, function: str = "control") -> tu
             Path(folder, name).write_bytes(data)
         split = ("-ffunction-sections", "-fdata-sections", "-w")
         base = [board.compiler, *board.flags]
-        subprocess.run([*base, *CFLAGS, *split, "-c", f"{p}.c", "-o", "all.o"], cwd=folder, check=True)
+        headers = [v for v in board.libraries if v.startswith("--specs=")]
+        subprocess.run([*base, *headers, *CFLAGS, *split, "-c", f"{p}.c", "-o", "all.o"], cwd=folder, check=True)
         keep = f"-Wl,-r,--gc-sections,-e,{p}_{function}"
         subprocess.run([*base, "-nostdlib", "-nostartfiles", keep, "all.o", "-o", "kept.o"], cwd=folder, check=True)
         lines = subprocess.run([_size_tool(board), "-A", "kept.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
@@ -196,8 +197,9 @@ def run_mcu(boards: list[str] | None, points: int, out: Path | None, as_json: bo
     parts = [
         "## Microcontrollers\n\n"
         f"Made by `{command()}`: `control` of the paper's arena {CASE[1]} (n = 2, 4 obstacles), -O2, {points} random points, "
-        "the edges and a closed loop; emulated, so the same in every run. Instructions, for avr cycles. Bytes are of `control` and all it "
-        "calls, without the C library; stack is painted, with it. agrees: within every bound of `compare` on that board.",
+        "the edges and a closed loop; emulated, so the same in every run. Instructions, for avr cycles. Bytes are of `control` "
+        "and all it calls, without the C library; stack is painted, with it. agrees: within "
+        "every bound of `compare` on that board.",
         table((*HEADINGS, "worst at"), [row(v, f"{v.board}: {v.label}", True) for v in costs]),
         f"### Beside others, {first.title}, the same points\n\nCasADi's C and the floor test no input and tell no status.",
         table(HEADINGS, [row(v, v.label) for v in others]),
@@ -207,7 +209,8 @@ def run_mcu(boards: list[str] | None, points: int, out: Path | None, as_json: bo
     ]
     if as_json:
         names = ("boards", "beside", "by_dimension", "by_obstacles")
-        document = {k: [vars(v) for v in lines] for k, lines in zip(names, (costs, others, by_dimension, by_crowd), strict=True)}
+        lines = (costs, others, by_dimension, by_crowd)
+        document = {k: [vars(v) for v in part] for k, part in zip(names, lines, strict=True)}
         print(json.dumps({"within_bounds": good, **document}, indent=2))
     else:
         print("\n\n".join(parts))

@@ -263,7 +263,7 @@ def _margin(frame: Frame) -> Function:
         i = loop.index
         least = loop.carry("margin", real(Fraction(1, 2)))
         low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
-        share = margin_component(block, low, high, block.let("x_i", Load("x", i)))
+        share = margin_component(block, (low, high), block.let("x_i", Load("x", i)))
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n))

@@ -122,12 +122,11 @@ def place_of(block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand,
     nearest, upper_nearer = _nearest(block, lower_edge, upper_edge, x)
     signed = block.select("side" if gain == 1 else "gain", upper_nearer, real(-gain), real(gain))
     least = block.op("least", "mul", width, real((1 - law.e_max) / 2))
-    if guarded:  # about the middle of a tube that is narrower; the upper bound is for edges that are no tube, NaN included
+    distance = nearest
+    if guarded:  # a narrower tube counts as widened about its middle; with edges that are no numbers this is NaN, then `least`
         spare = block.op("spare", "mul", block.op("widened", "sub", width, room), real(Fraction(1, 2)))
-        half = block.op("half", "mul", width, real(Fraction(1, 2)))
-        near = _clamp(block, "near", block.op("shifted", "add", nearest, spare), least, half)
-    else:
-        near = block.select("near", block.op("clear", "lt", least, nearest), nearest, least)
+        distance = block.op("distance", "add", nearest, spare)
+    near = block.select("near", block.op("clear", "lt", least, distance), distance, least)
     far = block.op("far", "sub", width, near)
     return Place(nearest, upper_nearer, signed, near, far, width, room, empty)
 
@@ -158,9 +157,11 @@ def control_component(block: Block, law: Law, place: Place, u_max: Operand | Non
     return _clamp(block, "u_held", u, minus, u_max)
 
 
-def margin_component(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> Var:
-    """Statements for the distance of x to the nearer edge over the width, at least -1."""
-    width = _width(block, block.op("room", "sub", upper_edge, lower_edge))
+def margin_component(block: Block, edges: tuple[Operand, Operand], x: Operand, guarded: bool = True) -> Var:
+    """Statements for the distance of x to the nearer edge over the width, at least -1. `guarded` as in `place_of`."""
+    lower_edge, upper_edge = edges
+    room = block.op("room", "sub", upper_edge, lower_edge)
+    width = _width(block, room) if guarded else room
     nearest, _ = _nearest(block, lower_edge, upper_edge, x)
     share = block.op("share", "div", nearest, width)
     beyond = block.op("beyond", "lt", share, real(-1))

@@ -83,13 +83,13 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
             _tube(spline, n),
             _tube_rate(spline, design, n),
             *_controls(task, spline, law, n, True, clock),
-            _margin(spline, n),
+            _margin(spline, n, True),
             transform_function(law, n),
         ),
     )
     if not _always_wide(design, guarded):
         return guarded
-    unguarded = {f.name: f for f in _controls(task, spline, law, n, False, clock)}
+    unguarded = {f.name: f for f in (*_controls(task, spline, law, n, False, clock), _margin(spline, n, False))}
     return replace(guarded, functions=tuple(unguarded.get(f.name, f) for f in guarded.functions))
 
 
@@ -235,7 +235,7 @@ def _not_finite(block: Block, n: int, t: Var | None) -> Var:
     return block.op("bad", "not", block.op("finite", "le", total, real(0)))
 
 
-def _margin(spline: SplineKernels, n: int) -> Function:
+def _margin(spline: SplineKernels, n: int, guarded: bool) -> Function:
     t = Var("t", REAL)
     block = Block({"t", "x"})
     bad = _not_finite(block, n, t)
@@ -248,7 +248,7 @@ def _margin(spline: SplineKernels, n: int) -> Function:
         at = _entry(block, row, loop.index)
         lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
         upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
-        share = margin_component(block, lower_edge, upper_edge, block.let("x_i", Load("x", loop.index)))
+        share = margin_component(block, (lower_edge, upper_edge), block.let("x_i", Load("x", loop.index)), guarded)
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
     return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, True)

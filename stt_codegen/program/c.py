@@ -66,7 +66,7 @@ _BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
 def split_lines(prefix: str, scalar: str) -> list[str]:
     """The C of the nodes `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
     word, shift, least = _BITS[scalar]
-    head = [f"    {word} bits;", "    memcpy(&bits, &y, sizeof bits);"]
+    head = [f"    {word} bits;", "    (void)memcpy(&bits, &y, sizeof bits);"]
     return [
         "/* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */",
         f"static inline int32_t {prefix}_exponent({prefix}_real y)",
@@ -80,7 +80,7 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
         *head,
         f"    bits = ((bits - {least}) & {(1 << shift) - 1:#x}U) + {least};",
         f"    {prefix}_real m;",
-        "    memcpy(&m, &bits, sizeof m);",
+        "    (void)memcpy(&m, &bits, sizeof m);",
         "    return m;",
         "}",
     ]

@@ -62,17 +62,17 @@ static const omni_board_real omni_board_coefficients[140] = {
 static inline int32_t omni_board_exponent(omni_board_real y)
 {
     uint32_t bits;
-    memcpy(&bits, &y, sizeof bits);
+    (void)memcpy(&bits, &y, sizeof bits);
     return (int32_t)((bits - 0x3f3504f3U) >> 23);
 }
 
 static inline omni_board_real omni_board_mantissa(omni_board_real y)
 {
     uint32_t bits;
-    memcpy(&bits, &y, sizeof bits);
+    (void)memcpy(&bits, &y, sizeof bits);
     bits = ((bits - 0x3f3504f3U) & 0x7fffffU) + 0x3f3504f3U;
     omni_board_real m;
-    memcpy(&m, &bits, sizeof m);
+    (void)memcpy(&m, &bits, sizeof m);
     return m;
 }
 
@@ -508,13 +508,11 @@ omni_board_real omni_board_margin(omni_board_real t, const omni_board_real x[OMN
         const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
         const omni_board_real x_i = x[i];
         const omni_board_real room = upper_edge - lower_edge;
-        const bool wide = 9.536743e-7F < room;
-        const omni_board_real width = wide ? room : 9.536743e-7F;
         const omni_board_real to_lower = x_i - lower_edge;
         const omni_board_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_board_real share = nearest / width;
+        const omni_board_real share = nearest / room;
         const bool beyond = share < (-1.0F);
         const omni_board_real held_share = beyond ? (-1.0F) : share;
         const bool less = held_share < margin;
@@ -545,12 +543,9 @@ void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_
         const omni_board_real least = width * 0.005F;
         const omni_board_real widened = width - room;
         const omni_board_real spare = widened * 0.5F;
-        const omni_board_real half = width * 0.5F;
-        const omni_board_real shifted = nearest + spare;
-        const bool near_above = least < shifted;
-        const omni_board_real near_raised = near_above ? shifted : least;
-        const bool near_over = half < near_raised;
-        const omni_board_real near = near_over ? half : near_raised;
+        const omni_board_real distance = nearest + spare;
+        const bool clear = least < distance;
+        const omni_board_real near = clear ? distance : least;
         const omni_board_real far = width - near;
         const omni_board_real a = upper_nearer ? far : near;
         const omni_board_real b = upper_nearer ? near : far;

@@ -75,7 +75,8 @@ int omni_board_selftest(void)
 {
     omni_board_real u[OMNI_BOARD_N];
     for (int32_t k = 0; k < VECTORS; ++k) {
-        const omni_board_real *point = &omni_board_points[k * NUMBERS];
+        const int32_t first = k * NUMBERS;
+        const omni_board_real *point = &omni_board_points[first];
         const omni_board_status status = omni_board_control(point[0], &point[1], u);
         bool good = status == omni_board_expected[k];
         for (int32_t i = 0; i < OMNI_BOARD_N; ++i) {

@@ -1,0 +1,57 @@
+"""What the documents show is what happens: commands of docs/board.md print what stands there, its C compiles strictly."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+from stt_codegen.backends import STRICT
+
+PAGE = (ROOT / "docs" / "board.md").read_text()
+GCC = "12.2"  # the counts on the page are of this compiler
+
+
+def steps() -> list[tuple[str, str]]:
+    """Every command of the page, in order, with what it prints."""
+    blocks = re.findall(r"^```console\n(.*?)^```", PAGE, re.M | re.S)
+    return [(c, out) for block in blocks for c, out in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.M)]
+
+
+@pytest.fixture
+def folder(tmp_path) -> Path:
+    shutil.copytree(ROOT / "tasks", tmp_path / "tasks")
+    return tmp_path
+
+
+def test_every_command_prints_what_the_page_shows(folder: Path, tool) -> None:
+    for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
+        tool(name)
+    version = subprocess.run(["arm-none-eabi-gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout
+    found = steps()
+    assert len(found) == 5
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    for command, shown in found:
+        result = subprocess.run(
+            command, shell=True, cwd=folder, env={**os.environ, "PATH": path}, capture_output=True, text=True, check=False
+        )
+        assert result.returncode == 0, (command, result.stderr)
+        if command.startswith("stt-codegen generate") or version.startswith(GCC):
+            assert result.stdout == shown, command
+
+
+def test_the_pages_loop_compiles_for_the_board_without_a_warning(folder: Path, tool) -> None:
+    (source,) = re.findall(r"^```c\n(.*?)^```", PAGE, re.M | re.S)
+    shutil.copytree(ROOT / "generated" / "omni_board" / "refined" / "float", folder / "firmware")
+    own = "void SysTick_Handler(void);\n"  # declared by the vendor's header
+    (folder / "firmware" / "main.c").write_text(own + source)
+    flags = [v for v in STRICT if v != "-Wcast-qual"]
+    command = [tool("arm-none-eabi-gcc"), "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", *flags]
+    for name in ("main.c", "omni_board.c", "omni_board_selftest.c"):
+        subprocess.run([*command, "-c", name], cwd=folder / "firmware", check=True)

@@ -1,0 +1,55 @@
+"""clang-tidy has nothing to say about the emitted C, and MISRA C:2012 only what docs/c.md lists with its reason."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+import pytest
+from conftest import ROOT
+from test_runtime_errors import FOLDERS
+
+CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*,performance-*,portability-*,-bugprone-easily-swappable-parameters"
+DEVIATIONS = set(re.findall(r"^\| (\d+\.\d+) \|", (ROOT / "docs" / "c.md").read_text(), re.M))
+
+
+def misra(paths: list[str], cppcheck: str) -> set[str]:
+    """The rules that cppcheck's addon finds broken in these files, taken as one program."""
+    command = [cppcheck, "--std=c99", "--addon=misra", "-q", *paths]
+    result = subprocess.run(command, capture_output=True, text=True, check=True)
+    return set(re.findall(r"\[misra-c2012-(\d+\.\d+)\]", result.stderr))
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_every_misra_deviation_is_listed(folder: str, tool) -> None:
+    found = misra(sorted(map(str, (ROOT / "generated" / folder).glob("*.c"))), tool("cppcheck"))
+    assert "15.5" in found  # the addon ran
+    assert found <= DEVIATIONS
+
+
+def test_every_listed_deviation_is_there(tool) -> None:
+    found = misra(sorted(map(str, (ROOT / "generated" / "omni_board" / "refined" / "float").glob("*.c"))), tool("cppcheck"))
+    assert found == DEVIATIONS
+
+
+def test_a_new_deviation_is_found(tool, tmp_path) -> None:
+    """An octal constant, rule 7.1."""
+    source = ROOT / "generated" / "omni_s2" / "refined" / "float" / "omni_s2.c"
+    (tmp_path / "omni_s2.h").write_text(source.with_suffix(".h").read_text())
+    (tmp_path / "omni_s2.c").write_text(source.read_text().replace("i * 2;", "i * 02;"))
+    assert "7.1" in misra([str(tmp_path / "omni_s2.c")], tool("cppcheck")) - DEVIATIONS
+
+
+def test_clang_tidy_has_nothing_to_say(tool) -> None:
+    paths = sorted(map(str, (ROOT / "generated").rglob("*.c")))
+    command = [tool("clang-tidy"), "--quiet", f"--checks={CHECKS}", *paths, "--", "-std=c99"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "warning:" not in result.stdout, result.stdout[-2000:]
+    assert result.returncode == 0
+
+
+def test_clang_tidy_finds_what_it_looks_for(tool, tmp_path) -> None:
+    (tmp_path / "a.c").write_text("long f(int a, int b);\nlong f(int a, int b) { return a * b + sizeof(sizeof(int)); }\n")
+    command = [tool("clang-tidy"), "--quiet", f"--checks={CHECKS}", str(tmp_path / "a.c"), "--", "-std=c99"]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "bugprone-sizeof-expression" in result.stdout
