@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import NAMES, ROOT
+from conftest import ADAPTABLE, ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_emitted import BITS, CORTEX_M4F, symbols
@@ -69,7 +69,7 @@ def test_a_float_file_has_no_double_arithmetic_on_a_cortex_m4f(kind: str, tool, 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ADAPTABLE)
 def test_every_example_task_is_within_its_bounds(name: str, kind: str) -> None:
     assert not [r for r in compare(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design=kind), 500) if not r.holds]
 
@@ -116,7 +116,7 @@ def test_joined_circumvent_functions_are_within_their_bounds_too() -> None:
     ]
     sets = [s.model_copy(update={e: tuple(Fraction(v) for v in getattr(s, e)) for e in ("lower", "upper")}) for s in sets]
     task = task.model_copy(update={"unsafe": tuple(sets)})
-    assert build_task(task, uncertified=True).design.slots >= 2
+    assert max(build_task(task, uncertified=True).design.slots) >= 2
     assert not [r for r in compare(task, 3000) if not r.holds]
 
 
@@ -238,7 +238,7 @@ def test_a_thousand_circumvent_functions_add_rows_and_no_code() -> None:
         lines.append(
             sum(len(printer.function(f)) for f in program.functions) + sum(len(printer.kernel(k)) for k in program.kernels)
         )
-        assert len(program.table("bumps").values) == 4 * count * 4
+        assert len(program.table("bumps").values) == 2 * count * 4  # one side only: the other has no rows and costs nothing
     assert lines[0] == lines[1]
 
 

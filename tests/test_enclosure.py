@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 import pytest
 from bank import kernel_of, one_function_program, run_c
-from conftest import NAMES, ROOT
+from conftest import ADAPTABLE, NAMES, ROOT
 from flint import arb
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -229,7 +229,7 @@ def test_the_edge_of_the_compiled_c_is_within_its_rounding_bound(nu: int) -> Non
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ADAPTABLE)
 def test_every_example_task_has_a_certified_adaptive_controller(name: str, scalar: str) -> None:
     certificate = made(name, "adaptive", scalar).certificate
     assert certificate.holds

@@ -62,12 +62,14 @@ def test_the_law_is_far_from_overflow_over_all_that_the_clamp_lets_through(name:
 )
 def test_ten_million_random_patterns(folder: str, tool, tmp_path) -> None:
     """Every argument any bits; u finite each time; statuses all three, so the numbers reach every part."""
-    name = folder.split("/")[0]
+    name = folder.split("/", maxsplit=1)[0]
     source = ROOT / "generated" / folder / f"{name}.c"
     alpha = "alpha" in source.with_suffix(".h").read_text()
     count = 10_000_000 if not alpha else 2_000_000
     arrays = [("alpha", f"2 * {name.upper()}_N")] * alpha + [("x", f"{name.upper()}_N")]
-    fill = "".join(f"for (int i = 0; i < {size}; i++) {a}[i] = k % 2 ? any() : ({name}_real)(draw() % 6000U) / 1000;" for a, size in arrays)
+    fill = "".join(
+        f"for (int i = 0; i < {size}; i++) {a}[i] = k % 2 ? any() : ({name}_real)(draw() % 6000U) / 1000;" for a, size in arrays
+    )
     text = (
         f'#include "{name}.h"\n#include <math.h>\n{any_value_text(name)}\nint main(void)\n{{\n    long seen[3] = {{0}};\n'
         + "".join(f"    {name}_real {a}[{size}];\n" for a, size in arrays)

@@ -7,7 +7,7 @@ from functools import cache
 
 import pytest
 from bank import kernel_of, one_function_program
-from conftest import NAMES, ROOT
+from conftest import ADAPTABLE, NAMES, ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_program import BANK
@@ -23,7 +23,7 @@ def made(name: str, design: str, scalar: str) -> Controller:
     return build(ROOT / "tasks" / f"{name}.toml", design, scalar, uncertified=True)
 
 
-PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if n != "omni_board" or d == "refined"]
+PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if d == "refined" or n in ADAPTABLE]
 
 
 def texts(controller: Controller) -> tuple[str, str]:

@@ -3,8 +3,8 @@
 Which numbers are data and which are code: what there is once for every dimension or every circumvent function (X0hat, That, the
 walls, and B, k, m, r of every bump) stands in tables that a loop reads, so a thousand unsafe sets add rows and no code; what
 there is once for the whole task (t_c, theta0, kappa, mu, varsigma, nu, k of the law) is passed to the kernels as constants.
-Each side of each dimension has the same number of rows in the table of bumps, filled up with bumps of height 0, so that the
-loop's bound is a constant and every step costs the same.
+Every dimension has the same number of rows in the table of bumps, lower and upper side each, filled up with bumps of height 0, so
+that the loops' bounds are constants and every step costs the same.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ def probe_program(task: Task, design: AdaptiveDesign) -> Program:
     """A program that returns what no emitted function does: sigma, rho, beta, psi, theta. For `compare`, never committed."""
     frame = Frame(design, kernels_of_the_paper(), control_law_of(task), task.emit.scalar)
     tables = [t for t in tables_of(frame) if t.name != "u_max"]
-    names = {"hold", "profile", "reach_edge", "theta"} | ({"circumvent"} if frame.slots else set())
-    names |= {"join"} if frame.slots > 1 else set()
+    names = {"hold", "profile", "reach_edge", "theta"} | ({"circumvent"} if any(frame.slots) else set())
+    names |= {"join"} if max(frame.slots) > 1 else set()
     kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
     return Program(task.name, frame.n, task.emit.scalar, tuple(tables), kernels, (_probe(frame),))
 

@@ -57,12 +57,12 @@ class Kernels:
     upper_edge_rate: Kernel
     theta: Kernel
 
-    def emitted(self, slots: int) -> tuple[Kernel, ...]:
+    def emitted(self, slots: tuple[int, int]) -> tuple[Kernel, ...]:
         """Those that some public function calls: theta is for the probe, joining only where a side has two bumps."""
         unused = {"theta"}
-        if slots == 0:
+        if max(slots) == 0:
             unused |= {"circumvent", "circumvent_rate"}
-        if slots < 2:
+        if max(slots) < 2:
             unused |= {"join", "join_rate"}
         return tuple(k for name, k in vars(self).items() if name not in unused)
 
@@ -116,7 +116,7 @@ class Frame:
         return self.design.dimension
 
     @property
-    def slots(self) -> int:
+    def slots(self) -> tuple[int, int]:
         return self.design.slots
 
     @property
@@ -130,21 +130,21 @@ class Frame:
 
 
 def tables_of(frame: Frame) -> list[Table]:
-    d, m = frame.design, frame.slots
+    d, slots = frame.design, frame.slots
     reach = [v for i in range(frame.n) for v in (d.start[i][0], d.target[i][0], d.start[i][1], d.target[i][1])]
     tables = [
         Table("reach", tuple(reach), 4, ("By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge.",)),
         Table("walls", tuple(v for edge in d.walls for v in edge), 2, ("By dimension: rest levels of beta_L and beta_U.",)),
     ]
-    if m:
+    if any(slots):
         rows = []
         for i in range(frame.n):
             for side in (LOWER, UPPER):
                 own = [(b.height, b.steepness, b.middle, b.radius) for b in d.of(i, side)]
-                rows += own + [FILLER] * (m - len(own))
+                rows += own + [FILLER] * (slots[side] - len(own))
         doc = (
-            "Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,",
-            f"{m} each, filled up with height 0.",
+            f"Circumvent functions B, k, m, r: for each dimension {slots[LOWER]} of beta_L, then {slots[UPPER]} of beta_U,",
+            "filled up with height 0.",
         )
         tables.append(Table("bumps", tuple(v for row in rows for v in row), 4, doc))
     if frame.law.u_max is not None:
@@ -201,12 +201,12 @@ def lines_of(block: Block, frame: Frame, i: Operand, held: Var, sigma: Var, sigm
 
 def _joined(block: Block, frame: Frame, i: Operand, side: int, name: str, held: Var, rate: bool) -> tuple[Var, Var | None]:
     """Statements for the joined circumvent functions of one side of dimension i, above rest."""
-    k, slots = frame.kernels, frame.slots
+    k, slots = frame.kernels, frame.slots[side]
     nu, cut = real(frame.design.nu), real(circumvent.CUT[frame.scalar])
     if slots == 0:
         rest = block.let(f"{name}_rest", real(0))
         return rest, (block.let(f"{name}_rest_rate", real(0)) if rate else None)
-    first = block.op(f"{name}_bumps_at", "imul", i, integer(8 * slots))
+    first = block.op(f"{name}_bumps_at", "imul", i, integer(4 * sum(frame.slots)))
     with block.loop(f"{name}_j", slots) as loop:
         total = loop.carry(f"{name}_joined", real(0))
         total_rate = loop.carry(f"{name}_joined_rate", real(0)) if rate else None
@@ -214,7 +214,7 @@ def _joined(block: Block, frame: Frame, i: Operand, side: int, name: str, held: 
         at = block.op(f"{name}_at", "iadd", first, offset)
         values = []
         for column, label in enumerate(("height", "steepness", "middle", "radius")):
-            shift = 4 * slots * side + column
+            shift = 4 * frame.slots[LOWER] * side + column
             index = block.op(f"{name}_{label}_at", "iadd", at, integer(shift)) if shift else at
             values.append(block.let(f"{name}_{label}", Load("bumps", index)))
         if total_rate is not None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
+from stt_codegen.design.tube import LOWER, UPPER
+
 Edge = tuple[Fraction, Fraction]  # lower, upper
 
 
@@ -54,7 +56,7 @@ class AdaptiveDesign:
         return tuple(b for b in self.bumps if (b.dimension, b.side) == (dimension, side))
 
     @property
-    def slots(self) -> int:
-        """The most bumps on any one side: every side's table is filled up to this with bumps of height 0."""
-        counts = [len(self.of(i, side)) for i in range(self.dimension) for side in (0, 1)]
-        return max(counts)
+    def slots(self) -> tuple[int, int]:
+        """Rows of bumps that every dimension has, lower and upper side: as many as the fullest dimension needs."""
+        low, high = (max(len(self.of(i, side)) for i in range(self.dimension)) for side in (LOWER, UPPER))
+        return low, high

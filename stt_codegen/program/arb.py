@@ -15,6 +15,7 @@ The program is turned into Python source once, so that one operation is one call
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -265,11 +266,10 @@ def _joined(exits: list[tuple[Any, list[list[Ball]]]]) -> tuple[list[list[Ball]]
 
 
 def _exponent(y: Ball, least: Fraction) -> _Int:
-    ends = []
-    for end in (y.lower(), y.upper()):
-        size = Fraction(float(end)) / least
-        ends.append(exponent_of(size) if size >= 1 else 0)
-    return _span(ends)
+    low, high = float(y.lower()), float(y.upper())
+    if not (math.isfinite(low) and math.isfinite(high)):  # a loose ball: the number itself is one of the format
+        return _Span(0, 1024)
+    return _span(max(0, exponent_of(max(Fraction(end), least) / least)) for end in (low, high))
 
 
 def _mantissa(y: Ball, least: Fraction) -> Ball:

@@ -74,8 +74,8 @@ void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_
                           const omni_board_real x[OMNI_BOARD_N], omni_board_real e[OMNI_BOARD_N],
                           omni_board_real epsilon[OMNI_BOARD_N], omni_board_real xi[OMNI_BOARD_N]);
 
-/* In omni_board_selftest.c: calls omni_board_control at a dozen points and with a NaN. 0: every u is one that IEEE arithmetic can give;
- * else the number of the first point, from 1, that is off. For the board's boot. */
+/* In omni_board_selftest.c: calls omni_board_control at a dozen points and with a NaN, for the board's boot.
+ * 0: every u is one that IEEE arithmetic can give; else the number of the first point, from 1, that is off. */
 int omni_board_selftest(void);
 
 #ifdef __cplusplus

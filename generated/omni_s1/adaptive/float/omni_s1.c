@@ -30,8 +30,8 @@ static const omni_s1_real omni_s1_walls[4] = {
     0.0006303713F, 4.999359F
 };
 
-/* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
- * 1 each, filled up with height 0.
+/* Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 1 of beta_U,
+ * filled up with height 0.
  */
 static const omni_s1_real omni_s1_bumps[16] = {
     0.0F, 1.0F, 0.0F, 1.0F,

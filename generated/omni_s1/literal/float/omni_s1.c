@@ -29,13 +29,11 @@ static const omni_s1_real omni_s1_walls[4] = {
     0.0F, 5.0F
 };
 
-/* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
- * 1 each, filled up with height 0.
+/* Circumvent functions B, k, m, r: for each dimension 0 of beta_L, then 1 of beta_U,
+ * filled up with height 0.
  */
-static const omni_s1_real omni_s1_bumps[16] = {
-    0.0F, 1.0F, 0.0F, 1.0F,
+static const omni_s1_real omni_s1_bumps[8] = {
     4.2F, 0.01F, 1.9065208F, 1.0031643F,
-    0.0F, 1.0F, 0.0F, 1.0F,
     0.0F, 1.0F, 0.0F, 1.0F
 };
 
@@ -489,36 +487,21 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         const omni_s1_real high_end = omni_s1_reach[high_end_at];
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
-            low_joined = low_bump;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
             high_joined = high_bump;
@@ -539,15 +522,15 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
         const omni_s1_real psi_high = rho_high - beta_low;
         omni_s1_real low_p;
         omni_s1_real low_q;
-        omni_s1_real low_rest;
+        omni_s1_real low_rest2;
         omni_s1_real low_z0;
-        omni_s1_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_rest, &low_z0);
+        omni_s1_implicit_start(psi_low, alpha_low, h, 0.01F, 5.0F, 1.0F, 100.0F, &low_p, &low_q, &low_rest2, &low_z0);
         omni_s1_real low_z = low_z0;
         for (int32_t low_k = 0; low_k < 7; ++low_k) {
             const omni_s1_real low_z_next = omni_s1_newton(low_p, low_q, low_z);
             low_z = low_z_next;
         }
-        const omni_s1_real alpha_low_out = omni_s1_implicit_end(low_q, low_rest, low_z);
+        const omni_s1_real alpha_low_out = omni_s1_implicit_end(low_q, low_rest2, low_z);
         alpha[i] = alpha_low_out;
         omni_s1_real high_p;
         omni_s1_real high_q;
@@ -599,36 +582,21 @@ void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
         const omni_s1_real high_end = omni_s1_reach[high_end_at];
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
-            low_joined = low_bump;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
             high_joined = high_bump;
@@ -695,36 +663,21 @@ void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_
         const omni_s1_real high_end = omni_s1_reach[high_end_at];
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
-            low_joined = low_bump;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
             high_joined = high_bump;
@@ -786,41 +739,23 @@ void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real rho_high_rate = omni_s1_reach_rate(high_start, high_end, sigma_rate);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        omni_s1_real low_joined_rate = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            omni_s1_real low_bump;
-            omni_s1_real low_bump_rate;
-            omni_s1_circumvent_rate(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F, &low_bump, &low_bump_rate);
-            low_joined = low_bump;
-            low_joined_rate = low_bump_rate;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real low_rest_rate = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         omni_s1_real high_joined_rate = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             omni_s1_real high_bump;
             omni_s1_real high_bump_rate;
@@ -848,7 +783,7 @@ void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
         omni_s1_update_rate(psi_low, alpha_low, 0.01F, 5.0F, 1.0F, 100.0F, &alpha_low_rate, &jacobian_low);
         omni_s1_real gamma_low;
         omni_s1_real gamma_low_rate;
-        omni_s1_lower_edge_rate(rho_low, alpha_low, beta_low, 100.0F, rho_low_rate, alpha_low_rate, low_joined_rate, &gamma_low, &gamma_low_rate);
+        omni_s1_lower_edge_rate(rho_low, alpha_low, beta_low, 100.0F, rho_low_rate, alpha_low_rate, low_rest_rate, &gamma_low, &gamma_low_rate);
         lower_rate[i] = gamma_low_rate;
         omni_s1_real alpha_high_rate;
         omni_s1_real jacobian_high;
@@ -901,36 +836,21 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
         const omni_s1_real high_end = omni_s1_reach[high_end_at];
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
-            low_joined = low_bump;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
             high_joined = high_bump;
@@ -1018,36 +938,21 @@ omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1
         const omni_s1_real high_end = omni_s1_reach[high_end_at];
         const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
         const omni_s1_real low_wall = omni_s1_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
-        omni_s1_real low_joined = 0.0F;
-        for (int32_t low_j = 0; low_j < 1; ++low_j) {
-            const int32_t low_offset = low_j * 4;
-            const int32_t low_at = low_bumps_at + low_offset;
-            const omni_s1_real low_height = omni_s1_bumps[low_at];
-            const int32_t low_steepness_at = low_at + 1;
-            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
-            const int32_t low_middle_at = low_at + 2;
-            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
-            const int32_t low_radius_at = low_at + 3;
-            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
-            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
-            low_joined = low_bump;
-        }
-        const omni_s1_real beta_low = low_wall + low_joined;
+        const omni_s1_real low_rest = 0.0F;
+        const omni_s1_real beta_low = low_wall + low_rest;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
+        const int32_t high_bumps_at = i * 4;
         omni_s1_real high_joined = 0.0F;
         for (int32_t high_j = 0; high_j < 1; ++high_j) {
             const int32_t high_offset = high_j * 4;
             const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_height = omni_s1_bumps[high_at];
+            const int32_t high_steepness_at = high_at + 1;
             const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
+            const int32_t high_middle_at = high_at + 2;
             const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
+            const int32_t high_radius_at = high_at + 3;
             const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
             const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
             high_joined = high_bump;

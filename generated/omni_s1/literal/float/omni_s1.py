@@ -32,12 +32,10 @@ WALLS = (
     0.0, 5.0,
 )
 
-# Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
-# 1 each, filled up with height 0.
+# Circumvent functions B, k, m, r: for each dimension 0 of beta_L, then 1 of beta_U,
+# filled up with height 0.
 BUMPS = (
-    0.0, 1.0, 0.0, 1.0,
     4.199999809265137, 0.009999999776482582, 1.9065208435058594, 1.003164291381836,
-    0.0, 1.0, 0.0, 1.0,
     0.0, 1.0, 0.0, 1.0,
 )
 
@@ -460,35 +458,21 @@ def alpha_step(t, dt, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump
@@ -506,12 +490,12 @@ def alpha_step(t, dt, alpha):
         alpha_high = alpha_high_raised if alpha_high_small else 41.0
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
-        low_p, low_q, low_rest, low_z0 = _implicit_start(psi_low, alpha_low, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        low_p, low_q, low_rest2, low_z0 = _implicit_start(psi_low, alpha_low, h, 0.009999999776482582, 5.0, 1.0, 100.0)
         low_z = low_z0
         for low_k in range(7):
             low_z_next = _newton(low_p, low_q, low_z)
             low_z = low_z_next
-        alpha_low_out = _implicit_end(low_q, low_rest, low_z)
+        alpha_low_out = _implicit_end(low_q, low_rest2, low_z)
         alpha[i] = alpha_low_out
         high_p, high_q, high_rest, high_z0 = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
         high_z = high_z0
@@ -560,35 +544,21 @@ def alpha_rate(t, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump
@@ -652,35 +622,21 @@ def tube(t, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump
@@ -741,38 +697,23 @@ def tube_rate(t, alpha):
         rho_high = _reach_edge(high_start, high_end, sigma)
         rho_high_rate = _reach_rate(high_start, high_end, sigma_rate)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        low_joined_rate = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump, low_bump_rate = _circumvent_rate(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-            low_joined_rate = low_bump_rate
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        low_rest_rate = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         high_joined_rate = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump, high_bump_rate = _circumvent_rate(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump
@@ -793,7 +734,7 @@ def tube_rate(t, alpha):
         psi_low = beta_high - rho_low
         psi_high = rho_high - beta_low
         alpha_low_rate, jacobian_low = _update_rate(psi_low, alpha_low, 0.009999999776482582, 5.0, 1.0, 100.0)
-        gamma_low, gamma_low_rate = _lower_edge_rate(rho_low, alpha_low, beta_low, 100.0, rho_low_rate, alpha_low_rate, low_joined_rate)
+        gamma_low, gamma_low_rate = _lower_edge_rate(rho_low, alpha_low, beta_low, 100.0, rho_low_rate, alpha_low_rate, low_rest_rate)
         lower_rate[i] = gamma_low_rate
         alpha_high_rate, jacobian_high = _update_rate(psi_high, alpha_high, 0.009999999776482582, 5.0, 1.0, 100.0)
         gamma_high, gamma_high_rate = _upper_edge_rate(rho_high, alpha_high, beta_high, 100.0, rho_high_rate, alpha_high_rate, beta_high_rate)
@@ -845,35 +786,21 @@ def control(t, alpha, x):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump
@@ -959,35 +886,21 @@ def margin(t, alpha, x):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
-        low_joined = 0.0
-        for low_j in range(1):
-            low_offset = low_j * 4
-            low_at = low_bumps_at + low_offset
-            low_height = BUMPS[low_at]
-            low_steepness_at = low_at + 1
-            low_steepness = BUMPS[low_steepness_at]
-            low_middle_at = low_at + 2
-            low_middle = BUMPS[low_middle_at]
-            low_radius_at = low_at + 3
-            low_radius = BUMPS[low_radius_at]
-            low_bump = _circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615384973585606)
-            low_joined = low_bump
-        beta_low = low_wall + low_joined
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
+        high_bumps_at = i * 4
         high_joined = 0.0
         for high_j in range(1):
             high_offset = high_j * 4
             high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
             high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
+            high_middle_at = high_at + 2
             high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
+            high_radius_at = high_at + 3
             high_radius = BUMPS[high_radius_at]
             high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
             high_joined = high_bump

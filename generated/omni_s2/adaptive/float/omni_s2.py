@@ -33,8 +33,8 @@ WALLS = (
     0.0006303712725639343, 4.999359130859375,
 )
 
-# Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
-# 1 each, filled up with height 0.
+# Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 1 of beta_U,
+# filled up with height 0.
 BUMPS = (
     3.1793670654296875, 0.3337440490722656, 4.170013427734375, 1.6699981689453125,
     0.0, 1.0, 0.0, 1.0,

@@ -30,8 +30,8 @@ static const omni_s2_real omni_s2_walls[4] = {
     0.0F, 5.0F
 };
 
-/* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
- * 1 each, filled up with height 0.
+/* Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 1 of beta_U,
+ * filled up with height 0.
  */
 static const omni_s2_real omni_s2_bumps[16] = {
     2.2F, 0.01F, 1.6098633F, 0.7065067F,

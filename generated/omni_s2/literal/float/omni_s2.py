@@ -33,8 +33,8 @@ WALLS = (
     0.0, 5.0,
 )
 
-# Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
-# 1 each, filled up with height 0.
+# Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 1 of beta_U,
+# filled up with height 0.
 BUMPS = (
     2.200000047683716, 0.009999999776482582, 1.60986328125, 0.7065067291259766,
     0.0, 1.0, 0.0, 1.0,

@@ -30,14 +30,12 @@ static const omni_s3_real omni_s3_walls[4] = {
     0.0F, 5.0F
 };
 
-/* Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
- * 1 each, filled up with height 0.
+/* Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 0 of beta_U,
+ * filled up with height 0.
  */
-static const omni_s3_real omni_s3_bumps[16] = {
+static const omni_s3_real omni_s3_bumps[8] = {
     0.0F, 1.0F, 0.0F, 1.0F,
-    0.0F, 1.0F, 0.0F, 1.0F,
-    2.7F, 0.01F, 2.562626F, 0.9036169F,
-    0.0F, 1.0F, 0.0F, 1.0F
+    2.7F, 0.01F, 2.562626F, 0.9036169F
 };
 
 /* t held within [0, t_c]. */
@@ -490,7 +488,7 @@ void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * 
         const omni_s3_real high_end = omni_s3_reach[high_end_at];
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
             const int32_t low_offset = low_j * 4;
@@ -508,23 +506,8 @@ void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * 
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            const omni_s3_real high_bump = omni_s3_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
-            high_joined = high_bump;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
@@ -552,15 +535,15 @@ void omni_s3_alpha_step(omni_s3_real t, omni_s3_real dt, omni_s3_real alpha[2 * 
         alpha[i] = alpha_low_out;
         omni_s3_real high_p;
         omni_s3_real high_q;
-        omni_s3_real high_rest;
+        omni_s3_real high_rest2;
         omni_s3_real high_z0;
-        omni_s3_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_rest, &high_z0);
+        omni_s3_implicit_start(psi_high, alpha_high, h, 0.01F, 5.0F, 1.0F, 100.0F, &high_p, &high_q, &high_rest2, &high_z0);
         omni_s3_real high_z = high_z0;
         for (int32_t high_k = 0; high_k < 7; ++high_k) {
             const omni_s3_real high_z_next = omni_s3_newton(high_p, high_q, high_z);
             high_z = high_z_next;
         }
-        const omni_s3_real alpha_high_out = omni_s3_implicit_end(high_q, high_rest, high_z);
+        const omni_s3_real alpha_high_out = omni_s3_implicit_end(high_q, high_rest2, high_z);
         const int32_t high_out_at = i + 2;
         alpha[high_out_at] = alpha_high_out;
     }
@@ -600,7 +583,7 @@ void omni_s3_alpha_rate(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
         const omni_s3_real high_end = omni_s3_reach[high_end_at];
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
             const int32_t low_offset = low_j * 4;
@@ -618,23 +601,8 @@ void omni_s3_alpha_rate(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            const omni_s3_real high_bump = omni_s3_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
-            high_joined = high_bump;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
@@ -696,7 +664,7 @@ void omni_s3_tube(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N], omni_
         const omni_s3_real high_end = omni_s3_reach[high_end_at];
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
             const int32_t low_offset = low_j * 4;
@@ -714,23 +682,8 @@ void omni_s3_tube(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N], omni_
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            const omni_s3_real high_bump = omni_s3_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
-            high_joined = high_bump;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
@@ -787,7 +740,7 @@ void omni_s3_tube_rate(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real rho_high_rate = omni_s3_reach_rate(high_start, high_end, sigma_rate);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         omni_s3_real low_joined_rate = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
@@ -809,28 +762,10 @@ void omni_s3_tube_rate(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        omni_s3_real high_joined_rate = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            omni_s3_real high_bump;
-            omni_s3_real high_bump_rate;
-            omni_s3_circumvent_rate(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F, &high_bump, &high_bump_rate);
-            high_joined = high_bump;
-            high_joined_rate = high_bump_rate;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
-        const omni_s3_real beta_high_rate = -high_joined_rate;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real high_rest_rate = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
+        const omni_s3_real beta_high_rate = -high_rest_rate;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
@@ -902,7 +837,7 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real alpha[2 * OMNI
         const omni_s3_real high_end = omni_s3_reach[high_end_at];
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
             const int32_t low_offset = low_j * 4;
@@ -920,23 +855,8 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real alpha[2 * OMNI
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            const omni_s3_real high_bump = omni_s3_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
-            high_joined = high_bump;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
@@ -1019,7 +939,7 @@ omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3
         const omni_s3_real high_end = omni_s3_reach[high_end_at];
         const omni_s3_real rho_high = omni_s3_reach_edge(high_start, high_end, sigma);
         const omni_s3_real low_wall = omni_s3_walls[wall_row];
-        const int32_t low_bumps_at = i * 8;
+        const int32_t low_bumps_at = i * 4;
         omni_s3_real low_joined = 0.0F;
         for (int32_t low_j = 0; low_j < 1; ++low_j) {
             const int32_t low_offset = low_j * 4;
@@ -1037,23 +957,8 @@ omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3
         const omni_s3_real beta_low = low_wall + low_joined;
         const int32_t high_wall_at = wall_row + 1;
         const omni_s3_real high_wall = omni_s3_walls[high_wall_at];
-        const int32_t high_bumps_at = i * 8;
-        omni_s3_real high_joined = 0.0F;
-        for (int32_t high_j = 0; high_j < 1; ++high_j) {
-            const int32_t high_offset = high_j * 4;
-            const int32_t high_at = high_bumps_at + high_offset;
-            const int32_t high_height_at = high_at + 4;
-            const omni_s3_real high_height = omni_s3_bumps[high_height_at];
-            const int32_t high_steepness_at = high_at + 5;
-            const omni_s3_real high_steepness = omni_s3_bumps[high_steepness_at];
-            const int32_t high_middle_at = high_at + 6;
-            const omni_s3_real high_middle = omni_s3_bumps[high_middle_at];
-            const int32_t high_radius_at = high_at + 7;
-            const omni_s3_real high_radius = omni_s3_bumps[high_radius_at];
-            const omni_s3_real high_bump = omni_s3_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
-            high_joined = high_bump;
-        }
-        const omni_s3_real beta_high = high_wall - high_joined;
+        const omni_s3_real high_rest = 0.0F;
+        const omni_s3_real beta_high = high_wall - high_rest;
         const omni_s3_real alpha_low_in = alpha[i];
         const bool alpha_low_positive = 0.0F < alpha_low_in;
         const omni_s3_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;

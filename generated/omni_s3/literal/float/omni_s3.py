@@ -33,13 +33,11 @@ WALLS = (
     0.0, 5.0,
 )
 
-# Circumvent functions B, k, m, r: for each dimension those of beta_L, then those of beta_U,
-# 1 each, filled up with height 0.
+# Circumvent functions B, k, m, r: for each dimension 1 of beta_L, then 0 of beta_U,
+# filled up with height 0.
 BUMPS = (
     0.0, 1.0, 0.0, 1.0,
-    0.0, 1.0, 0.0, 1.0,
     2.700000047683716, 0.009999999776482582, 2.5626258850097656, 0.9036169052124023,
-    0.0, 1.0, 0.0, 1.0,
 )
 
 
@@ -461,7 +459,7 @@ def alpha_step(t, dt, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         for low_j in range(1):
             low_offset = low_j * 4
@@ -478,22 +476,8 @@ def alpha_step(t, dt, alpha):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-        beta_high = high_wall - high_joined
+        high_rest = 0.0
+        beta_high = high_wall - high_rest
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
@@ -514,12 +498,12 @@ def alpha_step(t, dt, alpha):
             low_z = low_z_next
         alpha_low_out = _implicit_end(low_q, low_rest, low_z)
         alpha[i] = alpha_low_out
-        high_p, high_q, high_rest, high_z0 = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
+        high_p, high_q, high_rest2, high_z0 = _implicit_start(psi_high, alpha_high, h, 0.009999999776482582, 5.0, 1.0, 100.0)
         high_z = high_z0
         for high_k in range(7):
             high_z_next = _newton(high_p, high_q, high_z)
             high_z = high_z_next
-        alpha_high_out = _implicit_end(high_q, high_rest, high_z)
+        alpha_high_out = _implicit_end(high_q, high_rest2, high_z)
         high_out_at = i + 2
         alpha[high_out_at] = alpha_high_out
     return tuple(alpha)
@@ -561,7 +545,7 @@ def alpha_rate(t, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         for low_j in range(1):
             low_offset = low_j * 4
@@ -578,22 +562,8 @@ def alpha_rate(t, alpha):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-        beta_high = high_wall - high_joined
+        high_rest = 0.0
+        beta_high = high_wall - high_rest
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
@@ -653,7 +623,7 @@ def tube(t, alpha):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         for low_j in range(1):
             low_offset = low_j * 4
@@ -670,22 +640,8 @@ def tube(t, alpha):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-        beta_high = high_wall - high_joined
+        high_rest = 0.0
+        beta_high = high_wall - high_rest
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
@@ -742,7 +698,7 @@ def tube_rate(t, alpha):
         rho_high = _reach_edge(high_start, high_end, sigma)
         rho_high_rate = _reach_rate(high_start, high_end, sigma_rate)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         low_joined_rate = 0.0
         for low_j in range(1):
@@ -761,25 +717,10 @@ def tube_rate(t, alpha):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        high_joined_rate = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump, high_bump_rate = _circumvent_rate(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-            high_joined_rate = high_bump_rate
-        beta_high = high_wall - high_joined
-        beta_high_rate = -high_joined_rate
+        high_rest = 0.0
+        high_rest_rate = 0.0
+        beta_high = high_wall - high_rest
+        beta_high_rate = -high_rest_rate
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
@@ -846,7 +787,7 @@ def control(t, alpha, x):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         for low_j in range(1):
             low_offset = low_j * 4
@@ -863,22 +804,8 @@ def control(t, alpha, x):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-        beta_high = high_wall - high_joined
+        high_rest = 0.0
+        beta_high = high_wall - high_rest
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
@@ -960,7 +887,7 @@ def margin(t, alpha, x):
         high_end = REACH[high_end_at]
         rho_high = _reach_edge(high_start, high_end, sigma)
         low_wall = WALLS[wall_row]
-        low_bumps_at = i * 8
+        low_bumps_at = i * 4
         low_joined = 0.0
         for low_j in range(1):
             low_offset = low_j * 4
@@ -977,22 +904,8 @@ def margin(t, alpha, x):
         beta_low = low_wall + low_joined
         high_wall_at = wall_row + 1
         high_wall = WALLS[high_wall_at]
-        high_bumps_at = i * 8
-        high_joined = 0.0
-        for high_j in range(1):
-            high_offset = high_j * 4
-            high_at = high_bumps_at + high_offset
-            high_height_at = high_at + 4
-            high_height = BUMPS[high_height_at]
-            high_steepness_at = high_at + 5
-            high_steepness = BUMPS[high_steepness_at]
-            high_middle_at = high_at + 6
-            high_middle = BUMPS[high_middle_at]
-            high_radius_at = high_at + 7
-            high_radius = BUMPS[high_radius_at]
-            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
-            high_joined = high_bump
-        beta_high = high_wall - high_joined
+        high_rest = 0.0
+        beta_high = high_wall - high_rest
         alpha_low_in = alpha[i]
         alpha_low_positive = 0.0 < alpha_low_in
         alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
