@@ -14,7 +14,7 @@ from stt_codegen.cli import app
 from stt_codegen.errors import MissingTool
 from stt_codegen.pipeline import Controller, build
 
-LIMITS = {"refined": 380, "adaptive": 1900}  # instructions of the longest control step on a Cortex-M4F, n = 2
+LIMITS = {"refined": 330, "adaptive": 1300}  # instructions of the longest control step on a Cortex-M4F, n = 2
 
 
 def made(design: str, scalar: str = "float", name: str = "omni_s2") -> Controller:

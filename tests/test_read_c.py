@@ -75,7 +75,9 @@ def mutate(code: str, place: float, data: st.DataObject) -> str:
 
 @settings(max_examples=150, deadline=None)
 @given(
-    which=st.sampled_from([("omni_s2", "refined", "float"), ("omni_s1", "adaptive", "double")]),
+    which=st.sampled_from(
+        [("omni_s2", "refined", "float"), ("omni_board", "refined", "float"), ("omni_s1", "adaptive", "double")]
+    ),
     place=st.floats(0, 1),
     data=st.data(),
 )
@@ -93,7 +95,7 @@ def value_of(code: str) -> str:
     """The text with every literal as its number in the file's precision, so that equal C is equal text."""
     import numpy as np
 
-    kind = np.float32 if "expf" in code or "logf" in code else np.float64
+    kind = np.float32 if re.search(r"\d\.\d*F", code) else np.float64
     return re.sub(r"\d+\.\d*(?:e-?\d+)?F?", lambda m: repr(float(kind(m.group().rstrip("F")))), code)
 
 

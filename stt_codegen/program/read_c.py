@@ -156,8 +156,8 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     reader = _Reader(prefix, real.group(1), int(dimension.group(1)))
     known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool;"
     known += f"typedef {real.group(1)} {prefix}_real; typedef int {prefix}_status;\n"
-    split = "\n".join(split_lines(prefix, scalar)) + "\n"  # the one text that is no Program; as printed, or it is read as one
-    code = re.sub(r"/\*.*?\*/", " ", source.replace(split, ""), flags=re.S)
+    split = "\n".join(split_lines(prefix, scalar)[1:])  # the one text that is no Program; as printed, or it is read as one
+    code = re.sub(r"/\*.*?\*/", " ", source, flags=re.S).replace(split, "")
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)
