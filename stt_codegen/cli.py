@@ -388,6 +388,39 @@ def certify(
         raise typer.Exit(code)
 
 
+@app.command()
+def prove(
+    out: Annotated[Path, typer.Option(metavar="FILE.md", help="the page of the book")] = Path("generated/lemmas.md"),
+    check: Annotated[bool, typer.Option("--check", help="compare the page on disk, instead of writing it")] = False,
+    json: Json = False,
+) -> None:
+    """Prove, or refute, what the controllers rest on, about the expressions that are printed. Exit code 1 when one is open."""
+    from stt_codegen.emit.manifest import write_files
+    from stt_codegen.lemmas.book import page, prove_all
+    from stt_codegen.lemmas.lemma import Verdict
+
+    entries = prove_all(lambda title: _say(f"  {title}"))
+    text = page(entries).encode()
+    still_open = [e for e in entries if e.verdict is Verdict.OPEN]
+    differs = check and (not out.is_file() or out.read_bytes() != text)
+    if not check:
+        write_files(out.parent, {out.name: text})
+    if json:
+        rows = [
+            {"lemma": e.lemma.name, "verdict": e.verdict.value, "method": e.outcome.method, "evidence": list(e.outcome.evidence)}
+            for e in entries
+        ]
+        _print_json({"lemmas": rows, "open": len(still_open), "page_differs": differs})
+    else:
+        for verdict in Verdict:
+            print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
+        for e in still_open:
+            print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
+        print(f"{out}: " + ("differs; run without --check to write it" if differs else "as it should be" if check else "written"))
+    if still_open or differs:
+        raise typer.Exit(1)
+
+
 @bench.command()
 def arenas(
     family: Annotated[

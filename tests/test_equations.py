@@ -9,32 +9,14 @@ from hypothesis import strategies as st
 
 from stt_codegen.paper import control_law, refined_tube
 from stt_codegen.program.lower import lower
-from stt_codegen.program.program import Kernel, Op, Var
-
-_SYMPY = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "neg": lambda a: -a,
-    "log": sp.log,
-}
+from stt_codegen.program.program import Kernel
+from stt_codegen.program.symbols import formulas
 
 
 def symbolic(kernel: Kernel) -> tuple[dict[str, sp.Symbol], list[sp.Expr]]:
-    """The kernel's outputs as SymPy expressions of its inputs."""
+    """The kernel's outputs as SymPy expressions of its inputs, which are positive."""
     symbols = {v.name: sp.Symbol(v.name, positive=True) for v in kernel.inputs}
-    known: dict[str, sp.Expr] = dict(symbols)
-
-    def value(operand):
-        return (
-            known[operand.name] if isinstance(operand, Var) else sp.Rational(operand.value.numerator, operand.value.denominator)
-        )
-
-    for assign in kernel.body:
-        assert isinstance(assign.value, Op)
-        known[assign.var.name] = _SYMPY[assign.value.name](*(value(a) for a in assign.value.args))
-    return symbols, [value(o) for o in kernel.outputs]
+    return symbols, list(formulas(kernel, symbols))
 
 
 def test_the_weights_are_six_times_the_cubic_b_spline_basis() -> None:

@@ -26,6 +26,8 @@ def transformed_error() -> ca.Function:
 
     xi in this form costs one division; `xi_by_differentiation` is the same number from eps itself (a test shows it). It is
     called with a <= b, measured from the nearer edge, so that the logarithm is of a number that is not below 1.
+    (With q = 1/(a b) for both, b b q and (a + b) q, one division would do. It costs 2 instructions a component on a Cortex-M4F,
+    for 13 cycles of its FPU, and on boards without one two more products cost what the division does.)
     """
     a, b = ca.SX.sym("a"), ca.SX.sym("b")
     ratio = b / a

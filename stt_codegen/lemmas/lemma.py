@@ -1,0 +1,137 @@
+"""A lemma is data: what is said, under which assumptions, where it is from, and a proof that is run every time.
+
+A proof returns an `Outcome`; its verdict is computed, never written down. What a method cannot settle is `open`, with what is
+left. The methods: an identity by SymPy (exact), an inequality over a box by Arb (enclosures, subdivided), a counterexample whose
+numbers are enclosed.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from itertools import count
+from typing import Any
+
+import sympy as sp
+from flint import arb
+
+Box = Sequence[tuple[float, float]]
+MOST_BOXES = 200_000
+
+
+class Verdict(Enum):
+    PROVED = "proved"
+    REFUTED = "refuted"
+    OPEN = "open"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a proof came to, how, and what a reader can check."""
+
+    verdict: Verdict
+    method: str
+    evidence: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Lemma:
+    """`name` is family.what; `statement` in words, `latex` for the page; `source` an equation, lemma or theorem, or "ours"."""
+
+    name: str
+    statement: str
+    latex: str
+    assumptions: tuple[str, ...]
+    source: str
+    proof: Callable[[], Outcome]
+
+    @property
+    def family(self) -> str:
+        return self.name.split(".", maxsplit=1)[0]
+
+    def run(self) -> Outcome:
+        """The proof's outcome; a method that fails leaves the lemma open, with its message."""
+        try:
+            return self.proof()
+        except Exception as error:
+            return Outcome(Verdict.OPEN, "none", (f"{type(error).__name__}: {error}",))
+
+
+# -------------------------------------------------------------------------------------------------- methods
+
+
+def identity(differences: Mapping[str, Any], method: str = "SymPy: the difference of both sides is 0") -> Outcome:
+    """Proved when every difference simplifies to 0; else open with what is left."""
+    evidence: list[str] = []
+    left: list[str] = []
+    for name, difference in differences.items():
+        rest = _simplest(difference)
+        (evidence if rest == 0 else left).append(f"{name}: {rest}")
+    if left:
+        return Outcome(Verdict.OPEN, method, tuple(left))
+    return Outcome(Verdict.PROVED, method, tuple(evidence))
+
+
+def _simplest(expression: Any) -> Any:
+    """Quick ways to 0 first: SymPy's own simplify takes seconds where rewriting hyperbolic functions takes none."""
+    for step in (
+        sp.expand,
+        lambda e: sp.cancel(sp.together(e.rewrite(sp.exp))),
+        lambda e: sp.simplify(sp.logcombine(e, force=True)),
+    ):
+        rest = step(expression)
+        if rest == 0:
+            return rest
+    return sp.simplify(expression)
+
+
+def positive(name: str, function: Callable[..., Any], box: Box, least: float = 0.0) -> Outcome:
+    """Proved when function > least on the box, by balls on ever smaller parts; refuted when one point says otherwise."""
+    method = "Arb: enclosures over a subdivided box"
+    order = count()
+    parts: list[tuple[float, int, Box]] = []
+
+    def push(part: Box) -> None:
+        value = function(*(_ball(*side) for side in part))
+        if not (value > least):
+            heapq.heappush(parts, (float(value.lower()) if value.is_finite() else float("-inf"), next(order), part))
+
+    push(list(box))
+    looked = 1
+    while parts and looked < MOST_BOXES:
+        _, _, part = heapq.heappop(parts)
+        middle = [(a + b) / 2 for a, b in part]
+        there = function(*(arb(m) for m in middle))
+        if there < least:
+            return Outcome(Verdict.REFUTED, method, (f"{name} is {there.str(6)} at {tuple(middle)}, not above {least}",))
+        widest = max(range(len(part)), key=lambda i: (part[i][1] - part[i][0]) / (box[i][1] - box[i][0]))
+        a, b = part[widest]
+        for side in ((a, (a + b) / 2), ((a + b) / 2, b)):
+            push([*part[:widest], side, *part[widest + 1 :]])
+            looked += 1
+    if parts:
+        return Outcome(Verdict.OPEN, method, (f"{name}: {len(parts)} of {looked} boxes left, one is {parts[0][2]}",))
+    return Outcome(Verdict.PROVED, method, (f"{name} > {least:g} on {list(map(tuple, box))}, {looked} boxes",))
+
+
+def _ball(low: float, high: float) -> Any:
+    return arb(low).union(arb(high))
+
+
+def counterexample(statement: str, numbers: Mapping[str, float], fails: bool, shown: str) -> Outcome:
+    """Refuted when the enclosed numbers show that the statement fails."""
+    at = ", ".join(f"{k} = {v:g}" for k, v in numbers.items())
+    if fails:
+        return Outcome(Verdict.REFUTED, "counterexample, enclosed by Arb", (f"{statement} fails at {at}: {shown}",))
+    return Outcome(Verdict.OPEN, "counterexample, enclosed by Arb", (f"{statement} holds at {at}: {shown}",))
+
+
+def all_of(*outcomes: Outcome) -> Outcome:
+    """Proved when all are; else the first that is not."""
+    for outcome in outcomes:
+        if outcome.verdict is not Verdict.PROVED:
+            return outcome
+    methods = "; ".join(dict.fromkeys(o.method for o in outcomes))
+    return Outcome(Verdict.PROVED, methods, tuple(line for o in outcomes for line in o.evidence))

@@ -1,0 +1,140 @@
+"""The refined tube: its weights, its smoothness, the Bezier form that the certificate reads, and its hull."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, identity, positive
+from stt_codegen.paper import refined_tube
+from stt_codegen.program.lower import lower
+from stt_codegen.program.symbols import formulas
+
+s = sp.Symbol("s", real=True)
+q = sp.symbols("q0:4", real=True)
+WEIGHTS: tuple[Any, ...] = (
+    lambda v: (1 - v) ** 3,
+    lambda v: 3 * v**3 - 6 * v**2 + 4,
+    lambda v: -3 * v**3 + 3 * v**2 + 3 * v + 1,
+    lambda v: v**3,
+)
+
+
+def _weights() -> tuple[sp.Expr, ...]:
+    return formulas(lower(refined_tube.basis()), {"s": s})
+
+
+def _shipped() -> Outcome:
+    found = {f"w{j} less 6 times the cubic B-spline": w - f(s) for j, (w, f) in enumerate(zip(_weights(), WEIGHTS, strict=True))}
+    return identity(found | {"sum - 6": sum(_weights()) - 6})
+
+
+def _rates() -> Outcome:
+    rates = formulas(lower(refined_tube.basis_rate()), {"s": s})
+    return identity({f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))})
+
+
+def _convex() -> Outcome:
+    """The middle two are at least 1 on [0, 1]; the outer two are cubes of numbers that are not negative."""
+    return all_of(
+        positive("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
+        positive("w2", WEIGHTS[2], [(0.0, 1.0)], 0.99),
+        identity({"w0 - (1 - s)^3": _weights()[0] - (1 - s) ** 3, "w3 - s^3": _weights()[3] - s**3}),
+    )
+
+
+def _smooth() -> Outcome:
+    found: dict[str, sp.Expr] = {}
+    for order in range(3):
+        end = [sp.diff(w, s, order).subs(s, 1) for w in _weights()]
+        start = [sp.diff(w, s, order).subs(s, 0) for w in _weights()]
+        found |= {f"derivative {order}: w{j + 1}(1) - w{j}(0)": end[j + 1] - start[j] for j in range(3)}
+        found |= {f"derivative {order}: w0(1)": end[0], f"derivative {order}: w3(0)": start[3]}
+    return identity(found)
+
+
+def _bezier() -> Outcome:
+    """The map that `certify.exact` uses, times 6 in the divided control points."""
+    points = (q[0] + 4 * q[1] + q[2], 4 * q[1] + 2 * q[2], 2 * q[1] + 4 * q[2], q[1] + 4 * q[2] + q[3])
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    curve = sum(w * v for w, v in zip(_weights(), q, strict=True))
+    return identity({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
+
+
+def _hull() -> Outcome:
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    return all_of(
+        identity({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
+        *(
+            positive(f"s^{j} (1 - s)^{3 - j} inside", lambda v, j=j: v**j * (1 - v) ** (3 - j), [(2.0**-6, 1 - 2.0**-6)])
+            for j in range(4)
+        ),
+    )
+
+
+def _blend() -> Outcome:
+    kernel = lower(refined_tube.blend())
+    w = sp.symbols("w0:4", real=True)
+    (edge,) = formulas(kernel, dict(zip((v.name for v in kernel.inputs), (*w, *q), strict=True)))
+    return identity({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
+
+
+LEMMAS = (
+    Lemma(
+        "refined.weights_shipped",
+        "The emitted weights are 6 times the uniform cubic B-spline basis, and sum to 6.",
+        r"\sum_j w_j = 6",
+        ("0 <= s <= 1",),
+        "Program",
+        _shipped,
+    ),
+    Lemma(
+        "refined.rates_shipped",
+        "The emitted weight rates are the derivatives of the emitted weights.",
+        r"w_j' = dw_j/ds",
+        ("0 <= s <= 1",),
+        "Program",
+        _rates,
+    ),
+    Lemma(
+        "refined.blend_shipped",
+        "The emitted edge is the weighted sum of four table entries.",
+        r"\gamma = \sum_j w_j q_j",
+        (),
+        "Program",
+        _blend,
+    ),
+    Lemma(
+        "refined.convex",
+        "The weights are not negative, so an edge is a mean of its control points: widths of control points bound the width.",
+        r"w_j \ge 0",
+        ("0 <= s <= 1",),
+        "ours",
+        _convex,
+    ),
+    Lemma(
+        "refined.smooth",
+        "Neighbouring segments agree in value, slope and curvature: the tube is C2.",
+        r"\gamma \in C^2",
+        (),
+        "ours",
+        _smooth,
+    ),
+    Lemma(
+        "refined.bezier",
+        "Each segment is the Bezier cubic that the certificate computes from the table.",
+        r"\sum_j w_j q_j = \sum_j \beta_j B_j^3",
+        ("0 <= s <= 1",),
+        "ours",
+        _bezier,
+    ),
+    Lemma(
+        "refined.hull",
+        "Bernstein polynomials are not negative and sum to 1, so a segment stays between its least and greatest coefficient.",
+        r"\min\beta_j \le \gamma \le \max\beta_j",
+        ("0 <= s <= 1",),
+        "ours",
+        _hull,
+    ),
+)
