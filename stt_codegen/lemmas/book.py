@@ -9,13 +9,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stt_codegen.lemmas import reach, refined, smooth, transform
+from stt_codegen.lemmas import bumps, reach, refined, smooth, theorem, transform, update
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
+    "bumps": ("Circumvent functions", bumps.LEMMAS),
     "smooth": ("Smooth maximum and minimum", smooth.LEMMAS),
+    "update": ("Update function", update.LEMMAS),
     "transform": ("Error transform and law", transform.LEMMAS),
+    "theorem": ("Theorem 4.1", theorem.LEMMAS),
     "refined": ("Refined tube", refined.LEMMAS),
 }
 

@@ -1,0 +1,127 @@
+"""The circumvent function (7), (8): smooth at its edges, between rest and its height, and wide enough once widened."""
+
+from __future__ import annotations
+
+import sympy as sp
+from flint import arb
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
+from stt_codegen.paper import circumvent
+from stt_codegen.program.lower import lower
+from stt_codegen.program.symbols import branches
+
+t, m = sp.symbols("t m", real=True)
+height, k, r = sp.symbols("B k r", positive=True)
+v = sp.Symbol("v", positive=True)  # 1/(r^2 - (t - m)^2), which grows without bound towards an edge
+BUMP = height * sp.exp(-k * (t - m) ** 2 / (r**2 - (t - m) ** 2))
+
+
+def _shipped() -> Outcome:
+    kernel = lower(circumvent.circumvent())
+    d = sp.Symbol("d", real=True)
+    given = {"t": m + d, "height": height, "steepness": k, "middle": m, "radius": r, "cut": sp.Rational(1, 746)}
+    left = []
+    for branch in branches(kernel, given):
+        rest = sp.simplify(sp.log(branch.outputs[0] / height) - sp.log(BUMP.subs(t, m + d) / height))
+        rest = sp.simplify(sp.expand_log(rest, force=True).subs(sp.Abs(d) ** 2, d**2))
+        if rest == 0:
+            return identity(
+                {f"where {branch.conditions[0]}": rest}, "SymPy: logarithms of both, on the branch away from the guard"
+            )
+        left.append(str(rest))
+    return Outcome(Verdict.OPEN, "SymPy", tuple(left))
+
+
+def _edges() -> Outcome:
+    """Every derivative is exp(-k (t-m)^2 v) times a polynomial in t and v; the exponent is k - k r^2 v."""
+    powers = {f"limit of v^{j} exp(-k r^2 v)": sp.limit(v**j * sp.exp(-v), v, sp.oo) for j in range(8)}
+    x = sp.Symbol("x", real=True)
+    inner = -k * x**2 / (r**2 - x**2)
+    return all_of(
+        identity(powers, "SymPy: limits, with k r^2 v for v"),
+        identity({"exponent - (k - k r^2/(r^2 - x^2))": inner - (k - k * r**2 / (r**2 - x**2))}),
+        identity(
+            {
+                "d exponent/dx + 2 k r^2 x v^2: each derivative adds a polynomial in x and v": sp.diff(inner, x)
+                + 2 * k * r**2 * x / (r**2 - x**2) ** 2
+            }
+        ),
+    )
+
+
+def _between() -> Outcome:
+    x = sp.Symbol("x", real=True)
+    return all_of(
+        identity({"at the middle, less B": BUMP.subs(t, m) - height}),
+        positive("exp(-w) for the exponent -w <= 0", lambda w: (-w).exp(), [(0.0, 700.0)]),
+        positive("1 - exp(-w), w > 0", lambda w: 1 - (-w).exp(), [(2.0**-40, 700.0)]),
+        identity(
+            {"slope in x^2 of the exponent + k r^2/(r^2 - x^2)^2": sp.diff(-k * x / (r**2 - x), x) + k * r**2 / (r**2 - x) ** 2}
+        ),
+    )
+
+
+def _widening() -> Outcome:
+    q, reach, delta = sp.symbols("q D delta", positive=True)
+    c = -sp.log(1 - (reach - delta) / height)
+    at = height * sp.exp(-k * q**2 / (q**2 * (1 + k / c) - q**2))
+    return identity(
+        {"bump at |t - m| = q with r^2 = q^2 (1 + k/c), less B - (dB - delta)": sp.simplify(at - (height - (reach - delta)))}
+    )
+
+
+def _uncovered() -> Outcome:
+    """k = 0.01, B = 3.7, dB = 0.2: at 99 % of the half width the printed bump is below B - dB, where the set still is."""
+    x = arb("0.99")
+    value = arb("3.7") * (-arb("0.01") * x**2 / (1 - x**2)).exp()
+    if value < arb("3.5"):
+        return Outcome(
+            Verdict.REFUTED,
+            "counterexample, enclosed by Arb",
+            (f"k = 0.01, B = 3.7, dB = 0.2, r the conflict's half width: at |t - m| = 0.99 r the bump is {value.str(5)} < 3.5",),
+        )
+    return Outcome(Verdict.OPEN, "counterexample", (value.str(5),))
+
+
+LEMMAS = (
+    Lemma(
+        "bumps.shipped",
+        "The emitted `circumvent` is (7), (8) above rest, away from its guard.",
+        r"B\exp\frac{-k(t-m)^2}{r^2-(t-m)^2}",
+        ("|t - m| < r", "the exponent is above -746 (double) or -104 (float): the exponential is not 0 there"),
+        "Program",
+        _shipped,
+    ),
+    Lemma(
+        "bumps.edges",
+        "All derivatives tend to 0 at m - r and m + r, so the function is smooth with 0 outside.",
+        r"\lim_{|t-m|\to r} b^{(j)}(t) = 0",
+        ("by induction: the j-th derivative is the exponential times a polynomial in x and v",),
+        "(7), (8)",
+        _edges,
+    ),
+    Lemma(
+        "bumps.between",
+        "0 < bump <= B inside, B just in the middle, falling to both sides.",
+        r"0 < b \le B",
+        ("|t - m| < r",),
+        "(7), (8)",
+        _between,
+    ),
+    Lemma(
+        "bumps.widening",
+        "With r^2 = q^2 (1 + k/c), c = -ln(1 - (dB - delta)/B), the bump keeps delta of clearance over the half width q.",
+        r"b(m\pm q) = B - (\delta B - \delta)",
+        ("0 <= delta < dB < B",),
+        "ours",
+        _widening,
+    ),
+    Lemma(
+        "bumps.printed_window",
+        "A bump over exactly the conflict window is above the unsafe set during the conflict.",
+        r"b(t) \ge B - \delta B",
+        ("r is the conflict's half width",),
+        "(7) as printed",
+        _uncovered,
+    ),
+)

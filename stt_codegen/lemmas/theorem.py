@@ -1,0 +1,151 @@
+"""Theorem 4.1: the error dynamics and the Lyapunov step as identities, the repaired inequality, and what was printed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
+
+x, xdot, lower, upper, lower_rate, upper_rate = sp.symbols("x xdot gamma_L gamma_U gammadot_L gammadot_U", real=True)
+S, D, S_RATE, D_RATE = upper + lower, upper - lower, upper_rate + lower_rate, upper_rate - lower_rate
+E = (2 * x - S) / D
+
+
+def _rate(expression: Any) -> Any:
+    """d/dt along x, gamma_L, gamma_U."""
+    return sum(sp.diff(expression, v) * rate for v, rate in ((x, xdot), (lower, lower_rate), (upper, upper_rate)))
+
+
+def _edot() -> Outcome:
+    return identity(
+        {"edot - (2/gamma_d)(xdot - (gammadot_s + gammadot_d e)/2)": _rate(E) - 2 / D * (xdot - (S_RATE + D_RATE * E) / 2)}
+    )
+
+
+def _vdot() -> Outcome:
+    e = sp.Symbol("e", real=True)
+    epsilon = sp.log((1 + e) / (1 - e))
+    edot = sp.Symbol("edot", real=True)
+    d = sp.Symbol("gamma_d", positive=True)
+    phi = sp.Symbol("r", real=True)  # xdot - (gammadot_s + gammadot_d e)/2
+    vdot = (sp.diff(epsilon**2 / 2, e) * edot).subs(edot, 2 / d * phi)
+    return identity(
+        {"d(eps^2/2)/dt - eps xi (xdot - (gammadot_s + gammadot_d e)/2)": vdot - epsilon * 4 / (d * (1 - e**2)) * phi}
+    )
+
+
+def _skew() -> Outcome:
+    """v' g v = v' g_s v: what is antisymmetric in g does no work."""
+    found = {}
+    for n in (1, 2, 3):
+        v = sp.Matrix(sp.symbols(f"v1:{n + 1}", real=True))
+        g = sp.Matrix(n, n, lambda i, j: sp.Symbol(f"g{i}{j}", real=True))
+        found[f"n = {n}: v' g v - v' (g + g')/2 v"] = sp.expand((v.T * g * v)[0] - (v.T * ((g + g.T) / 2) * v)[0])
+    return identity(found)
+
+
+def _decrease() -> Outcome:
+    """-k g_min |v|^2 + |v| P < 0 once |v| > P/(k g_min); and Young's form of the same."""
+    w, gain, push, more = sp.symbols("w c P s", positive=True)
+    bound = -gain * w**2 + w * push
+    return all_of(
+        identity(
+            {"at |v| = P/c + s: less -(P + c s) s": sp.expand(bound.subs(w, push / gain + more) + (push + gain * more) * more)}
+        ),
+        identity(
+            {
+                "bound - (P^2/(4 c) - c (|v| - P/(2 c))^2)": sp.expand(
+                    bound - (push**2 / (4 * gain) - gain * (w - push / (2 * gain)) ** 2)
+                )
+            }
+        ),
+    )
+
+
+def _gain() -> Outcome:
+    """xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d: so |v| >= (4/max gamma_d) |eps|."""
+    e = sp.Symbol("e", real=True)
+    return all_of(
+        identity({"1/(1 - e^2) - 1 - e^2/(1 - e^2)": 1 / (1 - e**2) - 1 - e**2 / (1 - e**2)}),
+        positive("1/(1 - e^2)", lambda v: 1 / (1 - v**2), [(-1 + 2.0**-20, 1 - 2.0**-20)], least=0.999),
+    )
+
+
+def _rayleigh() -> Outcome:
+    """g = I, gamma_d = diag(1, 100), e = (0, 1/2): |eps|^2 |xi|^2, |xi| its largest entry, against eps' xi xi eps."""
+    eps = sp.log(3)
+    xi = (sp.Integer(4), 4 / (100 * (1 - sp.Rational(1, 4))))
+    claimed, is_ = xi[0] ** 2 * eps**2, xi[1] ** 2 * eps**2
+    if (claimed - is_).is_positive:
+        numbers = f"claims {sp.N(claimed, 5)} <= {sp.N(is_, 3)}"
+        return Outcome(Verdict.REFUTED, "counterexample, exact", (f"gamma_d = diag(1, 100), e = (0, 1/2): {numbers}",))
+    return Outcome(Verdict.OPEN, "counterexample", ("",))
+
+
+def _negative() -> Outcome:
+    """Remark 4.2: with -g in place of g and -k in place of k the closed loop is the same."""
+    g, k, v = sp.symbols("g k v", real=True)
+    work = g * (-k * v)
+    return identity({"g (-k v), less the same with -g and -k": work - work.subs({g: -g, k: -k}, simultaneous=True)})
+
+
+LEMMAS = (
+    Lemma(
+        "theorem.edot",
+        "The normalized error moves by edot = (2/gamma_d)(xdot - (gammadot_s + gammadot_d e)/2), by component.",
+        r"\dot e = \tfrac{2}{\gamma_d}\bigl(\dot x - \tfrac12(\dot\gamma_s + \dot\gamma_d e)\bigr)",
+        ("gamma_d > 0",),
+        "Theorem 4.1",
+        _edot,
+    ),
+    Lemma(
+        "theorem.vdot",
+        "With V = eps^2/2 summed over components, Vdot is the sum of v_i (xdot_i - (gammadot_s + gammadot_d e)_i/2), v = xi eps.",
+        r"\dot V = v^\top\bigl(\dot x - \tfrac12(\dot\gamma_s+\dot\gamma_d e)\bigr)",
+        ("|e| < 1",),
+        "Theorem 4.1",
+        _vdot,
+    ),
+    Lemma(
+        "theorem.skew",
+        "v' g v depends on the symmetric part of g alone; so Vdot <= -k g_min |v|^2 + |v| |Phi|.",
+        r"v^\top g v = v^\top g_s v",
+        ("g_s >= g_min > 0", "Phi = f + w - (gammadot_s + gammadot_d e)/2"),
+        "Theorem 4.1",
+        _skew,
+    ),
+    Lemma(
+        "theorem.gain",
+        "|v| >= (4/max gamma_d) |eps|.",
+        r"\|v\| \ge \frac{4}{\max\gamma_d}\|\varepsilon\|",
+        ("|e_i| < 1",),
+        "ours",
+        _gain,
+    ),
+    Lemma(
+        "theorem.decrease",
+        "V falls while |v| > Phi/(k g_min), so |eps| <= max(|eps(0)|, max gamma_d Phi/(4 k g_min)) for ever.",
+        r"\|\varepsilon\| \le \max\Bigl(\|\varepsilon(0)\|,\ \frac{\max\gamma_d\,\Phi}{4kg_{\min}}\Bigr)",
+        ("|Phi| <= Phi over tube and disturbance",),
+        "in place of the printed step, ours",
+        _decrease,
+    ),
+    Lemma(
+        "theorem.negative",
+        "For negative definite g_s a negative gain gives the same closed loop (Remark 4.2).",
+        r"g\,(-kv) = (-g)(-(-k)v)",
+        (),
+        "Remark 4.2",
+        _negative,
+    ),
+    Lemma(
+        "theorem.rayleigh",
+        "g_min |eps|^2 |xi|^2 <= eps' xi g xi eps.",
+        r"\underline g\,\|\varepsilon\|^2\|\xi\|^2 \le \varepsilon^\top\xi g\xi\varepsilon",
+        ("|xi| is the spectral norm; g = I",),
+        "Theorem 4.1 as printed",
+        _rayleigh,
+    ),
+)
