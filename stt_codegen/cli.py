@@ -7,6 +7,7 @@ Results go to stdout (one JSON document with --json), progress and messages to s
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import threading
@@ -176,6 +177,14 @@ def _show_design(report: dict[str, Any]) -> None:
         console.print(
             f"  |u| up to {law['largest_u']:.4g} at the clamp; for xdot = g u, g <= {law['g_max']:g}, sample every {periods}"
         )
+    if law["u_max"]:
+        console.print(
+            f"  u is saturated at {', '.join(f'{u:g}' for u in law['u_max'])}: the proof for the state assumes it is not"
+        )
+    slowest = max(law["periods"].values(), default=math.inf)
+    if law["tick_period"] is not None and law["tick_period"] > slowest:
+        period = f"emit.tick_period {law['tick_period']:g} s"
+        console.print(f"  [yellow]note[/yellow]: {period} is longer than any of these; lower it, or control.gain")
     if law["u_max_is_slow"]:
         console.print("  [yellow]note[/yellow]: control.u_max is below the tube's speed: the state cannot follow it")
     cost = report["cost"]

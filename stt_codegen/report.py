@@ -64,6 +64,8 @@ def input_report(controller: Controller) -> dict[str, Any]:
         "largest_u": None,
         "periods": {},
         "g_max": g_max,
+        "u_max": [float(u) for u in limits],
+        "tick_period": None if task.emit.tick_period is None else float(task.emit.tick_period),
         "u_max_is_slow": any(u * g_max < v for u, v in zip(limits, certificate.speed, strict=False)),
     }
     if width <= 0:

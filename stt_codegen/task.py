@@ -23,6 +23,7 @@ from pydantic import (
     Field,
     PlainSerializer,
     PrivateAttr,
+    StrictBool,
     ValidationError,
     WithJsonSchema,
 )
@@ -163,7 +164,7 @@ class EmitOptions(_Table):
     scalar: Scalar = "float"
     math: Literal["libm", "inline"] = "libm"
     tick_period: Positive | None = Field(default=None, description="seconds; adds an entry point with an integer tick")
-    selftest: bool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
+    selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
 
 
 class PlantBounds(_Table):
@@ -326,6 +327,8 @@ def _explain(error: ValidationError) -> str:
         return f"{where}: is {kind_of(value)}; a table is needed"
     if kind == "tuple_type":
         return f"{where}: is {kind_of(value)}; a list of tables [[{where}]] is needed"
+    if kind == "bool_type":
+        return f"{where}: is {kind_of(value)}; use true or false, without quotes"
     if kind == "string_type":
         return f"{where}: is {kind_of(value)}; text in quotes is needed"
     return f"{where}: is {kind_of(value)}; {first['msg']}"

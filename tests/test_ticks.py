@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -105,12 +106,22 @@ def test_python_takes_whole_numbers_and_refuses_others() -> None:
             module.control_tick(wrong, (4.75, 4.75))
 
 
-def test_a_period_that_does_not_fit_names_one_that_does() -> None:
-    with pytest.raises(BadInput, match=r"emit\.tick_period.*divides prescribed_time.*like 0\.00123") as caught:
-        ticking(TASK.replace("9.0", "9.87654321"), "0.00123456789")
-    named = str(caught.value).split("like ")[1].split(" s")[0]
-    assert ticks_of(small_design(32, Fraction(9)), Fraction(9) / 7290)
-    assert float(named) > 0
+@pytest.mark.parametrize(
+    ("t_c", "period"), [("9.0", "1e-9"), ("9.0", "0.00033333333"), ("86400.0", "0.0000099999"), ("86400.0", "0.00099999")]
+)
+def test_a_period_that_does_not_fit_names_one_that_does(t_c: str, period: str) -> None:
+    design = small_design(32, Fraction(t_c))
+    with pytest.raises(BadInput, match=r"emit\.tick_period") as caught:
+        ticks_of(design, Fraction(period))
+    named = re.search(r"; (\S+) s makes smaller ones", str(caught.value))
+    assert named
+    assert ticks_of(design, Fraction(named.group(1)))
+
+
+@pytest.mark.parametrize(("t_c", "period"), [("86400.000001", "0.001"), ("9.87654321", "0.00123456789")])
+def test_where_no_round_period_fits_the_time_is_to_blame(t_c: str, period: str) -> None:
+    with pytest.raises(BadInput, match="make prescribed_time a number of fewer digits"):
+        ticks_of(small_design(1024, Fraction(t_c)), Fraction(period))
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])

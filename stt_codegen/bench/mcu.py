@@ -176,7 +176,7 @@ def _first_certified(family: Family) -> Controller:
     raise BadInput(f"{family.name}: none of the first 20 arenas has a certified tube")
 
 
-HEADINGS = ("", "least / median / worst", "code B", "tables B", "RAM B", "stack B", "agrees")
+HEADINGS = ("", "least / median / most seen", "code B", "tables B", "RAM B", "stack B", "agrees")
 
 
 def row(line: Line, name: str, place: bool = False) -> list[str]:
@@ -200,7 +200,7 @@ def run_mcu(boards: list[str] | None, points: int, out: Path | None, as_json: bo
         "the edges and a closed loop; emulated, so the same in every run. Instructions, for avr cycles. Bytes are of `control` "
         "and all it calls, without the C library; stack is painted, with it. agrees: within "
         "every bound of `compare` on that board.",
-        table((*HEADINGS, "worst at"), [row(v, f"{v.board}: {v.label}", True) for v in costs]),
+        table((*HEADINGS, "most at"), [row(v, f"{v.board}: {v.label}", True) for v in costs]),
         f"### Beside others, {first.title}, the same points\n\nCasADi's C and the floor test no input and tell no status.",
         table(HEADINGS, [row(v, v.label) for v in others]),
         f"### Growth, refined, {first.title}",

@@ -241,11 +241,12 @@ def _control(task: Task, frame: Frame) -> Function:
         block.store("u", i, control_component(block, law, place, u_max))
     block.leave(Select(outside, OUTSIDE, OK))
     gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
+    where = "" if task.control.gain > 0 else " through a negative g"
     doc = (
         f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
         + (", u saturated." if law.u_max is not None else "."),
         "t: seconds since the start (held within [0, t_c]); alpha: the update function at t; x: state; u: input.",
-        "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0",
+        "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward" + where,
         "(0 where the tube is empty). BAD_INPUT: t, alpha or x has a NaN or an infinity; u is 0. u may be the array x itself.",
     )
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n), Param("u", n, True))

@@ -284,6 +284,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         block.store("u", i, control_component(block, law, place, u_max))
     block.leave(Select(outside, OUTSIDE, OK))
     gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
+    where = "" if task.control.gain > 0 else " through a negative g"
     times = "x" if when.type is TICK else "t or x"
     return Function(
         "control_tick" if when.type is TICK else "control",
@@ -294,7 +295,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
             f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
             + (", u saturated." if law.u_max is not None else "."),
             _time_doc(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]); x: state; u: input.",
-            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0",
+            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward" + where,
             f"(0 where the tube is empty). BAD_INPUT: {times} has a NaN or an infinity; u is 0. u may be the array x itself.",
         ),
     )
@@ -302,4 +303,5 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
 
 def _time_doc(task: Task) -> str:
     assert task.emit.tick_period is not None
-    return f"tick: periods of {decimal(task.emit.tick_period)} s since the start (do not let it wrap to 0); x: state; u: input."
+    period = decimal(task.emit.tick_period)
+    return f"tick: periods of {period} s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input."

@@ -29,15 +29,26 @@ class Ticks:
 
 def ticks_of(design: RefinedDesign, period: Fraction) -> Ticks:
     """Raises `BadInput` when the integers that the period leads to do not fit 32 bits."""
+    ticks = _fitting(design, period)
+    if ticks is None:
+        rounded = (_to_digits(period, digits) for digits in (6, 5, 4, 3, 2, 1))
+        coarser = (Fraction(10) ** k * m for k in range(-9, 3) for m in (1, 2, 5))
+        near = next((p for p in (*rounded, *(c for c in coarser if c > period)) if _fitting(design, p)), None)
+        made = f"{decimal(period)} s over {decimal(design.prescribed_time)} s and {design.segments} segments"
+        advice = f"{decimal(near)} s makes smaller ones" if near else "make prescribed_time a number of fewer digits"
+        raise BadInput(f"emit.tick_period: {made} makes integers beyond 31 bits; {advice}")
+    return ticks
+
+
+def _fitting(design: RefinedDesign, period: Fraction) -> Ticks | None:
     share = period * design.segments / design.prescribed_time
     whole = design.segments * share.denominator
-    if whole + share.numerator >= MOST:
-        near = design.prescribed_time / max(1, round(design.prescribed_time / period))
-        raise BadInput(
-            f"emit.tick_period: {decimal(period)} s over {decimal(design.prescribed_time)} s and {design.segments} segments "
-            f"makes integers beyond 31 bits; a period that divides prescribed_time makes smaller ones, like {float(near):.9g} s"
-        )
-    return Ticks(share.numerator, share.denominator, -(-whole // share.numerator))
+    return None if whole + share.numerator >= MOST else Ticks(share.numerator, share.denominator, -(-whole // share.numerator))
+
+
+def _to_digits(value: Fraction, digits: int) -> Fraction:
+    """The value to so many decimal digits."""
+    return Fraction(f"{float(value):.{digits}g}")
 
 
 def segment_at_tick(design: RefinedDesign, ticks: Ticks) -> Kernel:

@@ -9,9 +9,20 @@ from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.emit.naming import file_names, selftest_name
 from stt_codegen.emit.render import Files, design_hash, template
 from stt_codegen.pipeline import Controller
+from stt_codegen.report import input_report
 
 KINDS = ("plain", "cmake", "arduino", "platformio")
-PERIOD = Fraction(1, 100)  # seconds, of the example sketch where the certificate does not ask for shorter steps
+PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
+
+
+def loop_period(controller: Controller) -> Fraction:
+    """Seconds between the example's steps: emit.tick_period; else at most `PERIOD`, what `design` advises up to |e| = 0.8, and
+    what an adaptive certificate allows, in whole microseconds."""
+    if controller.task.emit.tick_period is not None:
+        return controller.task.emit.tick_period
+    limits = [PERIOD, *([] if controller.certificate.steps is None else [controller.certificate.steps[1]])]
+    limits += [Fraction(v) for v in list(input_report(controller)["periods"].values())[:1]]
+    return Fraction(max(1, math.floor(min(limits) * 10**6)), 10**6)
 
 
 def package(controller: Controller, kind: str) -> Files:
@@ -21,13 +32,15 @@ def package(controller: Controller, kind: str) -> Files:
     header, source, module, proof = file_names(prefix)
     if kind == "plain":
         return controller.files
-    steps = controller.certificate.steps
-    period = PERIOD if steps is None else min(PERIOD, math.floor(steps[1] * 10**6) * Fraction(1, 10**6))
+    inline = controller.task.emit.math == "inline"
+    period = loop_period(controller)
     words = {
         "prefix": prefix,
         "macro": prefix.upper(),
         "kind": controller.design.kind,
         "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "library": "" if inline else "m",
+        "ticks": controller.task.emit.tick_period is not None,
         "selftest": controller.task.emit.selftest,
         "hash": design_hash(controller.task, controller.design),
         "adaptive": not isinstance(controller.design, RefinedDesign),

@@ -52,18 +52,19 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     period = task.emit.tick_period
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
+        common["last_tick"] = math.ceil(task.prescribed_time / period)
     shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
     files = {
         header: template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
         source: template("controller.c.j2").render(**common, c=printer),
         module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
-    if task.emit.selftest:
-        from stt_codegen.emit.selftest import vectors
+    if task.emit.selftest and any(f.name == "control" for f in program.functions):  # a probe has none
+        from stt_codegen.emit.selftest import suites
 
-        files[selftest_name(task.name)] = template("selftest.c.j2").render(
-            prefix=task.name, macro=common["macro"], c=printer, v=vectors(task, program), zip=zip
-        )
+        made = suites(task, design, program)
+        total = sum(len(v.statuses) for v in made)
+        files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     document = certificate_document(task, design, program, certificate, digests)

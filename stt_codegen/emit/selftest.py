@@ -1,7 +1,9 @@
-"""`emit.selftest`: a dozen calls of `control` for the board's boot, in a C file of their own.
+"""`emit.selftest`: calls of `control` (and `control_tick`) for the board's boot, in a C file of their own.
 
-What u may be is an enclosure of the emitted arithmetic (`program.arb`), so every right compiler and library passes, whether or
-not it fuses multiplications, and nothing that is wrong by more than rounding does. A NaN at the end finds -ffast-math.
+One call for every three segments of the table (a dozen where there is none), so that every coefficient moves some u, near the
+middle of the tube, where u is not saturated; and a few beside the edges, outside and far away. What u may be is an enclosure of
+the emitted arithmetic (`program.arb`), so every right compiler and library passes, whether or not it fuses multiplications or how
+it rounds, and nothing that is wrong by more than rounding does. A NaN at the end finds arithmetic without it.
 """
 
 from __future__ import annotations
@@ -13,69 +15,101 @@ from typing import Any
 
 from flint import arb
 
+from stt_codegen.design.adapted import AdaptiveDesign
+from stt_codegen.design.tube import RefinedDesign
 from stt_codegen.program.arb import Enclosure, ball
 from stt_codegen.program.number import FORMATS, round_to, ulp_exponent
-from stt_codegen.program.program import Program, Status, Table
+from stt_codegen.program.program import REAL, Program, Status, Table
 from stt_codegen.task import Task
 
 # Where x stands between the edges, by vector; the next dimension takes the next of the list.
-SHARES = tuple(Fraction(v) for v in ("0.5", "0.25", "0.75", "0.03", "0.97", "-0.5", "1.5", "0.125", "0.875", "0.6", "0.375", "9"))
-PLACES = tuple(Fraction(v) for v in ("0.4", "0.45", "0.35", "0.55", "0.3"))  # of t in its twelfth of the time
+CALM = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
+STRIKING = tuple(Fraction(v) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
+PARTS = 36  # of the time, where there are no segments
+PLACES = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # of t in its segment or part
 TIGHT = 1e-4  # a ball's radius over its size where nothing was left undecided
 
 
 @dataclass(frozen=True)
 class Vectors:
-    """Arguments of `control` one after the other, statuses, and the least and greatest u of each vector."""
+    """Calls of one function: arguments one after the other (ticks apart), statuses, the least and greatest u of each."""
 
+    function: str
+    ticks: tuple[int, ...]
     points: Table
     statuses: tuple[Status, ...]
     low: Table
     high: Table
-    offsets: tuple[int, ...]  # of the arguments in a point
-    arrays: tuple[bool, ...]  # which of them are arrays
+    arguments: tuple[tuple[int, bool], ...]  # where in a point, and whether it is an array
 
 
-def vectors(task: Task, program: Program) -> Vectors:
-    """Twelve points of `control`: times spread over [0, t_c], states in the middle, beside the edges, outside, far away."""
+def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program) -> list[Vectors]:
+    """The vectors of `control`, and of `control_tick` where there is one."""
     balls = Enclosure(program, rounding=True)
-    control = program.function("control")
-    n, scalar = program.dimension, program.scalar
+    parts = design.segments if isinstance(design, RefinedDesign) else PARTS
+    calm = sorted({*range(0, parts, 3), parts - 1})
+    striking = [parts * (2 * k + 1) // (2 * len(STRIKING)) for k in range(len(STRIKING))]
+    when = [(Fraction(k, parts), None) for k in calm] + [(Fraction(k, parts), s) for k, s in zip(striking, STRIKING, strict=True)]
+    names = [f.name for f in program.functions if f.name in ("control", "control_tick")]
+    return [_vectors(task, program, balls, name, when, Fraction(1, parts)) for name in names]
+
+
+def _vectors(
+    task: Task, program: Program, balls: Enclosure, name: str, when: Sequence[tuple[Fraction, Fraction | None]], part: Fraction
+) -> Vectors:
+    """Calls at these shares of the time, each with where x stands (near the middle without)."""
+    function, scalar, n = program.function(name), program.scalar, program.dimension
     points: list[Fraction] = []
     low: list[Fraction] = []
     high: list[Fraction] = []
     statuses: list[Status] = []
-    for k in range(len(SHARES)):
-        for place in PLACES:  # the first that is not so near to a knot that either segment may be taken
-            given: dict[str, Any] = {"t": round_to(task.prescribed_time * (k + place) / len(SHARES), scalar)}
-            if any(p.name == "alpha" for p in control.params):
-                given["alpha"] = [Fraction(k % 4, 8)] * (2 * n)
-            edges, _ = balls.run("tube", **{name: _balls(v) for name, v in given.items()})
-            if all(edge.rad() < TIGHT * (1 + abs(edge.mid())) for pair in edges.values() for edge in pair):
-                break
+    ticks: list[int] = []
+    for k, (begin, share) in enumerate(when):
+        given, edges = _time(task, program, balls, begin, part, k)
         x = []
         for i, (a, b) in enumerate(zip(edges["lower"], edges["upper"], strict=True)):
             first, last = Fraction(float(a.mid())), Fraction(float(b.mid()))
-            x.append(round_to(first + SHARES[(k + i) % len(SHARES)] * (last - first), scalar))
+            x.append(round_to(first + (CALM[(k + i) % len(CALM)] if share is None else share) * (last - first), scalar))
         given["x"] = x
-        outputs, found = balls.run("control", **{name: _balls(v) for name, v in given.items()})
+        if name == "control_tick":
+            assert task.emit.tick_period is not None
+            ticks.append(int(given.pop("t") / task.emit.tick_period))
+            outputs, found = balls.run(name, tick=ticks[-1], **{key: _balls(v) for key, v in given.items()})
+        else:
+            outputs, found = balls.run(name, **{key: _balls(v) for key, v in given.items()})
         (status,) = found
         statuses.append(status)
         for value in given.values():
             points += value if isinstance(value, list) else [value]
         low += [_outward(u, scalar, -1) for u in outputs["u"]]
         high += [_outward(u, scalar, 1) for u in outputs["u"]]
-    lengths = [p.length or 1 for p in control.inputs]
+    numbers = [p for p in function.inputs if p.type is REAL]
+    lengths = [p.length or 1 for p in numbers]
+    suffix = "" if name == "control" else "_at_ticks"
     return Vectors(
-        Table(
-            "points", tuple(points), sum(lengths), ("Arguments of control: " + ", ".join(p.name for p in control.inputs) + ".",)
-        ),
+        name,
+        tuple(ticks),
+        Table("points" + suffix, tuple(points), sum(lengths), (f"Arguments of {name}: {', '.join(p.name for p in numbers)}.",)),
         tuple(statuses),
-        Table("least", tuple(low), n, ("u may be from here",)),
-        Table("greatest", tuple(high), n, ("to here: all that IEEE arithmetic can give.",)),
-        tuple(sum(lengths[:k]) for k in range(len(lengths))),
-        tuple(p.length is not None for p in control.inputs),
+        Table("least" + suffix, tuple(low), n, ("u may be from here",)),
+        Table("greatest" + suffix, tuple(high), n, ("to here: all that IEEE arithmetic can give.",)),
+        tuple((sum(lengths[:k]), p.length is not None) for k, p in enumerate(numbers)),
     )
+
+
+def _time(
+    task: Task, program: Program, balls: Enclosure, begin: Fraction, part: Fraction, k: int
+) -> tuple[dict[str, Any], dict[str, list[arb]]]:
+    """Time (and alpha) of vector k and the tube's edges there: the first place that is not so near to a knot that either segment
+    may be taken."""
+    for place in PLACES:
+        given: dict[str, Any] = {"t": round_to(task.prescribed_time * (begin + place * part), program.scalar)}
+        if any(p.name == "alpha" for p in program.function("control").params):
+            given["alpha"] = [Fraction(k % 4, 8)] * (2 * program.dimension)
+        edges, _ = balls.run("tube", **{name: _balls(v) for name, v in given.items()})
+        if all(edge.rad() < TIGHT * (1 + abs(edge.mid())) for pair in edges.values() for edge in pair):
+            break
+    return given, edges
 
 
 def _balls(value: Fraction | Sequence[Fraction]) -> Any:

@@ -38,7 +38,7 @@ void empty_tube_rate(empty_real t, empty_real lower_rate[EMPTY_N], empty_real up
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
  * t: seconds since the start (held within [0, t_c]); x: state; u: input.
- * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
  */
 empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real u[EMPTY_N]);

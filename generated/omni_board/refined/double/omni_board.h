@@ -21,6 +21,7 @@ typedef double omni_board_real;
 #define OMNI_BOARD_N 2
 #define OMNI_BOARD_T_C 9.0 /* prescribed time, seconds */
 #define OMNI_BOARD_TICK_PERIOD 0.001 /* seconds of one tick of omni_board_control_tick */
+#define OMNI_BOARD_TICKS 9000U /* the first tick that is not before t_c: count no farther */
 #define OMNI_BOARD_DESIGN_HASH "cb2e8850999d66de" /* log it: names this design */
 
 typedef enum {
@@ -43,15 +44,15 @@ void omni_board_tube_rate(omni_board_real t, omni_board_real lower_rate[OMNI_BOA
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
  * t: seconds since the start (held within [0, t_c]); x: state; u: input.
- * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
  */
 omni_board_status omni_board_control(omni_board_real t, const omni_board_real x[OMNI_BOARD_N],
                                      omni_board_real u[OMNI_BOARD_N]);
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
- * tick: periods of 0.001 s since the start (do not let it wrap to 0); x: state; u: input.
- * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
  */
 omni_board_status omni_board_control_tick(uint32_t tick, const omni_board_real x[OMNI_BOARD_N],
@@ -74,8 +75,9 @@ void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_
                           const omni_board_real x[OMNI_BOARD_N], omni_board_real e[OMNI_BOARD_N],
                           omni_board_real epsilon[OMNI_BOARD_N], omni_board_real xi[OMNI_BOARD_N]);
 
-/* In omni_board_selftest.c: calls omni_board_control at a dozen points and with a NaN, for the board's boot.
+/* In omni_board_selftest.c: calls the controller at points all along the mission and with a NaN, for the board's boot.
  * 0: every u is one that IEEE arithmetic can give; else the number of the first point, from 1, that is off. */
+#define OMNI_BOARD_SELFTEST_cb2e8850999d66de
 int omni_board_selftest(void);
 
 #ifdef __cplusplus

@@ -13,6 +13,7 @@ import math
 N = 2
 T_C = 9.0  # prescribed time, seconds
 TICK_PERIOD = 0.001  # seconds of one tick of control_tick
+TICKS = 9000  # the first tick that is not before t_c
 DESIGN_HASH = "cb2e8850999d66de"
 
 OK = 0
@@ -299,7 +300,7 @@ def tube_rate(t):
 def control(t, x):
     """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
     t: seconds since the start (held within [0, t_c]); x: state; u: input.
-    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
     (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
     """
     t = float(t)
@@ -363,8 +364,8 @@ def control(t, x):
 
 def control_tick(tick, x):
     """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
-    tick: periods of 0.001 s since the start (do not let it wrap to 0); x: state; u: input.
-    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+    tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
     (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
     """
     tick = _count("tick", tick)

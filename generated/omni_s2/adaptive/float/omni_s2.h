@@ -61,7 +61,7 @@ void omni_s2_tube_rate(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
  * t: seconds since the start (held within [0, t_c]); alpha: the update function at t; x: state; u: input.
- * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward for k > 0
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t, alpha or x has a NaN or an infinity; u is 0. u may be the array x itself.
  */
 omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
