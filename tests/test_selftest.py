@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
+from stt_codegen.backends import CompiledC
+from stt_codegen.compare import compare_backend
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.task import parse_task
 
@@ -125,3 +127,10 @@ def test_without_the_request_there_is_none() -> None:
     files = build_task(parse_task(TASK)).files
     assert "omni_s2_selftest.c" not in files
     assert b"selftest" not in files["omni_s2.h"]
+
+
+def test_the_comparison_of_an_adaptive_design_bears_the_request(tool) -> None:
+    """Its probe has no `control` to call."""
+    tool("cc")
+    controller = selftested("adaptive", "float")
+    assert all(r.holds for r in compare_backend(controller, CompiledC, 200))
