@@ -5,10 +5,10 @@ emitted edge. The bounds, first-order terms rounded up:
 
     tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
     margin m          (1 + 2 |m|) delta over the width (an edge in the distance, both in the width), and 8 eps
-    e                 8 eps           a, b, width: 3 roundings each; difference, quotient, clamp
+    e                 8 eps           the nearer distance: 3 roundings, the farther what it leaves; difference, quotient
     epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place; written out
                       (`math = "inline"`): `controller.logarithm`'s relative error more, for u too
-    xi                12 eps xi       a/b, 1 + a/b, division by a
+    xi                12 eps xi       b/a, 1 + b/a, division by b
     u                 refined: h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
                       more than to the two corners (a +- delta, b -+ delta) clamped in a width changed by 2 delta; plus
                       |k| xi (8 + 4 |epsilon|) eps + 16 eps |u| for the arithmetic of the law

@@ -128,6 +128,26 @@ def with_table(text: str, design) -> str:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
+        ("count * 4", "count * 8"),
+        ("whole : 31", "whole : 3100"),
+        ("part / 1125.0F", "part / 100.0F"),
+        ("tick < 9000U", "tick < 900U"),
+        ("place / 1125", "place / 1124"),
+    ],
+)
+def test_another_time_in_ticks_is_found(old: str, new: str, tmp_path, capsys) -> None:
+    arguments = lay_out(tmp_path, "omni_board")
+    source = Path(arguments[1])
+    assert old in source.read_text()
+    source.write_text(source.read_text().replace(old, new))
+    sign_again(arguments)
+    assert checker.main(arguments) == 1
+    assert "ticks of the C file" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
         ("started * 3.5555556F", "started * 3.6555556F"),
         ("started * 3.5555556F", "t * 3.5555556F"),
         ("segment = (int32_t)u", "segment = (int32_t)scaled"),

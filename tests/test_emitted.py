@@ -470,3 +470,21 @@ def test_the_margin_of_what_is_not_finite_is_nan(backends, bad: float) -> None:
     for backend in backends:
         assert np.isnan(backend.margin(np.array([bad]), np.array([[1.0, 1.0]])))[0]
         assert np.isnan(backend.margin(np.array([1.0]), np.array([[1.0, bad]])))[0]
+
+
+def test_an_empty_tube_divides_by_nothing_whatever_it_is(backends) -> None:
+    """Inside out by a little, by much, by more than a number's precision: 0, and Python raises nothing."""
+    random = np.random.default_rng(11)
+    lower = random.choice([0.0, 1.0, 8589934592.0, 1e30, -9.5e-6], (2000, 2))
+    upper = lower - random.choice([0.0, 5e-324, 9.5e-6, 1.0, 17.0, 1e9, 1e30], lower.shape)
+    x = np.where(
+        random.random(lower.shape) < 0.5, (lower + upper) / 2, random.choice([-1e30, 0.0, 1e9, 4294967296.0], lower.shape)
+    )
+    for backend in backends:
+        empty = (
+            np.asarray(upper, backend.number) <= np.asarray(lower, backend.number)
+            if hasattr(backend, "number")
+            else upper <= lower
+        )
+        for values in backend.transform(lower, upper, x):
+            assert (np.asarray(values)[empty] == 0).all()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import replace
 from fractions import Fraction
@@ -37,8 +38,23 @@ from stt_codegen.controller.adapted import lines_program
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import Controller, build, build_task
-from stt_codegen.program.arb import Enclosure, ball, hull
-from stt_codegen.program.program import STATUS, Block, Const, Function, Load, Param, Program, Status, integer, real
+from stt_codegen.program.arb import Enclosure, _Span, ball, hull
+from stt_codegen.program.number import FORMATS
+from stt_codegen.program.program import (
+    REAL,
+    STATUS,
+    Block,
+    Const,
+    Function,
+    Kernel,
+    Load,
+    Param,
+    Program,
+    Status,
+    Var,
+    integer,
+    real,
+)
 from stt_codegen.task import Task, load_task, parse_task
 
 RANDOM = np.random.default_rng(4)
@@ -340,3 +356,33 @@ def test_extreme_parameters_are_refused_or_certified_but_never_our_defect() -> N
             assert build_task(task).certificate.holds
         except NotCertified as error:
             assert re.match(r"P\d|holds at samples", str(error))
+
+
+@settings(max_examples=200, deadline=None)
+@given(st.floats(0.7072, 1e30), st.floats(1.0, 4.0), st.lists(st.floats(0, 1), min_size=20, max_size=20))
+def test_balls_of_exponent_and_mantissa_hold_those_of_every_number_inside(low: float, factor: float, shares: list[float]) -> None:
+    block = Block({"y"})
+    y = Var("y", REAL)
+    e, m = block.op("base", "real", block.op("e", "exponent", y)), block.op("m", "mantissa", y)
+    kernel = Kernel("split", (y,), tuple(block.statements), (e, m), ("e", "m"))  # type: ignore[arg-type]
+    balls = Enclosure(Program("p", 1, "double", (), (kernel,), ()), rounding=False)
+    exponents, mantissas = balls.kernel("split", hull(low, low * factor))
+    for share in shares:
+        number = low + (low * factor - low) * share
+        fraction, power = math.frexp(number)
+        fraction, power = (fraction, power) if fraction >= float(FORMATS["double"].least_mantissa) else (2 * fraction, power - 1)
+        assert exponents.contains(power)
+        assert mantissas.contains(fraction)
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.integers(0, 12_000), st.integers(0, 4_000), st.lists(st.floats(0, 1), min_size=20, max_size=20))
+def test_the_tick_kernel_over_a_span_holds_every_tick_in_it(first: int, length: int, shares: list[float]) -> None:
+    balls = Enclosure(made("omni_board", "refined", "double").program, rounding=True)
+    rows, places = balls.kernel("segment_at_tick", _Span(first, first + length) if length else first)
+    low, high = (rows, rows) if isinstance(rows, int) else (rows.low, rows.high)
+    for share in shares:
+        row, place = balls.kernel("segment_at_tick", first + round(share * length))
+        assert low <= row <= high
+        assert places.union(place).overlaps(place)
+        assert float(places.lower()) <= float(place.mid()) <= float(places.upper())

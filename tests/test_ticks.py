@@ -55,6 +55,21 @@ def test_segment_and_rest_are_the_exact_place_of_every_tick(segments: int, t_c: 
         assert segment + Fraction(rest, ticks.denominator) == min(count * period, t_c) * segments / t_c
 
 
+@pytest.mark.parametrize("period", ["0.7", "0.001", "13"])
+def test_the_emitted_kernel_holds_the_place_at_one_where_the_period_does_not_divide(period: str) -> None:
+    """0.7 s over 9 s: the last tick is after t_c."""
+    controller = ticking(TASK, period)
+    kernel = GeneratedPython(controller).module._segment_at_tick
+    assert isinstance(controller.design, RefinedDesign)
+    last = ticks_of(controller.design, Fraction(period)).last
+    for tick in (0, 1, last - 1, last, last + 1, 2**32 - 1):
+        row, s = kernel(tick)
+        place = min(tick * Fraction(period), controller.design.prescribed_time) * controller.design.segments
+        place /= controller.design.prescribed_time
+        assert 0 <= s <= 1
+        assert abs(row // 4 + Fraction(s) - place) <= Fraction(1, 1 << 40)
+
+
 def test_ticks_and_seconds_agree_where_both_are_exact() -> None:
     """A period of 2^-10 s: float seconds are exact, so both ways see the same place up to the rounding of K/t_c."""
     controller = ticking(TASK, "0.0009765625")

@@ -105,9 +105,13 @@ def sizes(controller: Controller, board: Board, function: str = "control") -> tu
         subprocess.run([*base, "-nostdlib", "-nostartfiles", keep, "all.o", "-o", "kept.o"], cwd=folder, check=True)
         lines = subprocess.run([_size_tool(board), "-A", "kept.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
     found = [(row[0], int(row[1])) for row in (line.split() for line in lines.splitlines()) if len(row) == 3 and row[0][0] == "."]
-    total = {kind: sum(size for name, size in found if name.startswith(kind)) for kind in (".text", ".rodata", ".data", ".bss")}
-    in_ram = total[".rodata"] if board.name == "avr" else 0  # AVR loads constants from RAM
-    return total[".text"], total[".rodata"], total[".data"] + total[".bss"] + in_ram
+
+    def total(*kinds: str) -> int:
+        return sum(size for name, size in found if name.startswith(kinds))
+
+    tables = total(".rodata", ".srodata")
+    in_ram = tables if board.name == "avr" else 0  # AVR loads constants from RAM
+    return total(".text"), tables, total(".data", ".sdata", ".bss", ".sbss") + in_ram
 
 
 def _size_tool(board: Board) -> str:

@@ -50,6 +50,7 @@ class Board:
     room: int = 1 << 20
     scalars: tuple[str, ...] = ("float", "double")
     lacks: tuple[str, ...] = ()
+    paint: int = 4096  # bytes of stack that board.h paints
 
 
 def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
@@ -115,6 +116,7 @@ BOARDS = {
             room=12_000,
             scalars=("float",),
             lacks=("log1pf",),
+            paint=300,
         ),
     )
 }
@@ -203,6 +205,8 @@ class Emulated(Backend):
                 f"{self.board.title}: the image gave {len(rows)} results for {len(words)} points "
                 f"(exit code {result.returncode}): {result.stdout.strip()[-300:]}"
             )
+        if any(row[2] >= self.board.paint for row in rows):
+            raise SttError(f"{self.board.title}: {f.name} uses more stack than the {self.board.paint} bytes that are painted")
         return np.array(rows, dtype=np.uint32)
 
 

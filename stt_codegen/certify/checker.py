@@ -39,9 +39,6 @@ class Unusable(Exception):
     """A file that is not what it should be."""
 
 
-# ------------------------------------------------------------------------------------------------ reading
-
-
 class Task:
     """The numbers of a task file that the proof is about, exact; body already added to the sets."""
 
@@ -50,6 +47,7 @@ class Task:
         self.digest = hashlib.sha256(json.dumps(_plain(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         self.name = str(document["name"])
         self.t_c = _number(document["prescribed_time"])
+        self.period = _number(document.get("emit", {}).get("tick_period", document["prescribed_time"]))
         self.state = [_number(v) for v in document["initial_state"]]
         self.n = len(self.state)
         body = [_number(v) for v in document.get("body", [0] * self.n)]
@@ -121,18 +119,28 @@ class Tube:
         body = re.search(rf"static inline void {re.escape(task.name)}_segment\(.*?\n\}}", code, re.DOTALL)
         found = body.group(0) if body else ""
         k = Fraction(self.segments)
-        for pattern, wanted, most in (
-            (r"scaled = started \* ([^;]+);", k / task.t_c, k / task.t_c * (1 + 2 * self.eps)),
-            (r"early = scaled < ([^;]+);", k, k * (1 - self.eps / 2)),
-            (r"u = early \? scaled : ([^;]+);", k, k * (1 - self.eps / 2)),
-        ):
-            match = re.search(pattern, found)
-            if not match or abs(self.read(match.group(1)) - wanted) > 2 * self.eps * wanted:
-                raise Failed(f"the time scale of the C file is not that of {self.segments} segments over {float(task.t_c)} s")
-            if self.read(match.group(1)) > most:
-                raise Failed(f"the spline time of the C file reaches {self.segments}, beyond its table")
+        patterns = (r"scaled = started \* ([^;]+);", r"early = scaled < ([^;]+);", r"u = early \? scaled : ([^;]+);")
+        rate, early, end = (self.read(m.group(1)) if (m := re.search(p, found)) else Fraction(0) for p in patterns)
+        if abs(rate - k / task.t_c) > self.eps * k / task.t_c or not k * (1 - 2 * self.eps) <= early == end < k:
+            raise Failed(f"the time scale of the C file is not that of {self.segments} segments over {float(task.t_c)} s")
         if "segment = (int32_t)u;" not in found or f"segment * {2 * task.n};" not in found:
             raise Failed("the table index of the C file does not fit its table")
+        if "_control_tick(" in code:
+            self._check_ticks(code, task)
+
+    def _check_ticks(self, code: str, task: Task) -> None:
+        """Integer time: every constant follows from the task's period."""
+        body = re.search(rf"static inline void {re.escape(task.name)}_segment_at_tick\(.*?\n\}}", code, re.DOTALL)
+        k, found, last = self.segments, body.group(0) if body else "", -(-task.t_c // task.period)
+        num, den = (task.period * k / task.t_c).as_integer_ratio()
+        wanted = (
+            f"tick < {last}U;|running ? tick : {last}U;|count * {num};|passed < {k * den};|early ? passed : {k * den};|"
+            f"place / {den};|whole < {k - 1};|before_last ? whole : {k - 1};|segment * {den};|place - base;|"
+            f"segment * {2 * task.n};"
+        ).split("|")
+        part = re.search(r"share = part / ([^;]+);", found)
+        if any(f" = {v}" not in found for v in wanted) or not part or abs(self.read(part.group(1)) - den) > self.eps * den:
+            raise Failed(f"the ticks of the C file are not those of {float(task.period)} s over {float(task.t_c)} s")
 
     def pieces(self) -> Iterator[Piece]:
         """Bezier coefficients of every segment, by dimension (lower, upper)."""
@@ -145,9 +153,6 @@ class Tube:
                     edges.append([q0 + 4 * q1 + q2, 4 * q1 + 2 * q2, 2 * q1 + 4 * q2, q1 + 4 * q2 + q3])
                 piece.append((edges[0], edges[1]))
             yield piece
-
-
-# ------------------------------------------------------------------------------------------------ the proof
 
 
 def arithmetic(tube: Tube, pieces: list[Piece]) -> Fraction:

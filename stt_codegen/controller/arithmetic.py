@@ -1,9 +1,9 @@
 """P7: a bound on how far the emitted arithmetic moves an edge of a refined tube.
 
 Two causes. *Time*: the emitted u is fl(t * fl(K/t_c)), within K (2 eps + eps^2) of K t / t_c (eps half a unit in the last
-place of 1), held at the last number below K, which is at most 2 K eps below it; so u is within the former of the true one for
-every t. The edge then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the `rounding` reader
-over the very kernels that are printed. s = u - floor(u) is exact. The table is exact.
+place of 1), held at the last number below K, which is at most 2 K eps below it; so u is within K (2 eps + eps^2) of the true
+one for every t. The edge then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the
+`rounding` reader over the very kernels that are printed. s = u - floor(u) is exact. The table is exact.
 """
 
 from __future__ import annotations

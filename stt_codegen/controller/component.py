@@ -113,20 +113,23 @@ def _width(block: Block, room: Var) -> Var:
 
 
 def place_of(block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand, gain: Fraction, guarded: bool = True) -> Place:
-    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width. A NaN counts as
-    outside. Without `guarded` the caller knows that the edges are more than LEAST_WIDTH apart."""
+    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, roundings apart. A NaN
+    counts as outside. guarded=False: the caller has proved that the edges are more than LEAST_WIDTH apart."""
     lower_edge, upper_edge = edges
     room = block.op("room", "sub", upper_edge, lower_edge)
-    empty = block.op("empty", "not", block.op("filled", "lt", real(0), room)) if guarded else None
+    filled = block.op("filled", "lt", real(0), room) if guarded else None
+    empty = block.op("empty", "not", filled) if filled is not None else None
     width = _width(block, room) if guarded else room
     nearest, upper_nearer = _nearest(block, lower_edge, upper_edge, x)
-    signed = block.select("side" if gain == 1 else "gain", upper_nearer, real(-gain), real(gain))
+    signed = block.select("gain", upper_nearer, real(-gain), real(gain))
     least = block.op("least", "mul", width, real((1 - law.e_max) / 2))
-    distance = nearest
-    if guarded:  # a narrower tube counts as widened about its middle; with edges that are no numbers this is NaN, then `least`
+    if filled is None:
+        near = block.select("near", block.op("clear", "lt", least, nearest), nearest, least)
+    else:  # a narrower tube counts as widened about its middle; in an empty one, or one that is no tube, near is `least`
         spare = block.op("spare", "mul", block.op("widened", "sub", width, room), real(Fraction(1, 2)))
         distance = block.op("distance", "add", nearest, spare)
-    near = block.select("near", block.op("clear", "lt", least, distance), distance, least)
+        clear = block.op("clear", "and", filled, block.op("farther", "lt", least, distance))
+        near = block.select("near", clear, distance, least)
     far = block.op("far", "sub", width, near)
     return Place(nearest, upper_nearer, signed, near, far, width, room, empty)
 

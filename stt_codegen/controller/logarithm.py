@@ -14,9 +14,10 @@ arithmetic adds to the relative error, eps half a unit in the last place of 1, f
     e = 0         nothing more
     e >= 1        (2 eps e ln 2 + (4.1 eps + A) ln(2)/2) / ((e - 1/2) ln 2) + eps, most for e = 1: 9.1 eps + A
 
-so ln y comes out with `relative_error`: (10 eps + A) |ln y|. What it changes: epsilon times 1 + delta is the law (13) with gain
-k (1 + delta) in place of k, |delta| below 2^-14, with the same sign; every statement that holds for all gains from
-k (1 - 2^-14) to k (1 + 2^-14) holds for it.
+so ln y comes out with `relative_error`: (10 eps + A) |ln y|. What it changes: component i of the law (13) has the gain
+k (1 + delta_i) in place of k, |delta_i| below 2^-14, with the same sign. For diagonal g every bound by component that holds for
+all gains from k (1 - 2^-14) to k (1 + 2^-14) holds for it; for general g, v' g diag(1 + delta) v >= (g_min - 2^-14 |g|) |v|^2,
+so g_min - 2^-14 G takes the place of g_min.
 """
 
 from __future__ import annotations

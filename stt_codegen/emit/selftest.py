@@ -50,6 +50,7 @@ def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program)
     calm = sorted({*range(0, parts, 3), parts - 1})
     striking = [parts * (2 * k + 1) // (2 * len(STRIKING)) for k in range(len(STRIKING))]
     when = [(Fraction(k, parts), None) for k in calm] + [(Fraction(k, parts), s) for k, s in zip(striking, STRIKING, strict=True)]
+    when += [(Fraction(-1, 8), None), (Fraction(9, 8), None)]  # before the start and after t_c
     names = [f.name for f in program.functions if f.name in ("control", "control_tick")]
     return [_vectors(task, program, balls, name, when, Fraction(1, parts)) for name in names]
 
@@ -73,7 +74,7 @@ def _vectors(
         given["x"] = x
         if name == "control_tick":
             assert task.emit.tick_period is not None
-            ticks.append(int(given.pop("t") / task.emit.tick_period))
+            ticks.append(max(0, int(given.pop("t") / task.emit.tick_period)))
             outputs, found = balls.run(name, tick=ticks[-1], **{key: _balls(v) for key, v in given.items()})
         else:
             outputs, found = balls.run(name, **{key: _balls(v) for key, v in given.items()})

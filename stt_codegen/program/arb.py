@@ -267,7 +267,7 @@ def _joined(exits: list[tuple[Any, list[list[Ball]]]]) -> tuple[list[list[Ball]]
 
 def _exponent(y: Ball, least: Fraction) -> _Int:
     low, high = float(y.lower()), float(y.upper())
-    if not (math.isfinite(low) and math.isfinite(high)):  # a loose ball: the number itself is one of the format
+    if not (math.isfinite(low) and math.isfinite(high)):  # a loose ball; the number is from 1/sqrt 2 to a double's largest
         return _Span(0, 1024)
     return _span(max(0, exponent_of(max(Fraction(end), least) / least)) for end in (low, high))
 
@@ -298,8 +298,9 @@ class _Printer:
     def __init__(self, program: Program, rounding: bool) -> None:
         self.program, self.rounding = program, rounding
         self.constants: dict[str, Ball] = {}
-        self.compares: dict[str, Op] = {}  # of the kernel or function being printed, as
+        self.compares: dict[str, Op] = {}  # these two: of the kernel or function being printed
         self.selects: dict[str, Select] = {}
+        self.spans = False  # whether integers are compared there, which may be left undecided
         self.frame = False
 
     def table(self, name: str) -> str:
@@ -332,7 +333,9 @@ class _Printer:
                 extreme = self.extreme(value)
                 if extreme:
                     return f"{a}.{extreme}({b})"
-                return f"_choose({self.operand(c)}, {a}, {b})" if self.frame else f"{a} if {self.operand(c)} else {b}"
+                return (
+                    f"_choose({self.operand(c)}, {a}, {b})" if self.frame or self.spans else f"{a} if {self.operand(c)} else {b}"
+                )
             case IsFinite(arg=a):
                 return f"_finite({self.operand(a)})"
             case Trunc(arg=a):
@@ -432,6 +435,7 @@ class _Printer:
 
     def kernel(self, kernel: Kernel) -> list[str]:
         self.frame = False
+        self.spans = any(isinstance(a.value, Op) and a.value.name in ("ilt", "tlt") for a in kernel.body)
         values = {a.var.name: a.value for a in kernel.body}
         self.compares = {name: v for name, v in values.items() if isinstance(v, Op) and v.name in _SIGN}
         self.selects = {name: v for name, v in values.items() if isinstance(v, Select)}

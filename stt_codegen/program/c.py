@@ -66,8 +66,12 @@ _BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
 def split_lines(prefix: str, scalar: str) -> list[str]:
     """The C of the nodes `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
     word, shift, least = _BITS[scalar]
+    size = 4 if scalar == "float" else 8
     head = [f"    {word} bits;", "    (void)memcpy(&bits, &y, sizeof bits);"]
     return [
+        f"/* The type must have {8 * size} bits: avr-gcc's double, for one, has not. */",
+        f"typedef char {prefix}_real_size[(sizeof({prefix}_real) == {size}U) ? 1 : -1];",
+        "",
         "/* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */",
         f"static inline int32_t {prefix}_exponent({prefix}_real y)",
         "{",

@@ -141,6 +141,10 @@ def printed(program: Program) -> Program:
 
 # ------------------------------------------------------------------------------------------- from the text
 
+_DIRECTIVE = re.compile(
+    r'#include ("P\.h"|<(math|stdbool|stdint|string)\.h>)$|#error "P\.c: |#endif$'
+    r"|#if defined\(__FAST_MATH__\) \|\| \(defined\(__FINITE_MATH_ONLY__\) && \(__FINITE_MATH_ONLY__ > 0\)\)$"
+)
 _REALS = {"+": "add", "-": "sub", "*": "mul", "/": "div", "<": "lt", "<=": "le"}
 _INTS = {"+": "iadd", "-": "isub", "*": "imul", "/": "idiv", "<": "ilt"}
 _TICKS = {"<": "tlt"}
@@ -156,8 +160,14 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     reader = _Reader(prefix, real.group(1), int(dimension.group(1)))
     known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool;"
     known += f"typedef {real.group(1)} {prefix}_real; typedef int {prefix}_status;\n"
-    split = "\n".join(split_lines(prefix, scalar)[1:])  # the one text that is no Program; as printed, or it is read as one
-    code = re.sub(r"/\*.*?\*/", " ", source, flags=re.S).replace(split, "")
+    code = re.sub(r"/\*.*?\*/", "", source, flags=re.S)
+    split = re.sub(r"/\*.*?\*/", "", "\n".join(split_lines(prefix, scalar)))  # the one text that is no Program, there as printed
+    if code.count(split) != (f"{prefix}_exponent(" in code or f"{prefix}_mantissa(" in code):
+        raise Unreadable("the split into exponent and mantissa is not the one that was printed")
+    code = code.replace(split, "")
+    for line in re.findall(r"^#.*$", code, re.M):
+        if not _DIRECTIVE.match(line.replace(prefix, "P")):
+            raise Unreadable(f"the line {line!r}")
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)

@@ -407,12 +407,13 @@ void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMP
         const empty_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const empty_real nearest = upper_nearer ? to_upper : to_lower;
-        const empty_real side = upper_nearer ? (-1.0F) : 1.0F;
+        const empty_real gain = upper_nearer ? (-1.0F) : 1.0F;
         const empty_real least = width * 0.005F;
         const empty_real widened = width - room;
         const empty_real spare = widened * 0.5F;
         const empty_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const empty_real near = clear ? distance : least;
         const empty_real far = width - near;
         const empty_real a = upper_nearer ? far : near;
@@ -425,7 +426,7 @@ void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMP
         empty_real epsilon_near;
         empty_real xi_i;
         empty_transformed_error(near, far, &epsilon_near, &xi_i);
-        const empty_real epsilon_i = side * epsilon_near;
+        const empty_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

@@ -417,12 +417,13 @@ void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
         const mission_leg2_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const mission_leg2_real nearest = upper_nearer ? to_upper : to_lower;
-        const mission_leg2_real side = upper_nearer ? (-1.0) : 1.0;
+        const mission_leg2_real gain = upper_nearer ? (-1.0) : 1.0;
         const mission_leg2_real least = width * 0.005;
         const mission_leg2_real widened = width - room;
         const mission_leg2_real spare = widened * 0.5;
         const mission_leg2_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const mission_leg2_real near = clear ? distance : least;
         const mission_leg2_real far = width - near;
         const mission_leg2_real a = upper_nearer ? far : near;
@@ -435,7 +436,7 @@ void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],
         mission_leg2_real epsilon_near;
         mission_leg2_real xi_i;
         mission_leg2_transformed_error(near, far, &epsilon_near, &xi_i);
-        const mission_leg2_real epsilon_i = side * epsilon_near;
+        const mission_leg2_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

@@ -396,12 +396,13 @@ def transform(lower, upper, x):
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
         nearest = to_upper if upper_nearer else to_lower
-        side = -1.0 if upper_nearer else 1.0
+        gain = -1.0 if upper_nearer else 1.0
         least = width * 0.005
         widened = width - room
         spare = widened * 0.5
         distance = nearest + spare
-        clear = least < distance
+        farther = least < distance
+        clear = filled and farther
         near = distance if clear else least
         far = width - near
         a = far if upper_nearer else near
@@ -412,7 +413,7 @@ def transform(lower, upper, x):
         e_held_over = 0.99 < e_held_raised
         e_held = 0.99 if e_held_over else e_held_raised
         epsilon_near, xi_i = _transformed_error(near, far)
-        epsilon_i = side * epsilon_near
+        epsilon_i = gain * epsilon_near
         finite_x = math.isfinite(x_i)
         finite_room = math.isfinite(room)
         finite = finite_x and finite_room

@@ -58,6 +58,9 @@ static const omni_board_real omni_board_coefficients[140] = {
     0.724146842956543, 0.807490348815918, 0.7233619689941406, 0.8333282470703125
 };
 
+/* The type must have 64 bits: avr-gcc's double, for one, has not. */
+typedef char omni_board_real_size[(sizeof(omni_board_real) == 8U) ? 1 : -1];
+
 /* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */
 static inline int32_t omni_board_exponent(omni_board_real y)
 {
@@ -539,12 +542,13 @@ void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_
         const omni_board_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_board_real side = upper_nearer ? (-1.0) : 1.0;
+        const omni_board_real gain = upper_nearer ? (-1.0) : 1.0;
         const omni_board_real least = width * 0.005;
         const omni_board_real widened = width - room;
         const omni_board_real spare = widened * 0.5;
         const omni_board_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const omni_board_real near = clear ? distance : least;
         const omni_board_real far = width - near;
         const omni_board_real a = upper_nearer ? far : near;
@@ -557,7 +561,7 @@ void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_
         omni_board_real epsilon_near;
         omni_board_real xi_i;
         omni_board_transformed_error(near, far, &epsilon_near, &xi_i);
-        const omni_board_real epsilon_i = side * epsilon_near;
+        const omni_board_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

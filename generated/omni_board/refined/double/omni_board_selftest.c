@@ -10,7 +10,7 @@
 #endif
 
 /* Arguments of control: t, x. */
-static const omni_board_real omni_board_points[51] = {
+static const omni_board_real omni_board_points[57] = {
     0.1265625, 0.30049577808380107, 0.38385264601707436,
     0.9703125, 0.5819156388521193, 0.7090758996784684,
     1.8140625, 0.4380290119171141, 1.5389681900739662,
@@ -27,11 +27,13 @@ static const omni_board_real omni_board_points[51] = {
     2.6578125, 1.0596978826534738, 2.4433957606101027,
     4.6265625, 1.9539296150207508, 1.0938691653013226,
     6.3140625, 4.63187049025297, 3.259042612671851,
-    8.0015625, 14.988191986083981, 10.63573735141754
+    8.0015625, 14.988191986083981, 10.63573735141754,
+    -0.9984375, 0.2250074863433838, 0.2749939918518066,
+    10.2515625, 4.774995040893552, 4.6875076293945295
 };
 
 /* u may be from here */
-static const omni_board_real omni_board_least[34] = {
+static const omni_board_real omni_board_least[38] = {
     1.6662585799375327, -1.5084747728392562,
     -0.8710042073254106, 0.36072467384741874,
     0.42197683791770235, -0.35940778987407695,
@@ -48,11 +50,13 @@ static const omni_board_real omni_board_least[34] = {
     -119.48343102478646, -71.2830587748286,
     1064.2392750315653, 579.8894764752355,
     -500.1821348819971, -1319.4511932447595,
-    -426.09361199173645, -693.1944478415497
+    -426.09361199173645, -693.1944478415497,
+    0.8110110170483132, -0.8110094697957639,
+    -0.8109135516639178, 2.179767549861291
 };
 
 /* to here: all that IEEE arithmetic can give. */
-static const omni_board_real omni_board_greatest[34] = {
+static const omni_board_real omni_board_greatest[38] = {
     1.6662585799376406, -1.5084747728391004,
     -0.8710042073252863, 0.3607246738474836,
     0.4219768379177724, -0.3594077898737552,
@@ -69,10 +73,12 @@ static const omni_board_real omni_board_greatest[34] = {
     -119.48343102460635, -71.28305877468107,
     1064.2392750324475, 579.8894764754531,
     -500.18213488168254, -1319.4511932430255,
-    -426.0936119914297, -693.194447840788
+    -426.0936119914297, -693.194447840788,
+    0.8110110170483488, -0.8110094697956978,
+    -0.8109135516623974, 2.1797675498629263
 };
 
-static const omni_board_status omni_board_expected[17] = {
+static const omni_board_status omni_board_expected[19] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
@@ -89,11 +95,13 @@ static const omni_board_status omni_board_expected[17] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OUTSIDE_TUBE,
     OMNI_BOARD_OUTSIDE_TUBE,
-    OMNI_BOARD_OUTSIDE_TUBE
+    OMNI_BOARD_OUTSIDE_TUBE,
+    OMNI_BOARD_OK,
+    OMNI_BOARD_OK
 };
 
 /* Arguments of control_tick: x. */
-static const omni_board_real omni_board_points_at_ticks[34] = {
+static const omni_board_real omni_board_points_at_ticks[38] = {
     0.30049577808380107, 0.38385264601707436,
     0.5819156388521193, 0.7090758996784684,
     0.4380290119171141, 1.5389681900739662,
@@ -110,11 +118,13 @@ static const omni_board_real omni_board_points_at_ticks[34] = {
     1.0596978826534738, 2.4433957606101027,
     1.9539296150207508, 1.0938691653013226,
     4.63187049025297, 3.259042612671851,
-    14.988191986083981, 10.63573735141754
+    14.988191986083981, 10.63573735141754,
+    0.2250074863433838, 0.2749939918518066,
+    4.774995040893552, 4.6875076293945295
 };
 
 /* u may be from here */
-static const omni_board_real omni_board_least_at_ticks[34] = {
+static const omni_board_real omni_board_least_at_ticks[38] = {
     1.6516424597462074, -1.5184253819529108,
     -0.8710095057468421, 0.3590672039448875,
     0.42196337666698097, -0.3597565212863635,
@@ -131,11 +141,13 @@ static const omni_board_real omni_board_least_at_ticks[34] = {
     -126.61653217790685, -71.37670725610263,
     1064.2392750319473, 579.820325078837,
     -500.21013718761026, -1319.7199023518726,
-    -425.93482639191564, -693.1944488831731
+    -425.93482639191564, -693.1944488831731,
+    0.8110110170483132, -0.8110094697957639,
+    -0.8109135516634671, 2.1797675498617695
 };
 
 /* to here: all that IEEE arithmetic can give. */
-static const omni_board_real omni_board_greatest_at_ticks[34] = {
+static const omni_board_real omni_board_greatest_at_ticks[38] = {
     1.6516424597463006, -1.5184253819527607,
     -0.8710095057467702, 0.3590672039449257,
     0.42196337666701195, -0.3597565212862469,
@@ -152,12 +164,34 @@ static const omni_board_real omni_board_greatest_at_ticks[34] = {
     -126.6165321778591, -71.37670725606333,
     1064.2392750320669, 579.8203250788713,
     -500.2101371875643, -1319.7199023516298,
-    -425.934826391879, -693.1944488830883
+    -425.934826391879, -693.1944488830883,
+    0.8110110170483488, -0.8110094697956978,
+    -0.8109135516626937, 2.179767549862614
 };
 
-static const uint32_t omni_board_ticks[17] = { 126U, 970U, 1814U, 2657U, 3501U, 4345U, 5189U, 6032U, 6876U, 7720U, 8564U, 8845U, 970U, 2657U, 4626U, 6314U, 8001U };
+static const uint32_t omni_board_ticks[19] = {
+    126U,
+    970U,
+    1814U,
+    2657U,
+    3501U,
+    4345U,
+    5189U,
+    6032U,
+    6876U,
+    7720U,
+    8564U,
+    8845U,
+    970U,
+    2657U,
+    4626U,
+    6314U,
+    8001U,
+    0U,
+    10251U
+};
 
-static const omni_board_status omni_board_expected_at_ticks[17] = {
+static const omni_board_status omni_board_expected_at_ticks[19] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
@@ -174,11 +208,14 @@ static const omni_board_status omni_board_expected_at_ticks[17] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OUTSIDE_TUBE,
     OMNI_BOARD_OUTSIDE_TUBE,
-    OMNI_BOARD_OUTSIDE_TUBE
+    OMNI_BOARD_OUTSIDE_TUBE,
+    OMNI_BOARD_OK,
+    OMNI_BOARD_OK
 };
 
 /* Whether u is between the least and the greatest that it may be. */
-static bool omni_board_between(const omni_board_real *least, const omni_board_real *u, const omni_board_real *greatest)
+static bool omni_board_between(const omni_board_real *least, const omni_board_real *u,
+                               const omni_board_real *greatest)
 {
     bool good = true;
     for (int32_t i = 0; i < OMNI_BOARD_N; ++i) {
@@ -190,29 +227,38 @@ static bool omni_board_between(const omni_board_real *least, const omni_board_re
 int omni_board_selftest(void)
 {
     omni_board_real u[OMNI_BOARD_N];
-    for (int32_t k = 0; k < 17; ++k) {
+    for (int32_t k = 0; k < 19; ++k) {
         const int32_t first = k * 3;
         const int32_t out = k * OMNI_BOARD_N;
         const omni_board_real *point = &omni_board_points[first];
-        const omni_board_status status = omni_board_control(point[0], &point[1], u);
-        if ((status != omni_board_expected[k]) || !omni_board_between(&omni_board_least[out], u, &omni_board_greatest[out])) {
+        const omni_board_status status =
+            omni_board_control(point[0], &point[1], u);
+        const bool good = omni_board_between(&omni_board_least[out], u, &omni_board_greatest[out]);
+        if ((status != omni_board_expected[k]) || !good) {
             return (int)k + 1;
         }
     }
-    for (int32_t k = 0; k < 17; ++k) {
+    for (int32_t k = 0; k < 19; ++k) {
         const int32_t first = k * 2;
         const int32_t out = k * OMNI_BOARD_N;
         const omni_board_real *point = &omni_board_points_at_ticks[first];
-        const omni_board_status status = omni_board_control_tick(omni_board_ticks[k], &point[0], u);
-        if ((status != omni_board_expected_at_ticks[k]) || !omni_board_between(&omni_board_least_at_ticks[out], u, &omni_board_greatest_at_ticks[out])) {
-            return (int)k + 18;
+        const omni_board_status status =
+            omni_board_control_tick(omni_board_ticks[k], &point[0], u);
+        const bool good = omni_board_between(&omni_board_least_at_ticks[out], u, &omni_board_greatest_at_ticks[out]);
+        if ((status != omni_board_expected_at_ticks[k]) || !good) {
+            return (int)k + 20;
         }
     }
-    omni_board_real point[3];
-    for (int32_t i = 0; i < 3; ++i) {
-        point[i] = omni_board_points[i];
+    for (int32_t k = 0; k < 3; ++k) { /* a NaN in every argument in turn */
+        omni_board_real point[3];
+        for (int32_t i = 0; i < 3; ++i) {
+            point[i] = (i == k) ? (omni_board_real)NAN : omni_board_points[i];
+        }
+        const omni_board_status status =
+            omni_board_control(point[0], &point[1], u);
+        if (status != OMNI_BOARD_BAD_INPUT) {
+            return 39;
+        }
     }
-    point[2] = (omni_board_real)NAN;
-    const omni_board_status status = omni_board_control(point[0], &point[1], u);
-    return (status == OMNI_BOARD_BAD_INPUT) ? 0 : 35;
+    return 0;
 }

@@ -10,7 +10,7 @@
 #endif
 
 /* Arguments of control: t, x. */
-static const omni_board_real omni_board_points[51] = {
+static const omni_board_real omni_board_points[57] = {
     0.1265625F, 0.30049577F, 0.38385266F,
     0.9703125F, 0.5819156F, 0.70907587F,
     1.8140625F, 0.43802902F, 1.5389682F,
@@ -27,11 +27,13 @@ static const omni_board_real omni_board_points[51] = {
     2.6578126F, 1.059698F, 2.4433959F,
     4.6265626F, 1.9539298F, 1.0938692F,
     6.3140626F, 4.6318707F, 3.2590427F,
-    8.001562F, 14.988194F, 10.635737F
+    8.001562F, 14.988194F, 10.635737F,
+    -0.9984375F, 0.22500749F, 0.274994F,
+    10.251562F, 4.774995F, 4.6875076F
 };
 
 /* u may be from here */
-static const omni_board_real omni_board_least[34] = {
+static const omni_board_real omni_board_least[38] = {
     1.6662453F, -1.5084959F,
     -0.8710215F, 0.3607162F,
     0.421968F, -0.3594477F,
@@ -48,11 +50,13 @@ static const omni_board_real omni_board_least[34] = {
     -119.50294F, -71.29936F,
     1064.153F, 579.8681F,
     -500.21814F, -1319.6495F,
-    -426.1328F, -693.2918F
+    -426.1328F, -693.2918F,
+    0.81100243F, -0.8110261F,
+    -0.8111139F, 2.179542F
 };
 
 /* to here: all that IEEE arithmetic can give. */
-static const omni_board_real omni_board_greatest[34] = {
+static const omni_board_real omni_board_greatest[38] = {
     1.6662725F, -1.5084543F,
     -0.87098646F, 0.3607334F,
     0.42198548F, -0.3593682F,
@@ -69,10 +73,12 @@ static const omni_board_real omni_board_greatest[34] = {
     -119.46408F, -71.267395F,
     1064.3257F, 579.9109F,
     -500.14603F, -1319.2517F,
-    -426.05426F, -693.0971F
+    -426.05426F, -693.0971F,
+    0.8110194F, -0.8109924F,
+    -0.81070054F, 2.179993F
 };
 
-static const omni_board_status omni_board_expected[17] = {
+static const omni_board_status omni_board_expected[19] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
@@ -89,11 +95,13 @@ static const omni_board_status omni_board_expected[17] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OUTSIDE_TUBE,
     OMNI_BOARD_OUTSIDE_TUBE,
-    OMNI_BOARD_OUTSIDE_TUBE
+    OMNI_BOARD_OUTSIDE_TUBE,
+    OMNI_BOARD_OK,
+    OMNI_BOARD_OK
 };
 
 /* Arguments of control_tick: x. */
-static const omni_board_real omni_board_points_at_ticks[34] = {
+static const omni_board_real omni_board_points_at_ticks[38] = {
     0.30049577F, 0.38385266F,
     0.5819156F, 0.70907587F,
     0.43802902F, 1.5389682F,
@@ -110,11 +118,13 @@ static const omni_board_real omni_board_points_at_ticks[34] = {
     1.059698F, 2.4433959F,
     1.9539298F, 1.0938692F,
     4.6318707F, 3.2590427F,
-    14.988194F, 10.635737F
+    14.988194F, 10.635737F,
+    0.22500749F, 0.274994F,
+    4.774995F, 4.6875076F
 };
 
 /* u may be from here */
-static const omni_board_real omni_board_least_at_ticks[34] = {
+static const omni_board_real omni_board_least_at_ticks[38] = {
     1.6516303F, -1.5184448F,
     -0.87101924F, 0.35906243F,
     0.42195925F, -0.3597719F,
@@ -131,11 +141,13 @@ static const omni_board_real omni_board_least_at_ticks[34] = {
     -126.623856F, -71.38164F,
     1064.2224F, 579.81586F,
     -500.21573F, -1319.7496F,
-    -425.93976F, -693.2064F
+    -425.93976F, -693.2064F,
+    0.81100243F, -0.8110261F,
+    -0.8111139F, 2.179542F
 };
 
 /* to here: all that IEEE arithmetic can give. */
-static const omni_board_real omni_board_greatest_at_ticks[34] = {
+static const omni_board_real omni_board_greatest_at_ticks[38] = {
     1.651655F, -1.518407F,
     -0.87099934F, 0.3590724F,
     0.42196733F, -0.35974133F,
@@ -152,12 +164,34 @@ static const omni_board_real omni_board_greatest_at_ticks[34] = {
     -126.61151F, -71.372444F,
     1064.2562F, 579.8248F,
     -500.2046F, -1319.6903F,
-    -425.9299F, -693.18256F
+    -425.9299F, -693.18256F,
+    0.8110194F, -0.8109924F,
+    -0.81070054F, 2.179993F
 };
 
-static const uint32_t omni_board_ticks[17] = { 126U, 970U, 1814U, 2657U, 3501U, 4345U, 5189U, 6032U, 6876U, 7720U, 8564U, 8845U, 970U, 2657U, 4626U, 6314U, 8001U };
+static const uint32_t omni_board_ticks[19] = {
+    126U,
+    970U,
+    1814U,
+    2657U,
+    3501U,
+    4345U,
+    5189U,
+    6032U,
+    6876U,
+    7720U,
+    8564U,
+    8845U,
+    970U,
+    2657U,
+    4626U,
+    6314U,
+    8001U,
+    0U,
+    10251U
+};
 
-static const omni_board_status omni_board_expected_at_ticks[17] = {
+static const omni_board_status omni_board_expected_at_ticks[19] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
     OMNI_BOARD_OK,
@@ -174,11 +208,14 @@ static const omni_board_status omni_board_expected_at_ticks[17] = {
     OMNI_BOARD_OK,
     OMNI_BOARD_OUTSIDE_TUBE,
     OMNI_BOARD_OUTSIDE_TUBE,
-    OMNI_BOARD_OUTSIDE_TUBE
+    OMNI_BOARD_OUTSIDE_TUBE,
+    OMNI_BOARD_OK,
+    OMNI_BOARD_OK
 };
 
 /* Whether u is between the least and the greatest that it may be. */
-static bool omni_board_between(const omni_board_real *least, const omni_board_real *u, const omni_board_real *greatest)
+static bool omni_board_between(const omni_board_real *least, const omni_board_real *u,
+                               const omni_board_real *greatest)
 {
     bool good = true;
     for (int32_t i = 0; i < OMNI_BOARD_N; ++i) {
@@ -190,29 +227,38 @@ static bool omni_board_between(const omni_board_real *least, const omni_board_re
 int omni_board_selftest(void)
 {
     omni_board_real u[OMNI_BOARD_N];
-    for (int32_t k = 0; k < 17; ++k) {
+    for (int32_t k = 0; k < 19; ++k) {
         const int32_t first = k * 3;
         const int32_t out = k * OMNI_BOARD_N;
         const omni_board_real *point = &omni_board_points[first];
-        const omni_board_status status = omni_board_control(point[0], &point[1], u);
-        if ((status != omni_board_expected[k]) || !omni_board_between(&omni_board_least[out], u, &omni_board_greatest[out])) {
+        const omni_board_status status =
+            omni_board_control(point[0], &point[1], u);
+        const bool good = omni_board_between(&omni_board_least[out], u, &omni_board_greatest[out]);
+        if ((status != omni_board_expected[k]) || !good) {
             return (int)k + 1;
         }
     }
-    for (int32_t k = 0; k < 17; ++k) {
+    for (int32_t k = 0; k < 19; ++k) {
         const int32_t first = k * 2;
         const int32_t out = k * OMNI_BOARD_N;
         const omni_board_real *point = &omni_board_points_at_ticks[first];
-        const omni_board_status status = omni_board_control_tick(omni_board_ticks[k], &point[0], u);
-        if ((status != omni_board_expected_at_ticks[k]) || !omni_board_between(&omni_board_least_at_ticks[out], u, &omni_board_greatest_at_ticks[out])) {
-            return (int)k + 18;
+        const omni_board_status status =
+            omni_board_control_tick(omni_board_ticks[k], &point[0], u);
+        const bool good = omni_board_between(&omni_board_least_at_ticks[out], u, &omni_board_greatest_at_ticks[out]);
+        if ((status != omni_board_expected_at_ticks[k]) || !good) {
+            return (int)k + 20;
         }
     }
-    omni_board_real point[3];
-    for (int32_t i = 0; i < 3; ++i) {
-        point[i] = omni_board_points[i];
+    for (int32_t k = 0; k < 3; ++k) { /* a NaN in every argument in turn */
+        omni_board_real point[3];
+        for (int32_t i = 0; i < 3; ++i) {
+            point[i] = (i == k) ? (omni_board_real)NAN : omni_board_points[i];
+        }
+        const omni_board_status status =
+            omni_board_control(point[0], &point[1], u);
+        if (status != OMNI_BOARD_BAD_INPUT) {
+            return 39;
+        }
     }
-    point[2] = (omni_board_real)NAN;
-    const omni_board_status status = omni_board_control(point[0], &point[1], u);
-    return (status == OMNI_BOARD_BAD_INPUT) ? 0 : 35;
+    return 0;
 }

@@ -452,12 +452,13 @@ void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
         const omni_heading_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const omni_heading_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_heading_real side = upper_nearer ? (-1.0) : 1.0;
+        const omni_heading_real gain = upper_nearer ? (-1.0) : 1.0;
         const omni_heading_real least = width * 0.005;
         const omni_heading_real widened = width - room;
         const omni_heading_real spare = widened * 0.5;
         const omni_heading_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const omni_heading_real near = clear ? distance : least;
         const omni_heading_real far = width - near;
         const omni_heading_real a = upper_nearer ? far : near;
@@ -470,7 +471,7 @@ void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],
         omni_heading_real epsilon_near;
         omni_heading_real xi_i;
         omni_heading_transformed_error(near, far, &epsilon_near, &xi_i);
-        const omni_heading_real epsilon_i = side * epsilon_near;
+        const omni_heading_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

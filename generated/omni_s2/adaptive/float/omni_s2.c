@@ -965,7 +965,8 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
         const omni_s2_real widened = width - room;
         const omni_s2_real spare = widened * 0.5F;
         const omni_s2_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const omni_s2_real near = clear ? distance : least;
         const omni_s2_real far = width - near;
         const bool within = 0.0F < nearest;
@@ -1102,12 +1103,13 @@ void omni_s2_transform(const omni_s2_real lower[OMNI_S2_N], const omni_s2_real u
         const omni_s2_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const omni_s2_real nearest = upper_nearer ? to_upper : to_lower;
-        const omni_s2_real side = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_s2_real gain = upper_nearer ? (-1.0F) : 1.0F;
         const omni_s2_real least = width * 0.005F;
         const omni_s2_real widened = width - room;
         const omni_s2_real spare = widened * 0.5F;
         const omni_s2_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const omni_s2_real near = clear ? distance : least;
         const omni_s2_real far = width - near;
         const omni_s2_real a = upper_nearer ? far : near;
@@ -1120,7 +1122,7 @@ void omni_s2_transform(const omni_s2_real lower[OMNI_S2_N], const omni_s2_real u
         omni_s2_real epsilon_near;
         omni_s2_real xi_i;
         omni_s2_transformed_error(near, far, &epsilon_near, &xi_i);
-        const omni_s2_real epsilon_i = side * epsilon_near;
+        const omni_s2_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;

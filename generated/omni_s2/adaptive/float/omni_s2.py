@@ -907,7 +907,8 @@ def control(t, alpha, x):
         widened = width - room
         spare = widened * 0.5
         distance = nearest + spare
-        clear = least < distance
+        farther = least < distance
+        clear = filled and farther
         near = distance if clear else least
         far = width - near
         within = 0.0 < nearest
@@ -1050,12 +1051,13 @@ def transform(lower, upper, x):
         to_upper = upper_edge - x_i
         upper_nearer = to_upper < to_lower
         nearest = to_upper if upper_nearer else to_lower
-        side = -1.0 if upper_nearer else 1.0
+        gain = -1.0 if upper_nearer else 1.0
         least = width * 0.004999999888241291
         widened = width - room
         spare = widened * 0.5
         distance = nearest + spare
-        clear = least < distance
+        farther = least < distance
+        clear = filled and farther
         near = distance if clear else least
         far = width - near
         a = far if upper_nearer else near
@@ -1066,7 +1068,7 @@ def transform(lower, upper, x):
         e_held_over = 0.9900000095367432 < e_held_raised
         e_held = 0.9900000095367432 if e_held_over else e_held_raised
         epsilon_near, xi_i = _transformed_error(near, far)
-        epsilon_i = side * epsilon_near
+        epsilon_i = gain * epsilon_near
         finite_x = math.isfinite(x_i)
         finite_room = math.isfinite(room)
         finite = finite_x and finite_room

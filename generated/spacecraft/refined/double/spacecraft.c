@@ -449,12 +449,13 @@ void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const space
         const spacecraft_real to_upper = upper_edge - x_i;
         const bool upper_nearer = to_upper < to_lower;
         const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
-        const spacecraft_real side = upper_nearer ? (-1.0) : 1.0;
+        const spacecraft_real gain = upper_nearer ? (-1.0) : 1.0;
         const spacecraft_real least = width * 0.005;
         const spacecraft_real widened = width - room;
         const spacecraft_real spare = widened * 0.5;
         const spacecraft_real distance = nearest + spare;
-        const bool clear = least < distance;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
         const spacecraft_real near = clear ? distance : least;
         const spacecraft_real far = width - near;
         const spacecraft_real a = upper_nearer ? far : near;
@@ -467,7 +468,7 @@ void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const space
         spacecraft_real epsilon_near;
         spacecraft_real xi_i;
         spacecraft_transformed_error(near, far, &epsilon_near, &xi_i);
-        const spacecraft_real epsilon_i = side * epsilon_near;
+        const spacecraft_real epsilon_i = gain * epsilon_near;
         const bool finite_x = isfinite(x_i) != 0;
         const bool finite_room = isfinite(room) != 0;
         const bool finite = finite_x && finite_room;
