@@ -69,6 +69,8 @@ def _shipped() -> Outcome:
     kernel = lower(reach_tube.profile())
     found = {}
     for branch in branches(kernel, {"t": t, "t_c": t_c}):
+        if not branch.taken_at({t: 9 * (1 - sp.Rational(1, 1000)), t_c: 9}):
+            continue
         guard = sp.simplify(branch.outputs[0].rewrite(sp.exp) - sp.tanh(t / (t_c - t)).rewrite(sp.exp))
         if guard == 0:
             found[f"where {branch.conditions[0]}"] = guard

@@ -16,14 +16,17 @@ psi = sp.Symbol("psi", real=True)
 alpha, theta0, kappa, varsigma, h, p_, q, z = sp.symbols("alpha theta0 kappa varsigma h p q z", positive=True)
 mu = sp.Symbol("mu", real=True)
 GIVEN = {"psi": psi, "alpha": alpha, "theta0": theta0, "kappa": kappa, "mu": mu, "varsigma": varsigma}
+AWAY = {psi: 1, alpha: 1, theta0: 1, kappa: 5, mu: sp.Rational(1, 2), varsigma: 20}  # from every guard
 THETA = theta0 * (1 - sp.tanh(varsigma * (psi - mu)))
 
 
-def _same(kernel_name: str, wanted: dict[int, Any], given: dict[str, Any]) -> Outcome:
-    """The one branch of a kernel, away from its guards, on which the outputs are the wanted formulas."""
+def _same(kernel_name: str, wanted: dict[int, Any], given: dict[str, Any], at: dict[Any, Any]) -> Outcome:
+    """On the branch of a kernel that is taken at these numbers, away from its guards, the outputs are the wanted formulas."""
     kernel = lower(getattr(adaptive_tube, kernel_name)())
-    left: dict[str, Any] = {}
+    left: dict[str, Any] = {"no branch is taken": at}
     for branch in branches(kernel, given):
+        if not branch.taken_at(at):
+            continue
         left = {
             f"{kernel.output_names[k]} where {', '.join(map(str, branch.conditions)) or 'always'}": sp.simplify(
                 (branch.outputs[k] - want).rewrite(sp.exp)
@@ -37,7 +40,7 @@ def _same(kernel_name: str, wanted: dict[int, Any], given: dict[str, Any]) -> Ou
 
 def _rate() -> Outcome:
     rate = THETA / (psi + alpha) ** 2 - kappa * alpha
-    return _same("update_rate", {0: rate, 1: sp.diff(rate, alpha)}, GIVEN)
+    return _same("update_rate", {0: rate, 1: sp.diff(rate, alpha)}, GIVEN, AWAY)
 
 
 def _jacobian() -> Outcome:
@@ -123,12 +126,12 @@ def _newton_start() -> Outcome:
 def _newton_shipped() -> Outcome:
     p = sp.Symbol("p", real=True)
     f = (z - p) * z**2 - q
-    return _same("newton", {0: z - f / sp.diff(f, z)}, {"p": p, "q": q, "z": z})
+    return _same("newton", {0: z - f / sp.diff(f, z)}, {"p": p, "q": q, "z": z}, {p: 1, q: 1, z: 2})
 
 
 def _end_shipped() -> Outcome:
     rest = sp.Symbol("rest", nonnegative=True)
-    return _same("implicit_end", {0: rest + q / z**2}, {"q": q, "rest": rest, "z": z})
+    return _same("implicit_end", {0: rest + q / z**2}, {"q": q, "rest": rest, "z": z}, {q: 1, rest: 1, z: 2})
 
 
 def _inverted() -> Outcome:

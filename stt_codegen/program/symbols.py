@@ -44,6 +44,10 @@ class Branch:
     conditions: tuple[Any, ...]
     outputs: tuple[Any, ...]
 
+    def taken_at(self, numbers: Mapping[Any, Any]) -> bool:
+        """Whether the conditions hold for these numbers: that a branch is the one of a regime, not just some branch."""
+        return all(bool(sp.sympify(c).subs(numbers)) for c in self.conditions)
+
 
 def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
     """Every way through the kernel, for inputs that are SymPy expressions. Raises `NotImplementedError`, naming it, for a node
