@@ -44,6 +44,8 @@ def test_every_command_prints_what_the_page_shows(folder: Path, tool) -> None:
         assert result.returncode == 0, (command, result.stderr)
         if command.startswith("stt-codegen generate") or version.startswith(GCC):
             assert result.stdout == shown, command
+    if not version.startswith(GCC):
+        pytest.skip(f"the sizes and counts on the page are those of arm-none-eabi-gcc {GCC}, this is {version.strip()}")
 
 
 def test_the_pages_loop_compiles_for_the_board_without_a_warning(folder: Path, tool) -> None:

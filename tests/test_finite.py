@@ -10,7 +10,7 @@ from conftest import ROOT, controller_of
 from flint import arb
 from test_runtime_errors import any_value_text
 
-from stt_codegen.controller.component import LEAST_WIDTH, control_law_of
+from stt_codegen.controller.component import LEAST_WIDTH
 from stt_codegen.pipeline import Controller
 from stt_codegen.program.arb import Enclosure, ball
 from stt_codegen.program.number import FORMATS
@@ -54,7 +54,6 @@ def test_the_law_is_far_from_overflow_over_all_that_the_clamp_lets_through(name:
     claimed = abs(controller.task.control.gain) * 2 / (near * LEAST_WIDTH) * 64
     assert bound <= float(claimed)
     assert claimed <= FORMATS[scalar].largest / 4
-    assert control_law_of(controller.task)
 
 
 @pytest.mark.parametrize(

@@ -119,8 +119,9 @@ def test_another_designs_header_is_refused(tool, tmp_path) -> None:
 def test_arithmetic_without_nan_is_found(tool, tmp_path) -> None:
     """The refusal to compile with -ffast-math taken out: the last vector finds it."""
     controller = selftested("refined", "float")
+    calls = int(re.findall(r"omni_s2_expected\[(\d+)\]", controller.files["omni_s2_selftest.c"].decode())[0])
     flags = ["-O2", "-ffinite-math-only", "-D__FINITE_MATH_ONLY__=0", "-Wno-builtin-macro-redefined"]
-    assert answer(controller, tool("gcc"), flags, tmp_path, ("#error", "#warning")) == 20
+    assert answer(controller, tool("gcc"), flags, tmp_path, ("#error", "#warning")) == calls + 1
 
 
 def test_without_the_request_there_is_none() -> None:

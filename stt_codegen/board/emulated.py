@@ -141,7 +141,7 @@ class Counts:
 class Emulated(Backend):
     """The emitted C on a board. `counts` collects what each function's calls took."""
 
-    def __init__(self, controller: Controller, board: Board, optimise: str = "-O2", extra: tuple[str, ...] = ()) -> None:
+    def __init__(self, controller: Controller, board: Board, extra: tuple[str, ...] = ()) -> None:
         if controller.program.scalar not in board.scalars:
             raise BadInput(f"--board {board.name}: its compiler has no 64-bit {controller.program.scalar}; use --scalar float")
         source = controller.files[f"{controller.program.prefix}.c"].decode()
@@ -151,7 +151,7 @@ class Emulated(Backend):
         for tool in (board.compiler, board.command[0]):
             if shutil.which(tool) is None:
                 raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")
-        self.controller, self.board, self.flags = controller, board, (*(optimise if v == "-O2" else v for v in CFLAGS), *extra)
+        self.controller, self.board, self.flags = controller, board, (*CFLAGS, *extra)
         self.program, self.scalar = controller.program, controller.program.scalar
         self.name = f"C {self.scalar} on {board.name}"
         self.number = np.float32 if self.scalar == "float" else np.float64

@@ -17,6 +17,7 @@ from stt_codegen.controller.component import (
     control_law_of,
     inside_of,
     margin_component,
+    not_finite,
     place_of,
     transform_function,
 )
@@ -27,7 +28,6 @@ from stt_codegen.controller.pieces import (
     edges_of,
     kernels_of_the_paper,
     lines_of,
-    not_finite,
     profile,
     psi_of,
     tables_of,
@@ -113,7 +113,7 @@ def _alpha_init(n: int) -> Function:
 def _alpha_step(frame: Frame) -> Function:
     n, k = frame.n, frame.kernels
     block = Block({"t", "dt", "alpha"})
-    bad = not_finite(block, frame, ("t", "dt"), (("alpha", 2 * n),))
+    bad = not_finite(block, (Var("t", REAL), Var("dt", REAL)), (("alpha", 2 * n),))
     forward = block.op("forward", "lt", real(0), Var("dt", REAL))
     with block.leave_when(block.op("stay", "or", bad, block.op("backward", "not", forward))):
         pass
@@ -147,7 +147,7 @@ def _alpha_step(frame: Frame) -> Function:
 def _alpha_rate(frame: Frame) -> Function:
     n = frame.n
     block = Block({"t", "alpha", "rate", "jacobian"})
-    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n),))
+    bad = not_finite(block, (Var("t", REAL),), (("alpha", 2 * n),))
     with block.leave_when(bad), block.loop("j", 2 * n) as loop:
         block.store("rate", loop.index, NAN)
         block.store("jacobian", loop.index, NAN)
@@ -173,7 +173,7 @@ def _alpha_rate(frame: Frame) -> Function:
 def _tube(frame: Frame) -> Function:
     n = frame.n
     block = Block({"t", "alpha", "lower", "upper"})
-    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n),))
+    bad = not_finite(block, (Var("t", REAL),), (("alpha", 2 * n),))
     with block.leave_when(bad), block.loop("j", n) as loop:
         block.store("lower", loop.index, NAN)
         block.store("upper", loop.index, NAN)
@@ -195,7 +195,7 @@ def _tube(frame: Frame) -> Function:
 def _tube_rate(frame: Frame) -> Function:
     n, k, nu = frame.n, frame.kernels, real(frame.design.nu)
     block = Block({"t", "alpha", "lower_rate", "upper_rate"})
-    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n),))
+    bad = not_finite(block, (Var("t", REAL),), (("alpha", 2 * n),))
     with block.leave_when(bad), block.loop("j", n) as loop:
         block.store("lower_rate", loop.index, NAN)
         block.store("upper_rate", loop.index, NAN)
@@ -226,7 +226,7 @@ def _tube_rate(frame: Frame) -> Function:
 def _control(task: Task, frame: Frame) -> Function:
     n, law = frame.n, frame.law
     block = Block({"t", "alpha", "x", "u"})
-    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n), ("x", n)))
+    bad = not_finite(block, (Var("t", REAL),), (("alpha", 2 * n), ("x", n)))
     with block.leave_when(bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
     held, sigma, _ = profile(block, frame, Var("t", REAL), False)
@@ -256,7 +256,7 @@ def _control(task: Task, frame: Frame) -> Function:
 def _margin(frame: Frame) -> Function:
     n = frame.n
     block = Block({"t", "alpha", "x"})
-    bad = not_finite(block, frame, ("t",), (("alpha", 2 * n), ("x", n)))
+    bad = not_finite(block, (Var("t", REAL),), (("alpha", 2 * n), ("x", n)))
     with block.leave_when(bad, NAN):
         pass
     held, sigma, _ = profile(block, frame, Var("t", REAL), False)

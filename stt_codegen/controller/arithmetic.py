@@ -2,7 +2,8 @@
 
 Two causes. *Time*: the emitted u is fl(t * fl(K/t_c)), within K (2 eps + eps^2) of K t / t_c (eps half a unit in the last
 place of 1), held at the last number below K, which is at most 2 K eps below it; so u is within K (2 eps + eps^2) of the true
-one for every t. The edge then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the
+one for every t. Twice that is allowed: the other half is room for a t that was itself rounded, as `ticks / 1000` is. The edge
+then moves by its steepest slope times that. *Evaluation*: weights and blend, bounded by the
 `rounding` reader over the very kernels that are printed. s = u - floor(u) is exact. The table is exact.
 """
 
@@ -20,9 +21,9 @@ from stt_codegen.program.rounding import Inexact, rounding_error
 
 
 def time_error(design: RefinedDesign, scalar: str) -> Fraction:
-    """Bound on the error of the emitted spline time u, in segments."""
+    """Bound on the error of the emitted spline time u, in segments; t itself may be rounded once."""
     eps = FORMATS[scalar].roundoff
-    return design.segments * (2 * eps + eps * eps) + FORMATS[scalar].tiny
+    return design.segments * (4 * eps + 4 * eps * eps) + FORMATS[scalar].tiny
 
 
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:

@@ -7,6 +7,7 @@ leaves: so one comparison clamps, nothing overflows and no division is by zero, 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -137,6 +138,22 @@ def place_of(block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand,
 def inside_of(block: Block, place: Place) -> Var:
     """Statements for lower < x < upper, false in an empty tube."""
     return block.op("within", "lt", real(0), place.nearest)
+
+
+def not_finite(block: Block, scalars: Sequence[Var], arrays: Sequence[tuple[str, int]]) -> Var:
+    """Statements for whether a number of these is not finite: 0 times it is then NaN, and so is the sum, which is else 0 and is
+    tested once. `arrays`: names and lengths."""
+    total: Operand = real(0)
+    for k, scalar in enumerate(scalars):
+        term = block.op(f"{scalar.name}_zero", "mul", scalar, real(0))
+        total = block.op("both_zero", "add", total, term) if k else term
+    for array, length in arrays:
+        with block.loop("j", length) as loop:
+            zero = loop.carry("zero", total)
+            term = block.op(f"{array}_zero", "mul", block.let(f"{array}_j", Load(array, loop.index)), real(0))
+            loop.update(zero, block.op("zeros", "add", zero, term))
+        total = zero
+    return block.op("bad", "not", block.op("finite", "le", total, real(0)))
 
 
 def _clamp(block: Block, name: str, value: Operand, low: Operand, high: Operand) -> Var:

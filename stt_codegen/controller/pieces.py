@@ -4,7 +4,6 @@ rho, beta, psi, alpha and gamma of one dimension."""
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -20,7 +19,6 @@ from stt_codegen.program.program import (
     REAL,
     Block,
     Const,
-    IsFinite,
     Kernel,
     Load,
     Operand,
@@ -256,22 +254,6 @@ def alphas_of(block: Block, frame: Frame, i: Operand) -> tuple[Var, Var]:
         small = block.op(f"alpha_{name}_small", "lt", raised, real(span))
         result.append(block.select(f"alpha_{name}", small, raised, real(span)))
     return result[0], result[1]
-
-
-def not_finite(block: Block, frame: Frame, scalars: Sequence[str], arrays: Sequence[tuple[str, int]]) -> Var:
-    """Whether all scalars and arrays are finite; the result says "not"."""
-    finite: Var | None = None
-    for name in scalars:
-        here = block.let(f"finite_{name}", IsFinite(Var(name, REAL)))
-        finite = here if finite is None else block.op("finite_both", "and", finite, here)
-    assert finite is not None
-    for array, length in arrays:
-        with block.loop(f"{array}_j", length) as loop:
-            total = loop.carry(f"finite_{array}s", finite)
-            here = block.let(f"finite_{array}", IsFinite(block.let(f"{array}_entry", Load(array, loop.index))))
-            loop.update(total, block.op(f"finite_{array}_too", "and", total, here))
-        finite = total
-    return block.op("bad", "not", finite)
 
 
 def edges_of(block: Block, frame: Frame, lines: Lines, alphas: tuple[Var, Var]) -> tuple[Var, Var]:

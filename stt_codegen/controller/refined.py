@@ -15,6 +15,7 @@ from stt_codegen.controller.component import (
     control_law_of,
     inside_of,
     margin_component,
+    not_finite,
     place_of,
     transform_function,
 )
@@ -225,20 +226,10 @@ def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function
     )
 
 
-def _not_finite(block: Block, n: int, t: Var | None) -> Var:
-    """Whether t or a component of x is not finite: 0 times it is then NaN, and so is the sum, which is else 0: tested once."""
-    nought = real(0) if t is None else block.op("t_zero", "mul", t, real(0))
-    with block.loop("j", n) as loop:
-        total = loop.carry("zero", nought)
-        term = block.op("x_zero", "mul", block.let("x_j", Load("x", loop.index)), real(0))
-        loop.update(total, block.op("zeros", "add", total, term))
-    return block.op("bad", "not", block.op("finite", "le", total, real(0)))
-
-
 def _margin(spline: SplineKernels, n: int, guarded: bool) -> Function:
     t = Var("t", REAL)
     block = Block({"t", "x"})
-    bad = _not_finite(block, n, t)
+    bad = not_finite(block, (t,), (("x", n),))
     with block.leave_when(bad, NAN):
         pass
     row, s = block.call(spline.segment, t)
@@ -266,7 +257,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
     """The law at a time that is whatever `spline.segment` takes: seconds or a tick."""
     (when,) = spline.segment.inputs
     block = Block({when.name, "x", "u"})
-    bad = _not_finite(block, n, when if when.type is REAL else None)
+    bad = not_finite(block, (when,) if when.type is REAL else (), (("x", n),))
     with block.leave_when(bad, BAD), block.loop("j", n) as loop:
         block.store("u", loop.index, real(0))
     row, s = block.call(spline.segment, when)

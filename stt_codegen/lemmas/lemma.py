@@ -120,12 +120,10 @@ def _ball(low: float, high: float) -> Any:
     return arb(low).union(arb(high))
 
 
-def counterexample(statement: str, numbers: Mapping[str, float], fails: bool, shown: str) -> Outcome:
-    """Refuted when the enclosed numbers show that the statement fails."""
-    at = ", ".join(f"{k} = {v:g}" for k, v in numbers.items())
-    if fails:
-        return Outcome(Verdict.REFUTED, "counterexample, enclosed by Arb", (f"{statement} fails at {at}: {shown}",))
-    return Outcome(Verdict.OPEN, "counterexample, enclosed by Arb", (f"{statement} holds at {at}: {shown}",))
+def counterexample(statement: str, at: str, fails: Any, shown: str) -> Outcome:
+    """Refuted when `fails`, computed exactly or by enclosures at the place `at`, is true of the statement; else open."""
+    verdict, verb = (Verdict.REFUTED, "fails") if bool(fails) else (Verdict.OPEN, "holds")
+    return Outcome(verdict, "counterexample, exact or enclosed", (f"{statement} {verb} at {at}: {shown}",))
 
 
 def all_of(*outcomes: Outcome) -> Outcome:

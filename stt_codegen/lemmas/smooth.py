@@ -100,17 +100,17 @@ def _join_kernel() -> Outcome:
 
 
 def _plain_max() -> Outcome:
-    """b1 = 1 - t, b2 = t meet at 1/2: left slope of the max is -1, right slope is 1."""
-    h = 2.0**-20
-    left = (max(1 - (0.5 - h), 0.5 - h) - 0.5) / -h
-    right = (max(1 - (0.5 + h), 0.5 + h) - 0.5) / h
-    return counterexample("max(1 - t, t) has one slope", {"t": 0.5}, left != right, f"slopes {left:g} and {right:g}")
+    """b1 = 1 - t, b2 = t meet at 1/2 with another slope on either side."""
+    t = sp.Symbol("t", real=True)
+    slope = sp.diff(sp.Max(1 - t, t), t)
+    left, right = (sp.limit(slope, t, sp.Rational(1, 2), side) for side in "-+")
+    return counterexample("max(1 - t, t) has one slope", "t = 1/2", left != right, f"slopes {left} and {right}")
 
 
 def _overflow() -> Outcome:
     value = arb(100 * 1.0).exp()
     largest = (2 - 2.0**-23) * 2.0**127
-    return counterexample("exp(nu a) is a float", {"nu": 100.0, "a": 1.0}, bool(value > largest), f"exp(100) = {value.str(5)}")
+    return counterexample("exp(nu a) is a float", "nu = 100, a = 1", value > largest, f"exp(100) = {value.str(5)}")
 
 
 LEMMAS = (

@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
 from stt_codegen.paper import adaptive_tube
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import branches
@@ -137,10 +137,8 @@ def _end_shipped() -> Outcome:
 def _inverted() -> Outcome:
     """psi constant -1/2, kappa = 5, theta <= 2 theta0 = 0.02: on alpha in [0, 0.1] alphadot < 0 at 0.1, so z stays below -0.4."""
     worst = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
-    if worst < 0:
-        shown = f"alphadot <= {worst.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
-        return Outcome(Verdict.REFUTED, "counterexample, enclosed by Arb", (f"psi = -1/2, kappa = 5, theta0 = 0.01: {shown}",))
-    return Outcome(Verdict.OPEN, "counterexample", (worst.str(4),))
+    shown = f"alphadot <= {worst.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
+    return counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
 
 
 LEMMAS = (

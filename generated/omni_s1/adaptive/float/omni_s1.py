@@ -428,16 +428,17 @@ def alpha_step(t, dt, alpha):
     t = float(t)
     dt = float(dt)
     alpha = _vector("alpha", alpha, 4)
-    finite_t = math.isfinite(t)
-    finite_dt = math.isfinite(dt)
-    finite_both = finite_t and finite_dt
-    finite_alphas = finite_both
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    bad = not finite_alphas
+    t_zero = t * 0.0
+    dt_zero = dt * 0.0
+    both_zero = t_zero + dt_zero
+    zero = both_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
     forward = 0.0 < dt
     backward = not forward
     stay = bad or backward
@@ -533,18 +534,19 @@ def alpha_rate(t, alpha):
     alpha = _vector("alpha", alpha, 4)
     rate = [0.0] * 4
     jacobian = [0.0] * 4
-    finite_t = math.isfinite(t)
-    finite_alphas = finite_t
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    bad = not finite_alphas
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
     if bad:
-        for j in range(4):
-            rate[j] = math.nan
-            jacobian[j] = math.nan
+        for j2 in range(4):
+            rate[j2] = math.nan
+            jacobian[j2] = math.nan
         return tuple(rate), tuple(jacobian)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -625,18 +627,19 @@ def tube(t, alpha):
     alpha = _vector("alpha", alpha, 4)
     lower = [0.0] * 2
     upper = [0.0] * 2
-    finite_t = math.isfinite(t)
-    finite_alphas = finite_t
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    bad = not finite_alphas
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
     if bad:
-        for j in range(2):
-            lower[j] = math.nan
-            upper[j] = math.nan
+        for j2 in range(2):
+            lower[j2] = math.nan
+            upper[j2] = math.nan
         return tuple(lower), tuple(upper)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -712,18 +715,19 @@ def tube_rate(t, alpha):
     alpha = _vector("alpha", alpha, 4)
     lower_rate = [0.0] * 2
     upper_rate = [0.0] * 2
-    finite_t = math.isfinite(t)
-    finite_alphas = finite_t
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    bad = not finite_alphas
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
     if bad:
-        for j in range(2):
-            lower_rate[j] = math.nan
-            upper_rate[j] = math.nan
+        for j2 in range(2):
+            lower_rate[j2] = math.nan
+            upper_rate[j2] = math.nan
         return tuple(lower_rate), tuple(upper_rate)
     held = _hold(t, 9.0)
     sigma, sigma_rate = _profile_rate(held, 9.0)
@@ -812,23 +816,24 @@ def control(t, alpha, x):
     alpha = _vector("alpha", alpha, 4)
     x = _vector("x", x, 2)
     u = [0.0] * 2
-    finite_t = math.isfinite(t)
-    finite_alphas = finite_t
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    finite_xs = finite_alphas
-    for x_j in range(2):
-        x_entry = x[x_j]
-        finite_x = math.isfinite(x_entry)
-        finite_x_too = finite_xs and finite_x
-        finite_xs = finite_x_too
-    bad = not finite_xs
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    zero2 = zero
+    for j2 in range(2):
+        x_j = x[j2]
+        x_zero = x_j * 0.0
+        zeros2 = zero2 + x_zero
+        zero2 = zeros2
+    finite = zero2 <= 0.0
+    bad = not finite
     if bad:
-        for j in range(2):
-            u[j] = 0.0
+        for j3 in range(2):
+            u[j3] = 0.0
         return BAD_INPUT, tuple(u)
     held = _hold(t, 9.0)
     sigma = _profile(held, 9.0)
@@ -929,20 +934,21 @@ def margin(t, alpha, x):
     t = float(t)
     alpha = _vector("alpha", alpha, 4)
     x = _vector("x", x, 2)
-    finite_t = math.isfinite(t)
-    finite_alphas = finite_t
-    for alpha_j in range(4):
-        alpha_entry = alpha[alpha_j]
-        finite_alpha = math.isfinite(alpha_entry)
-        finite_alpha_too = finite_alphas and finite_alpha
-        finite_alphas = finite_alpha_too
-    finite_xs = finite_alphas
-    for x_j in range(2):
-        x_entry = x[x_j]
-        finite_x = math.isfinite(x_entry)
-        finite_x_too = finite_xs and finite_x
-        finite_xs = finite_x_too
-    bad = not finite_xs
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    zero2 = zero
+    for j2 in range(2):
+        x_j = x[j2]
+        x_zero = x_j * 0.0
+        zeros2 = zero2 + x_zero
+        zero2 = zeros2
+    finite = zero2 <= 0.0
+    bad = not finite
     if bad:
         return math.nan
     held = _hold(t, 9.0)

@@ -452,17 +452,18 @@ void omni_s1_alpha_init(omni_s1_real alpha[2 * OMNI_S1_N])
 
 void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    const bool finite_dt = isfinite(dt) != 0;
-    const bool finite_both = finite_t && finite_dt;
-    bool finite_alphas = finite_both;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    const omni_s1_real dt_zero = dt * 0.0F;
+    const omni_s1_real both_zero = t_zero + dt_zero;
+    omni_s1_real zero = both_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    const bool bad = !finite_alphas;
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
     const bool forward = 0.0F < dt;
     const bool backward = !forward;
     const bool stay = bad || backward;
@@ -551,19 +552,20 @@ void omni_s1_alpha_step(omni_s1_real t, omni_s1_real dt, omni_s1_real alpha[2 * 
 void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
                         omni_s1_real rate[2 * OMNI_S1_N], omni_s1_real jacobian[2 * OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite_alphas = finite_t;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    const bool bad = !finite_alphas;
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
     if (bad) {
-        for (int32_t j = 0; j < 4; ++j) {
-            rate[j] = (omni_s1_real)NAN;
-            jacobian[j] = (omni_s1_real)NAN;
+        for (int32_t j2 = 0; j2 < 4; ++j2) {
+            rate[j2] = (omni_s1_real)NAN;
+            jacobian[j2] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -632,19 +634,20 @@ void omni_s1_alpha_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
 void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_s1_real lower[OMNI_S1_N],
                   omni_s1_real upper[OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite_alphas = finite_t;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    const bool bad = !finite_alphas;
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
     if (bad) {
-        for (int32_t j = 0; j < 2; ++j) {
-            lower[j] = (omni_s1_real)NAN;
-            upper[j] = (omni_s1_real)NAN;
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            lower[j2] = (omni_s1_real)NAN;
+            upper[j2] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -704,19 +707,20 @@ void omni_s1_tube(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], omni_
 void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
                        omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite_alphas = finite_t;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    const bool bad = !finite_alphas;
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
     if (bad) {
-        for (int32_t j = 0; j < 2; ++j) {
-            lower_rate[j] = (omni_s1_real)NAN;
-            upper_rate[j] = (omni_s1_real)NAN;
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            lower_rate[j2] = (omni_s1_real)NAN;
+            upper_rate[j2] = (omni_s1_real)NAN;
         }
         return;
     }
@@ -798,25 +802,26 @@ void omni_s1_tube_rate(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
 omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
                                const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite_alphas = finite_t;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    bool finite_xs = finite_alphas;
-    for (int32_t x_j = 0; x_j < 2; ++x_j) {
-        const omni_s1_real x_entry = x[x_j];
-        const bool finite_x = isfinite(x_entry) != 0;
-        const bool finite_x_too = finite_xs && finite_x;
-        finite_xs = finite_x_too;
+    omni_s1_real zero2 = zero;
+    for (int32_t j2 = 0; j2 < 2; ++j2) {
+        const omni_s1_real x_j = x[j2];
+        const omni_s1_real x_zero = x_j * 0.0F;
+        const omni_s1_real zeros2 = zero2 + x_zero;
+        zero2 = zeros2;
     }
-    const bool bad = !finite_xs;
+    const bool finite = zero2 <= 0.0F;
+    const bool bad = !finite;
     if (bad) {
-        for (int32_t j = 0; j < 2; ++j) {
-            u[j] = 0.0F;
+        for (int32_t j3 = 0; j3 < 2; ++j3) {
+            u[j3] = 0.0F;
         }
         return OMNI_S1_BAD_INPUT;
     }
@@ -904,22 +909,23 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
 omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
                             const omni_s1_real x[OMNI_S1_N])
 {
-    const bool finite_t = isfinite(t) != 0;
-    bool finite_alphas = finite_t;
-    for (int32_t alpha_j = 0; alpha_j < 4; ++alpha_j) {
-        const omni_s1_real alpha_entry = alpha[alpha_j];
-        const bool finite_alpha = isfinite(alpha_entry) != 0;
-        const bool finite_alpha_too = finite_alphas && finite_alpha;
-        finite_alphas = finite_alpha_too;
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
     }
-    bool finite_xs = finite_alphas;
-    for (int32_t x_j = 0; x_j < 2; ++x_j) {
-        const omni_s1_real x_entry = x[x_j];
-        const bool finite_x = isfinite(x_entry) != 0;
-        const bool finite_x_too = finite_xs && finite_x;
-        finite_xs = finite_x_too;
+    omni_s1_real zero2 = zero;
+    for (int32_t j2 = 0; j2 < 2; ++j2) {
+        const omni_s1_real x_j = x[j2];
+        const omni_s1_real x_zero = x_j * 0.0F;
+        const omni_s1_real zeros2 = zero2 + x_zero;
+        zero2 = zeros2;
     }
-    const bool bad = !finite_xs;
+    const bool finite = zero2 <= 0.0F;
+    const bool bad = !finite;
     if (bad) {
         return (omni_s1_real)NAN;
     }
