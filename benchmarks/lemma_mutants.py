@@ -1,144 +1,301 @@
-"""How many mutated kernels the lemma book finds: one node of a kernel changed, its lemma run again.
+"""How many mutated Programs the lemma book finds: one node of an emitted kernel or function changed, the lemmas that read it run
+again.
 
     python benchmarks/lemma_mutants.py [COUNT]
 
-A mutant counts when it changes an output at some random inputs by more than rounding; it is found when a lemma about that kernel
-is no longer proved. Deterministic.
+A mutant counts when it changes an output at some of many inputs by more than rounding; it is found when a lemma about that kernel
+or function is no longer proved. Deterministic. The mutants that are missed are listed.
 """
 
 from __future__ import annotations
 
+import math
 import random
 import sys
+import warnings
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
-from stt_codegen.lemmas import bumps, reach, refined, smooth, transform, update
-from stt_codegen.lemmas.lemma import Lemma, Verdict
+from stt_codegen.lemmas import examples, functions, kernels, refined, transform
+from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.program.lower import lower
-from stt_codegen.program.program import Assign, Const, Kernel, Op, Program, real
+from stt_codegen.program.paths import follow
+from stt_codegen.program.program import (
+    Assign,
+    Call,
+    Const,
+    Expression,
+    For,
+    Function,
+    Kernel,
+    Load,
+    Op,
+    Operand,
+    Program,
+    Return,
+    Select,
+    Statement,
+    Store,
+    Trunc,
+    Var,
+)
 from stt_codegen.program.python import PythonPrinter
 
-MODULES = (bumps, reach, refined, smooth, transform, update)
 OTHER = {
-    "add": "sub",
-    "sub": "add",
-    "mul": "div",
-    "div": "mul",
-    "lt": "le",
-    "exp": "tanh",
-    "log": "exp",
-    "log1p": "exp",
-    "neg": "fabs",
+    "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",
+    "neg": "fabs", "iadd": "isub", "isub": "iadd", "imul": "iadd", "and": "or", "or": "and",
+}  # fmt: skip
+SMALL_KERNELS = {
+    "basis": refined, "basis_rate": refined, "blend": refined, "normalized_error": transform, "transformed_error": transform,
+    "law": transform,
+}  # fmt: skip
+
+
+# ---------------------------------------------------------------------------------------------- mutations
+
+
+def places(body: tuple[Statement, ...], at: tuple[int, ...] = ()) -> Iterator[tuple[int, ...]]:
+    """Where a statement with something to change is, as indices into nested bodies."""
+    for k, statement in enumerate(body):
+        if isinstance(statement, Assign | Store | Call | For):
+            yield (*at, k)
+        if isinstance(statement, For | Return):
+            yield from places(statement.body, (*at, k))
+
+
+def changed(operand: Operand, known: list[Var], draw: random.Random) -> Operand:
+    """Another operand of the same type: a constant that differs, or another variable."""
+    if isinstance(operand, Const) and isinstance(operand.value, bool):
+        return replace(operand, value=not operand.value)
+    if isinstance(operand, Const) and operand.value is not None and not hasattr(operand.value, "name"):
+        return replace(operand, value=operand.value + draw.choice((1, -1)))
+    others = [v for v in known if v.type is operand.type and v != operand]
+    return draw.choice(others) if others else operand
+
+
+def mutated(value: Expression, known: list[Var], draw: random.Random) -> Expression:
+    kind = draw.choice(("operation", "order", "operand"))
+    if isinstance(value, Op):
+        if kind == "operation" and value.name in OTHER:
+            return Op(OTHER[value.name], value.args)
+        if kind == "order" and value.name in ("sub", "div", "lt", "le", "isub", "ilt", "tlt"):
+            return Op(value.name, value.args[::-1])
+        k = draw.randrange(len(value.args))
+        return Op(value.name, (*value.args[:k], changed(value.args[k], known, draw), *value.args[k + 1 :]))
+    if isinstance(value, Select):
+        if kind == "order":
+            return Select(value.condition, value.other, value.then)
+        if kind == "operand":
+            return replace(value, then=changed(value.then, known, draw))
+        return replace(value, condition=changed(value.condition, known, draw))
+    if isinstance(value, Load):
+        return replace(value, index=changed(value.index, known, draw))
+    if isinstance(value, Trunc):
+        return replace(value, arg=changed(value.arg, known, draw))
+    return changed(value, known, draw) if isinstance(value, Var | Const) else value
+
+
+def rewritten(body: tuple[Statement, ...], at: tuple[int, ...], known: list[Var], draw: random.Random) -> tuple[Statement, ...]:
+    """The body with the statement at a place mutated; `known`: what may be read there."""
+    k, *rest = at
+    for statement in body[:k]:
+        known += [statement.var] if isinstance(statement, Assign) else statement.results if isinstance(statement, Call) else []
+    statement = body[k]
+    new: Statement
+    if rest:
+        inner = known + ([statement.index, *(c.var for c in statement.carries)] if isinstance(statement, For) else [])
+        new = replace(statement, body=rewritten(statement.body, tuple(rest), inner, draw))  # type: ignore[union-attr, arg-type]
+    elif isinstance(statement, Assign):
+        new = replace(statement, value=mutated(statement.value, known, draw))
+    elif isinstance(statement, Store):
+        name = draw.choice(("index", "value"))
+        new = replace(statement, **{name: changed(getattr(statement, name), known, draw)})
+    elif isinstance(statement, Call):
+        j = draw.randrange(len(statement.args))
+        new = replace(statement, args=(*statement.args[:j], changed(statement.args[j], known, draw), *statement.args[j + 1 :]))
+    elif isinstance(statement, For) and statement.carries:
+        carry = statement.carries[0]
+        new = replace(statement, carries=(replace(carry, initial=changed(carry.initial, known, draw)), *statement.carries[1:]))
+    else:
+        new = statement
+    return (*body[:k], new, *body[k + 1 :])
+
+
+def mutate(thing: Kernel | Function, draw: random.Random) -> Any:
+    at = draw.choice(list(places(thing.body)))
+    known = list(thing.inputs) if isinstance(thing, Kernel) else [Var(p.name, p.type) for p in thing.inputs if p.length is None]
+    return replace(thing, body=rewritten(thing.body, at, known, draw))
+
+
+# -------------------------------------------------------------------------------------- what is looked at
+
+
+@dataclass
+class Subject:
+    """A kernel or function: what it is, inputs to compare at, and how to run the lemmas with another in its place."""
+
+    name: str
+    thing: Kernel | Function
+    differs: Callable[[Any, random.Random], bool]
+    verdicts: Callable[[Any], list[Verdict]]
+
+
+def _numbers(values: Any) -> list[float]:
+    return [float(v) for v in (values if isinstance(values, tuple) else (values,))]
+
+
+def _unlike(a: list[float], b: list[float]) -> bool:
+    return any(
+        not (x == y or (math.isnan(x) and math.isnan(y)) or abs(x - y) <= 1e-9 * (1 + abs(x))) for x, y in zip(a, b, strict=True)
+    )
+
+
+def kernel_differs(before: Kernel) -> Callable[[Any, random.Random], bool]:
+    """At the claims' own points, moved a little, and at random ones."""
+
+    def call(kernel: Kernel) -> Callable[..., Any]:
+        printer, names = PythonPrinter(Program("p", 1, "double", (), (kernel,), ())), {}
+        exec("import math\n" + "\n".join(printer.kernel(kernel)), names)
+        function: Callable[..., Any] = names[f"_{kernel.name}"]
+        return function
+
+    def differs(after: Kernel, draw: random.Random) -> bool:
+        one, other = call(before), call(after)
+        claim = kernels.CLAIMS.get(before.name)
+        given = [[draw.uniform(0.05, 3.0) for _ in before.inputs] for _ in range(60)]
+        for point in claim.points if claim else ():
+            given.append([float(point[v.name]) + draw.choice((0.0, 1e-3)) for v in before.inputs])
+        for inputs in given:
+            try:
+                a = _numbers(one(*inputs))
+            except (ValueError, ZeroDivisionError, OverflowError):
+                continue
+            try:
+                b = other(*inputs)
+                if isinstance(b, complex) or _unlike(a, _numbers(b)):
+                    return True
+            except (ValueError, ZeroDivisionError, OverflowError, TypeError):
+                return True
+        return False
+
+    return differs
+
+
+def function_subject(name: str, case_name: str, function: str, points: list[Any]) -> Subject:
+    """A function (or a kernel that belongs to its frame) of an example, through the lemma's own points for what it changes."""
+    case = examples.cases()[case_name]
+    lemma = next(v for v in functions.LEMMAS if v.name == f"functions.{name}")
+    before = [follow(case.program, function, point) for point in points]
+
+    def program_with(thing: Kernel | Function) -> Program:
+        if isinstance(thing, Kernel):
+            return replace(case.program, kernels=tuple(thing if k.name == thing.name else k for k in case.program.kernels))
+        return replace(case.program, functions=tuple(thing if f.name == thing.name else f for f in case.program.functions))
+
+    def differs(after: Any, draw: random.Random) -> bool:
+        other = program_with(after)
+        for point, a in zip(points, before, strict=True):
+            try:
+                b = follow(other, function, point)
+            except (ValueError, ZeroDivisionError, OverflowError, IndexError, KeyError, TypeError, AttributeError):
+                return True
+            if a.result is not b.result and not (isinstance(a.result, float) and not _unlike([a.result], [b.result])):
+                return True
+            for key in a.outputs:
+                if any(v is None for v in b.outputs[key]) or _unlike(list(a.outputs[key]), list(b.outputs[key])):
+                    return True
+        return False
+
+    def verdicts(after: Any) -> list[Verdict]:
+        bent = {**examples.cases(), case_name: replace(case, program=program_with(after))}
+        functions.cases = lambda: bent  # type: ignore[attr-defined]
+        try:
+            return [lemma.run().verdict]
+        finally:
+            functions.cases = examples.cases  # type: ignore[attr-defined]
+
+    return Subject(name, case.program.function(function), differs, verdicts)
+
+
+def subjects() -> list[Subject]:
+    found = []
+    shipped = kernels.shipped()
+    for name, kernel in shipped.items():
+        lemma = next(v for v in kernels.LEMMAS if v.name == f"kernels.{name}")
+
+        def alone(after: Kernel, lemma: Any = lemma, name: str = name) -> list[Verdict]:
+            kernels.shipped = lambda: {**shipped, name: after}  # type: ignore[attr-defined]
+            try:
+                return [lemma.run().verdict]
+            finally:
+                kernels.shipped = lambda: shipped  # type: ignore[attr-defined]
+
+        found.append(Subject(name, kernel, kernel_differs(kernel), alone))
+    wide = examples.cases()["wide"].program
+    for name, module in SMALL_KERNELS.items():
+
+        def verdicts(after: Kernel, module: Any = module, name: str = name) -> list[Verdict]:
+            def bent(function: Any, *rest: Any) -> Kernel:
+                kernel = lower(function, *rest)
+                return after if kernel.name == name else kernel
+
+            module.lower = bent
+            try:
+                return [v.run().verdict for v in module.LEMMAS]
+            finally:
+                module.lower = lower
+
+        found.append(Subject(name, wide.kernel(name), kernel_differs(wide.kernel(name)), verdicts))
+    for name, (case, function, points) in functions.SUBJECTS.items():
+        subject = function_subject(name, case, function, list(points(examples.cases()[case])))
+        found.append(subject)
+        for kernel in examples.cases()[case].program.kernels:
+            if kernel.name in examples.FOLLOWED and kernel.name != "normalized_error" and name in FRAME_KERNELS[kernel.name]:
+                found.append(replace(subject, name=f"{kernel.name} in {name}", thing=kernel))
+    return found
+
+
+FRAME_KERNELS: Mapping[str, tuple[str, ...]] = {
+    "segment": ("wide_tube", "narrow_control"),
+    "segment_at_tick": ("control_tick",),
+    "hold": ("adaptive_tube",),
 }
 
 
-def mutate(kernel: Kernel, draw: random.Random) -> tuple[Kernel, str]:
-    """One node changed: the operation, the order of its operands, an operand, or a constant."""
-    places = [k for k, a in enumerate(kernel.body) if isinstance(a.value, Op)]
-    at = draw.choice(places)
-    assign = kernel.body[at]
-    op = assign.value
-    assert isinstance(op, Op)
-    kind = draw.choice(("operation", "order", "operand"))
-    if kind == "operation" and op.name in OTHER:
-        new = Op(OTHER[op.name], op.args)
-    elif kind == "order" and op.name in ("sub", "div", "lt"):
-        new = Op(op.name, op.args[::-1])
-    else:
-        k = draw.randrange(len(op.args))
-        old = op.args[k]
-        known = [v for v in (*kernel.inputs, *(a.var for a in kernel.body[:at])) if v.type is old.type and v != old]
-        if isinstance(old, Const) and old.value is not None and not isinstance(old.value, bool):
-            changed: Any = real(old.value + draw.choice((1, -1)) * 2)  # type: ignore[operator]
-        elif known:
-            changed = draw.choice(known)
-        else:
-            return kernel, "none"
-        new = Op(op.name, (*op.args[:k], changed, *op.args[k + 1 :]))
-    body = (*kernel.body[:at], Assign(assign.var, new), *kernel.body[at + 1 :])
-    return replace(kernel, body=body), f"{kernel.name}: {assign.var.name} = {new.name}"
-
-
-def function_of(kernel: Kernel) -> Callable[..., Any]:
-    printer = PythonPrinter(Program("p", 1, "double", (), (kernel,), ()))
-    names: dict[str, Any] = {}
-    exec("import math\n" + "\n".join(printer.kernel(kernel)), names)
-    function: Callable[..., Any] = names[f"_{kernel.name}"]
-    return function
-
-
-def changes(before: Kernel, after: Kernel, draw: random.Random) -> bool:
-    """Whether an output differs at one of 60 random inputs."""
-    one, other = function_of(before), function_of(after)
-    for _ in range(60):
-        given = [draw.uniform(0.05, 3.0) for _ in before.inputs]
-        try:
-            a = one(*given)
-        except (ValueError, ZeroDivisionError, OverflowError):
-            continue
-        try:
-            b = other(*given)
-        except (ValueError, ZeroDivisionError, OverflowError, TypeError):
-            return True
-        pairs = zip(a, b, strict=True) if isinstance(a, tuple) else ((a, b),)
-        if any(isinstance(y, complex) or abs(x - y) > 1e-9 * (1 + abs(x)) for x, y in pairs):
-            return True
-    return False
-
-
-def kernels_of(lemma: Lemma, module: Any) -> list[str]:
-    """The kernels that a lemma reads, by running it once."""
-    seen: list[str] = []
-
-    def watching(function: Any, *rest: Any) -> Kernel:
-        kernel = lower(function, *rest)
-        seen.append(kernel.name)
-        return kernel
-
-    module.lower = watching
-    lemma.run()
-    module.lower = lower
-    return list(dict.fromkeys(seen))
-
-
 def main(count: int) -> None:
+    warnings.simplefilter("ignore")
     draw = random.Random(1)
-    about = [(m, v, k) for m in MODULES for v in m.LEMMAS for k in kernels_of(v, m)]
-    kernels = sorted({(m.__name__.rsplit(".", 1)[1], k) for m, _, k in about})
+    everything = subjects()
     tally: Counter[str] = Counter()
     missed: list[str] = []
     while tally["changed"] < count:
-        family, name = draw.choice(kernels)
-        module = next(m for m in MODULES if m.__name__.endswith(f".{family}"))
-        made: dict[str, tuple[Kernel, Kernel, str]] = {}
-        seed = draw.randrange(1 << 30)
-
-        def bent(function: Any, *rest: Any, name: str = name, seed: int = seed, made: dict[str, Any] = made) -> Kernel:
-            kernel = lower(function, *rest)
-            if kernel.name != name:
-                return kernel
-            after, what = mutate(kernel, random.Random(seed))
-            made["kernel"] = (kernel, after, what)
-            return after
-
-        module.lower = bent
-        verdicts = [v.run().verdict for m, v, k in about if m is module and k == name]
-        module.lower = lower
-        before, after, what = made["kernel"]
+        subject = everything[tally["mutants"] % len(everything)]
         tally["mutants"] += 1
-        if before == after or not changes(before, after, draw):
+        try:
+            after = mutate(subject.thing, draw)
+        except TypeError:  # no value of that type to put there
+            continue
+        if after == subject.thing or not subject.differs(after, draw):
             continue
         tally["changed"] += 1
-        if all(v is Verdict.PROVED for v in verdicts):
-            missed.append(what)
+        if all(v in (Verdict.PROVED, Verdict.REFUTED) for v in subject.verdicts(after)):
+            before = {repr(s) for s in _flat(subject.thing.body)}
+            missed.append(f"{subject.name}: {[s for s in map(repr, _flat(after.body)) if s not in before]}"[:300])
         else:
             tally["found"] += 1
-    print(f"{tally['mutants']} mutants of {len(kernels)} kernels, {tally['changed']} change a value, {tally['found']} found")
-    for what, times in Counter(missed).most_common():
-        print(f"  missed {times} times: {what}")
+    print(f"{tally['mutants']} mutants of {len(everything)} subjects, {tally['changed']} change a value, {tally['found']} found")
+    for what in missed:
+        print(f"  missed: {what}")
+
+
+def _flat(body: tuple[Statement, ...]) -> Iterator[Statement]:
+    for statement in body:
+        if isinstance(statement, For | Return):
+            yield from _flat(statement.body)
+        else:
+            yield statement
 
 
 if __name__ == "__main__":

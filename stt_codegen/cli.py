@@ -7,7 +7,6 @@ Results go to stdout (one JSON document with --json), progress and messages to s
 from __future__ import annotations
 
 import json
-import math
 import os
 import sys
 import threading
@@ -39,6 +38,12 @@ TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task f
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
 ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
+PlantOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PLANT", help="integrator, robot, spacecraft, arm, or a Python file with f(x) and g(x); default: [plant]"
+    ),
+]
 Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
 
 
@@ -89,6 +94,13 @@ def _patience(what: str) -> Iterator[None]:
         thread.join()
 
 
+def _built(task: Path, design: str | None, scalar: str | None) -> Any:
+    from stt_codegen.pipeline import build
+
+    with _patience(f"designing {task}"):
+        return build(task, design, scalar)
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         from stt_codegen import __version__
@@ -132,68 +144,9 @@ def design(
     if json:
         _print_json(report)
     else:
-        _show_design(report)
+        from stt_codegen.show import show_design
 
-
-def _console() -> Any:
-    """Where tables go: as wide as the terminal, or 120 columns in a file."""
-    from rich.console import Console
-
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
-
-
-def _show_design(report: dict[str, Any]) -> None:
-    from rich.table import Table
-
-    console = _console()
-    verdict = "[green]certified[/green]" if report["certified"] else "[red]NOT CERTIFIED[/red]"
-    console.print(f"[bold]{report['task']}[/bold]: {report['design']} tube, {verdict}, {report['seconds']} s")
-    speed = ", ".join(f"{v:.4g}" for v in report["speed_bound"])
-    console.print(
-        f"  {report['parameters']} over {report['prescribed_time']:g} s; least width {report['least_width']:.4g}; "
-        f"speed of an edge at most {speed} by dimension"
-    )
-    if report["method"] == "sampled":
-        console.print(
-            "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
-            "gamma(0), so starts near the edge of the initial set are outside"
-        )
-    elif report["method"] == "enclosure":
-        console.print(
-            "  [yellow]note[/yellow]: the smooth maximum narrows gamma(0), so starts near the edge of the initial set are outside"
-        )
-    elif not report["covers_initial_set"]:
-        console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
-    table = Table(box=None, pad_edge=True, header_style="bold")
-    for heading in ("", "property", "holds", "to spare", "least at"):
-        table.add_column(heading, justify="right" if heading == "to spare" else "left")
-    for p in report["properties"]:
-        holds = "[green]yes[/green]" if p["holds"] else "[red]NO[/red]"
-        table.add_row(p["property"], p["statement"], holds, f"{p['margin']:.3g}" if p["margin"] else "", p["where"])
-    console.print(table)
-    law = report["input"]
-    if law["largest_u"] is not None:
-        periods = "; ".join(f"{1000 * period:.3g} ms while |e| <= {e}" for e, period in law["periods"].items())
-        console.print(
-            f"  |u| up to {law['largest_u']:.4g} at the clamp; for xdot = g u, g <= {law['g_max']:g}, sample every {periods}"
-        )
-    if law["u_max"]:
-        console.print(
-            f"  u is saturated at {', '.join(f'{u:g}' for u in law['u_max'])}: the proof for the state assumes it is not"
-        )
-    slowest = max(law["periods"].values(), default=math.inf)
-    if law["tick_period"] is not None and law["tick_period"] > slowest:
-        period = f"emit.tick_period {law['tick_period']:g} s"
-        console.print(f"  [yellow]note[/yellow]: {period} is longer than any of these; lower it, or control.gain")
-    if law["u_max_is_slow"]:
-        console.print("  [yellow]note[/yellow]: control.u_max is below the tube's speed: the state cannot follow it")
-    cost = report["cost"]
-    kinds = ", ".join(f"{count} {kind}" for kind, count in cost["operations"].items())
-    code = f", {cost['host_code_bytes']} B of code on this host (-Os)" if cost["host_code_bytes"] else ""
-    console.print(f"  one {' + '.join(cost['functions'])} step: {cost['operations_total']} operations ({kinds})")
-    console.print(f"  {cost['table_bytes']} B of tables{code}")
-    if "picture" in report:
-        console.print(f"  picture: {report['picture']}")
+        show_design(report)
 
 
 @app.command()
@@ -321,24 +274,11 @@ def compare(
     if json:
         _print_json({"task": loaded.name, "within_bounds": good, "rows": [{**asdict(r), "holds": r.holds} for r in rows]})
     else:
-        _show_rows(f"{loaded.name}, {loaded.tube.design}", rows)
+        from stt_codegen.show import show_rows
+
+        show_rows(f"{loaded.name}, {loaded.tube.design}", rows)
     if not good:
         raise typer.Exit(1)
-
-
-def _show_rows(title: str, rows: list[Any]) -> None:
-    """A comparison with the reference as a table."""
-    from rich.table import Table
-
-    heading = f"{title}: largest distance from the reference"
-    table = Table(box=None, header_style="bold", title=heading, title_justify="left")
-    for name in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
-        table.add_column(name, justify="left" if name in ("backend", "quantity") else "right")
-    for r in rows:
-        verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
-        table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
-    _console().print(table)
-    print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")
 
 
 @app.command()
@@ -364,7 +304,9 @@ def pil(
         compared = [{**asdict(r), "holds": r.holds} for r in rows]
         _print_json({"task": controller.task.name, "board": board, "within_bounds": good, "rows": compared, "calls": costs})
     else:
-        _show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
+        from stt_codegen.show import show_rows
+
+        show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
         unit = BOARDS[board].unit
         for name, c in costs.items():
             taken = f"{c['least']} to {c['most']} {unit}, median {c['median']}"
@@ -399,17 +341,43 @@ def certify(
 
 @app.command()
 def prove(
-    out: Annotated[Path, typer.Option(metavar="FILE.md", help="the page of the book")] = Path("generated/lemmas.md"),
-    check: Annotated[bool, typer.Option("--check", help="compare the page on disk, instead of writing it")] = False,
+    task: Annotated[Path | None, typer.Argument(metavar="[TASK]", help="a task file; without one, the lemma book")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="the book's page, .md or .tex (default: generated/lemmas.md); with TASK, the folder of <name>.bounds.json",
+        ),
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="compare with what is on disk, instead of writing it")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas, also those proved before with these sources")] = False,
+    plant: PlantOption = None,
+    noise: Annotated[float, typer.Option(min=0, help="bound on the error of a measured state, by component")] = 0.0,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
     json: Json = False,
 ) -> None:
-    """Prove, or refute, what the controllers rest on, about the expressions that are printed. Exit code 1 when one is open."""
+    """Prove, or refute, what the controllers rest on, about the expressions that are printed; with a TASK, evaluate the
+    hypotheses and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
+    if task is None:
+        if plant is not None or noise or design is not None or scalar is not None:
+            raise BadInput("prove: --plant, --noise, --design and --scalar belong to a TASK; the book is about every task")
+        good = _prove_book(out or Path("generated/lemmas.md"), check, fresh, json)
+    else:
+        good = _prove_task(_built(task, design, scalar), plant, noise, out or Path(), check, json)
+    if not good:
+        raise typer.Exit(1)
+
+
+def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
     from stt_codegen.emit.manifest import write_files
     from stt_codegen.lemmas.book import page, prove_all
     from stt_codegen.lemmas.lemma import Verdict
 
-    entries = prove_all(lambda title: _say(f"  {title}"))
-    text = page(entries).encode()
+    if out.suffix not in (".md", ".tex"):
+        raise BadInput(f"--out {out}: the book is written as .md or .tex")
+    entries = prove_all(lambda title: _say(f"  {title}"), fresh)
+    text = page(entries, out.suffix).encode()
     still_open = [e for e in entries if e.verdict is Verdict.OPEN]
     differs = check and (not out.is_file() or out.read_bytes() != text)
     if not check:
@@ -425,9 +393,37 @@ def prove(
             print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
         for e in still_open:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
-        print(f"{out}: " + ("differs; run without --check to write it" if differs else "as it should be" if check else "written"))
-    if still_open or differs:
-        raise typer.Exit(1)
+        print(f"{out}: {_compared(check, differs)}")
+    return not still_open and not differs
+
+
+def _compared(check: bool, differs: bool) -> str:
+    return "differs; run without --check to write it" if differs else "as it should be" if check else "written"
+
+
+def _prove_task(controller: Any, plant: str | None, noise: float, folder: Path, check: bool, as_json: bool) -> bool:
+    from stt_codegen.bounds import Analysis
+    from stt_codegen.emit.manifest import write_files
+    from stt_codegen.plants import plant_of
+    from stt_codegen.show import show_bounds
+
+    task = controller.task
+    model = None if plant is None else plant_of(plant, task.dimension)
+    with _patience(f"bounds of {task.name}"):
+        document = Analysis(controller, model, noise).document()
+    name = f"{task.name}.bounds.json"
+    text = (json.dumps(document, indent=2) + "\n").encode()
+    path = folder / name
+    differs = check and (not path.is_file() or path.read_bytes() != text)
+    if not check:
+        write_files(folder, {name: text})
+    good = all(h["holds"] for h in document["hypotheses"])
+    if as_json:
+        _print_json({**document, "file_differs": differs})
+    else:
+        show_bounds(document)
+        print(f"{path}: {_compared(check, differs)}")
+    return good and not differs
 
 
 @bench.command()

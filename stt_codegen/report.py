@@ -50,31 +50,24 @@ def design_report(controller: Controller, seconds: float) -> dict[str, Any]:
 
 
 def input_report(controller: Controller) -> dict[str, Any]:
-    """What the law asks of actuator and clock, at the tube's narrowest (rules of thumb for xdot = g u, 0 < g <= g_max).
-
-    largest_u: |u| at the clamp, E = e_max: 4 |k| / (w (1 - E^2)) ln((1 + E)/(1 - E)). periods: by E, up to
-    w^2 E (1 - E^2) / (4 |k| g_max ln((1 + E)/(1 - E))) seconds a held u never carries the state farther past the middle
-    than it was, from |e| <= E. g_max is the plant's, or 1. u_max_is_slow: u_max is below the tube's speed.
-    """
+    """What the law asks of actuator and clock: largest_u, |u| at the clamp where the tube is narrowest; sampling, the longest
+    period that is proved for the plant of the task's [plant] (`bounds.py`), with what |e| and |u| stay below, the gain at which
+    it would be longest, and the gains that are proved at emit.tick_period or a millisecond; None where nothing is proved."""
     task, certificate = controller.task, controller.certificate
-    width, gain = float(certificate.least_width), abs(float(task.control.gain))
-    g_max = float(task.plant.g_max or 1)
-    limits = task.control.u_max or ()
+    width, e_max = float(certificate.least_width), float(task.control.e_max)
     report: dict[str, Any] = {
         "largest_u": None,
-        "periods": {},
-        "g_max": g_max,
-        "u_max": [float(u) for u in limits],
+        "sampling": None,
+        "u_max": [float(u) for u in task.control.u_max or ()],
         "tick_period": None if task.emit.tick_period is None else float(task.emit.tick_period),
-        "u_max_is_slow": any(u * g_max < v for u, v in zip(limits, certificate.speed, strict=False)),
     }
-    if width <= 0:
-        return report
-    clamp = float(task.control.e_max)
-    for e in sorted({min(0.8, clamp), clamp}):
-        steep = math.log((1 + e) / (1 - e))
-        report["largest_u"] = 4 * gain / (width * (1 - e * e)) * steep
-        report["periods"][f"{e:g}"] = width**2 * e * (1 - e * e) / (4 * gain * g_max * steep)
+    if width > 0:
+        gain = abs(float(task.control.gain))
+        report["largest_u"] = 4 * gain / (width * (1 - e_max * e_max)) * math.log((1 + e_max) / (1 - e_max))
+    if certificate.holds:
+        from stt_codegen.bounds import Analysis
+
+        report["sampling"] = Analysis(controller).sampling()
     return report
 
 

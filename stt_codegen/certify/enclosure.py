@@ -67,8 +67,24 @@ class Lines:
     psi: Array
 
 
+@dataclass(frozen=True)
+class Enclosed:
+    """What is known of a tube on one rung of the ladder: bounds over every cell on its lines, alpha and gamma (arrays as in
+    `Lines`), and the certificate that they make."""
+
+    lines: Lines
+    alpha: Array
+    gamma: Array
+    certificate: Certificate
+
+
 def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
-    """The findings, each proved for all t where it holds; the first rung of the ladder on which all hold, or the last."""
+    """The findings, each proved for all t where it holds."""
+    return enclosed_tube(task, design).certificate
+
+
+def enclosed_tube(task: Task, design: AdaptiveDesign) -> Enclosed:
+    """The first rung of the ladder on which all properties hold, or the last."""
     program = lines_program(task, design)
     printed, exact = Enclosure(program, rounding=True), Enclosure(program, rounding=False)
     lines, finer = None, 0.0
@@ -77,10 +93,11 @@ def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
             lines, finer = enclose_lines(design, printed, fine), fine
         steps = steps_of(design, task.emit.scalar, division)
         alpha = enclose_alpha(design, exact, lines, steps)
-        certificate = _certificate(task, design, exact, lines, alpha, steps)
-        if certificate.holds:
+        gamma, error = enclose_edges(task, design, exact, lines, alpha)
+        found = Enclosed(lines, alpha, gamma, _certificate(task, design, exact, lines, alpha, (gamma, error), steps))
+        if found.certificate.holds:
             break
-    return certificate
+    return found
 
 
 def steps_of(design: AdaptiveDesign, scalar: str, division: int) -> Steps:
@@ -267,8 +284,10 @@ def steepest_slope(bump: Bump, scalar: str, exact: Enclosure) -> float:
 # ------------------------------------------------------------------------------------------------ findings
 
 
-def _certificate(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, steps: Steps) -> Certificate:
-    gamma, error = enclose_edges(task, design, exact, lines, alpha)
+def _certificate(
+    task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, edges: tuple[Array, Fraction], steps: Steps
+) -> Certificate:
+    gamma, error = edges
     speed = tuple(-_fraction(-v) for v in speed_bound(task, design, exact, lines, alpha))
     find = _Finder(task, lines.times, gamma)
     width = _gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])

@@ -99,7 +99,7 @@ def _least_width(task: Task) -> Fraction:
 def _width(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -> Finding:
     """P1: both edges may move by the arithmetic, so twice its error is demanded."""
     least = _least_width(task)
-    slack = _least(bezier, _width_measure(_up(least, design.unit)), 2 * error / design.unit)
+    slack = _least(bezier, _width_measure(units_above(least, design.unit)), 2 * error / design.unit)
     advice = "lower tube.min_width, or leave tube.segments out so that a finer tube is tried"
     return _found(task, design, "P1", f"width >= {decimal(least)} in every dimension", slack, 2 * error, advice)
 
@@ -107,7 +107,7 @@ def _width(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -
 def _stay(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -> Finding:
     """P3."""
     space, unit = task.free_space, design.unit
-    measure = _stay_measure([_up(v, unit) for v in space.lower], [_down(v, unit) for v in space.upper])
+    measure = _stay_measure([units_above(v, unit) for v in space.lower], [units_below(v, unit) for v in space.upper])
     statement = "gamma within the state space" + (" less the body" if task.body and any(task.body) else "")
     slack = _least(bezier, measure, error / unit)
     return _found(task, design, "P3", statement, slack, error, "enlarge the state space there, or design the tube again")
@@ -119,8 +119,8 @@ def _avoid(task: Task, design: RefinedDesign, bezier: Pieces, error: Fraction) -
     if not unsafe:
         return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
     measure = _avoid_measure(
-        [[_down(v - clearance, unit) for v in s.lower] for s in unsafe],
-        [[_up(v + clearance, unit) for v in s.upper] for s in unsafe],
+        [[units_below(v - clearance, unit) for v in s.lower] for s in unsafe],
+        [[units_above(v + clearance, unit) for v in s.upper] for s in unsafe],
     )
     statement = f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets"
     slack = _least(bezier, measure, error / unit)
@@ -256,14 +256,20 @@ def _halve(piece: Pieces, interval: tuple[Fraction, Fraction], measure: Measure,
     at_start = measure(np.repeat(piece[None, ..., :1], 4, axis=-1))
     if at_start[0][0] < required:  # the curve itself fails here: halving cannot help
         return _least_of(at_start[0][0], (interval[0], interval[0]), at_start[1][0], at_start[2][0])
-    c0, c1, c2, c3 = (piece[..., j] * Fraction(1) for j in range(4))
+    early, late = halves(piece * Fraction(1))
+    middle = (interval[0] + interval[1]) / 2
+    first = _halve(early, (interval[0], middle), measure, required, depth - 1)
+    second = _halve(late, (middle, interval[1]), measure, required, depth - 1)
+    return first if first.slack <= second.slack else second
+
+
+def halves(piece: Pieces) -> tuple[Pieces, Pieces]:
+    """The Bezier coefficients of both halves of cubics (the last axis), by de Casteljau's rule."""
+    c0, c1, c2, c3 = (piece[..., j] for j in range(4))
     a, b, c = (c0 + c1) / 2, (c1 + c2) / 2, (c2 + c3) / 2
     d, e = (a + b) / 2, (b + c) / 2
     f = (d + e) / 2
-    middle = (interval[0] + interval[1]) / 2
-    first = _halve(np.stack([c0, a, d, f], axis=-1), (interval[0], middle), measure, required, depth - 1)
-    second = _halve(np.stack([f, e, c, c3], axis=-1), (middle, interval[1]), measure, required, depth - 1)
-    return first if first.slack <= second.slack else second
+    return np.stack([c0, a, d, f], axis=-1), np.stack([f, e, c, c3], axis=-1)
 
 
 def _least_of(slack: Any, interval: tuple[Fraction, Fraction], dimension: Any, obstacle: Any) -> _Least:
@@ -271,9 +277,11 @@ def _least_of(slack: Any, interval: tuple[Fraction, Fraction], dimension: Any, o
     return _Least(exact, interval, int(dimension), None if obstacle < 0 else int(obstacle))
 
 
-def _up(value: Fraction, unit: Fraction) -> int:
+def units_above(value: Fraction, unit: Fraction) -> int:
+    """The least whole number of units that is not below the value."""
     return math.ceil(value / unit)
 
 
-def _down(value: Fraction, unit: Fraction) -> int:
+def units_below(value: Fraction, unit: Fraction) -> int:
+    """The largest whole number of units that is not above the value."""
     return math.floor(value / unit)

@@ -16,13 +16,17 @@ PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
 def loop_period(controller: Controller) -> Fraction:
-    """Seconds between the example's steps: emit.tick_period; else at most `PERIOD`, what `design` advises up to |e| = 0.8, and
-    what an adaptive certificate allows, in whole microseconds."""
-    if controller.task.emit.tick_period is not None:
-        return controller.task.emit.tick_period
-    limits = [PERIOD, *([] if controller.certificate.steps is None else [controller.certificate.steps[1]])]
-    limits += [Fraction(v) for v in list(input_report(controller)["periods"].values())[:1]]
-    return Fraction(max(1, math.floor(min(limits) * 10**6)), 10**6)
+    """Seconds between the example's steps: emit.tick_period; else at most `PERIOD` and what is proved for the task's plant, in
+    whole microseconds, and within the steps that an adaptive certificate allows."""
+    task, steps = controller.task, controller.certificate.steps
+    if task.emit.tick_period is not None:
+        return task.emit.tick_period
+    sampling = input_report(controller)["sampling"]
+    proved = sampling and sampling["at_this_gain"]
+    period = min(PERIOD, Fraction(proved["period"])) if proved else PERIOD
+    if steps is not None:
+        period = min(max(period, steps[0] + Fraction(1, 10**6)), steps[1])
+    return Fraction(max(1, math.floor(period * 10**6)), 10**6)
 
 
 def package(controller: Controller, kind: str) -> Files:

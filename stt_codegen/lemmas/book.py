@@ -6,20 +6,39 @@ A family is a module with LEMMAS. What is refuted stands beside its repair, in t
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from stt_codegen.lemmas import bumps, reach, refined, smooth, theorem, transform, update
+from stt_codegen.lemmas import (
+    bumps,
+    functions,
+    kernels,
+    plant,
+    reach,
+    refined,
+    sampled,
+    smooth,
+    theorem,
+    transform,
+    update,
+    windows,
+)
+from stt_codegen.lemmas.cache import Cache
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
+    "windows": ("Conflict windows, dimension and side", windows.LEMMAS),
     "bumps": ("Circumvent functions", bumps.LEMMAS),
     "smooth": ("Smooth maximum and minimum", smooth.LEMMAS),
     "update": ("Update function", update.LEMMAS),
     "transform": ("Error transform and law", transform.LEMMAS),
     "theorem": ("Theorem 4.1", theorem.LEMMAS),
+    "plant": ("Assumption 2 for a plant", plant.LEMMAS),
+    "sampled": ("Sampled control", sampled.LEMMAS),
     "refined": ("Refined tube", refined.LEMMAS),
+    "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
+    "functions": ("What is printed: functions", functions.LEMMAS),
 }
 
 
@@ -36,33 +55,47 @@ class Entry:
         return self.outcome.verdict
 
 
-def prove_all(progress: Callable[[str], None] = lambda _: None) -> list[Entry]:
-    """Run every proof, family by family."""
+def prove_all(progress: Callable[[str], None] = lambda _: None, fresh: bool = True) -> list[Entry]:
+    """Every proof, family by family; fresh=False takes outcomes from the cache where nothing that they rest on has changed."""
+    cache = Cache(fresh)
     entries = []
     for title, lemmas in FAMILIES.values():
         progress(title)
         for lemma in lemmas:
             begin = time.perf_counter()
-            outcome = lemma.run()
+            outcome = cache.get(lemma.name) or lemma.run()
+            cache.put(lemma.name, outcome)
             entries.append(Entry(lemma, outcome, time.perf_counter() - begin))
+    cache.keep()
     return entries
 
 
-def page(entries: list[Entry]) -> str:
-    """The book as Markdown: statement, formula, assumptions, source, verdict, method, evidence; the same on every run."""
-    counts = ", ".join(f"{sum(e.verdict is verdict for e in entries)} {verdict.value}" for verdict in Verdict)
+def page(entries: list[Entry], suffix: str = ".md") -> str:
+    """The book as Markdown (".md") or LaTeX (".tex"), the same on every run."""
+    return latex(entries) if suffix == ".tex" else markdown(entries)
+
+
+def _by_family(entries: list[Entry]) -> Iterator[tuple[str, list[Entry]]]:
+    for name, (title, _) in FAMILIES.items():
+        yield title, [e for e in entries if e.lemma.family == name]
+
+
+def _counts(entries: list[Entry]) -> str:
+    return ", ".join(f"{sum(e.verdict is verdict for e in entries)} {verdict.value}" for verdict in Verdict)
+
+
+def markdown(entries: list[Entry]) -> str:
+    """Statement, formula, assumptions, source, verdict, method, evidence."""
     lines = [
         "# Lemmas",
         "",
-        f"{counts}; made by `stt-codegen prove`,",
+        f"{_counts(entries)}; made by `stt-codegen prove`,",
         'which computes every verdict anew. Source "Program": the statement is about the expression that is printed. Refuted are',
         "statements as the paper prints them or as one might hope; their repairs stand beside them.",
     ]
-    for name, (title, _) in FAMILIES.items():
+    for title, members in _by_family(entries):
         lines += ["", f"## {title}"]
-        for e in entries:
-            if e.lemma.family != name:
-                continue
+        for e in members:
             lines += ["", f"### {e.lemma.name}: {e.verdict.value}", "", e.lemma.statement, "", f"$${e.lemma.latex}$$", ""]
             if e.lemma.assumptions:
                 lines.append(f"- assumed: {'; '.join(e.lemma.assumptions)}")
@@ -72,3 +105,49 @@ def page(entries: list[Entry]) -> str:
                 *(f"- {line}" for line in e.outcome.evidence),
             ]
     return "\n".join(lines) + "\n"
+
+
+LATEX_HEAD = r"""\documentclass[10pt,a4paper]{article}
+\usepackage[utf8]{inputenc}
+\usepackage{amsmath,amssymb}
+\usepackage[margin=25mm]{geometry}
+\emergencystretch=3em
+\begin{document}
+\title{Lemmas}
+\author{}
+\date{}
+\maketitle
+"""
+
+
+def latex(entries: list[Entry]) -> str:
+    """The same as a LaTeX document that needs amsmath and nothing else."""
+    lines = [LATEX_HEAD + _plain(f"{_counts(entries)}; made by stt-codegen prove, which computes every verdict anew.")]
+    for title, members in _by_family(entries):
+        lines.append(rf"\section{{{_plain(title)}}}")
+        for e in members:
+            lines += [
+                rf"\paragraph{{{_plain(e.lemma.name)}: {e.verdict.value}.}} {_plain(e.lemma.statement)}",
+                rf"\[ {e.lemma.latex} \]",
+                r"\begin{itemize}\small\raggedright",
+                *(rf"\item assumed: {_plain(v)}" for v in e.lemma.assumptions),
+                rf"\item source: {_plain(e.lemma.source)}; method: {_plain(e.outcome.method)}",
+                *(rf"\item \texttt{{{_plain(v)}}}" for v in e.outcome.evidence),
+                r"\end{itemize}",
+            ]
+    return "\n".join([*lines, r"\end{document}"]) + "\n"
+
+
+_SPECIAL = {
+    "\\": r"\textbackslash{}",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+}
+
+
+def _plain(text: str) -> str:
+    """Text with what LaTeX reads as commands written out; a star or bracket may be a place to break the line."""
+    quoted = "".join(_SPECIAL.get(c, rf"\{c}" if c in "&%$#_{}" else c) for c in text)
+    return quoted.replace("*", r"*\allowbreak{}")

@@ -5,33 +5,12 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
-from stt_codegen.paper import circumvent
-from stt_codegen.program.lower import lower
-from stt_codegen.program.symbols import branches
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
 
 t, m = sp.symbols("t m", real=True)
 height, k, r = sp.symbols("B k r", positive=True)
 v = sp.Symbol("v", positive=True)  # 1/(r^2 - (t - m)^2), which grows without bound towards an edge
 BUMP = height * sp.exp(-k * (t - m) ** 2 / (r**2 - (t - m) ** 2))
-
-
-def _shipped() -> Outcome:
-    kernel = lower(circumvent.circumvent())
-    d = sp.Symbol("d", real=True)
-    given = {"t": m + d, "height": height, "steepness": k, "middle": m, "radius": r, "cut": sp.Rational(1, 746)}
-    left = []
-    for branch in branches(kernel, given):
-        if not branch.taken_at({d: sp.Rational(9, 10), r: 1, k: 1, m: 5, height: 3}):
-            continue
-        rest = sp.simplify(sp.log(branch.outputs[0] / height) - sp.log(BUMP.subs(t, m + d) / height))
-        rest = sp.simplify(sp.expand_log(rest, force=True).subs(sp.Abs(d) ** 2, d**2))
-        if rest == 0:
-            return identity(
-                {f"where {branch.conditions[0]}": rest}, "SymPy: logarithms of both, on the branch away from the guard"
-            )
-        left.append(str(rest))
-    return Outcome(Verdict.OPEN, "SymPy", tuple(left))
 
 
 def _edges() -> Outcome:
@@ -81,14 +60,6 @@ def _uncovered() -> Outcome:
 
 
 LEMMAS = (
-    Lemma(
-        "bumps.shipped",
-        "The emitted `circumvent` is (7), (8) above rest, away from its guard.",
-        r"B\exp\frac{-k(t-m)^2}{r^2-(t-m)^2}",
-        ("|t - m| < r", "the exponent is above -746 (double) or -104 (float): the exponential is not 0 there"),
-        "Program",
-        _shipped,
-    ),
     Lemma(
         "bumps.edges",
         "All derivatives tend to 0 at m - r and m + r, so the function is smooth with 0 outside.",

@@ -8,7 +8,7 @@ from flint import arb
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
 from stt_codegen.paper import reach_tube
 from stt_codegen.program.lower import lower
-from stt_codegen.program.symbols import branches, formulas
+from stt_codegen.program.symbols import formulas
 
 s, t, t_c = sp.symbols("s t t_c", positive=True)
 FASTEST = 0.40607  # of t_c, where sigma is steepest
@@ -64,21 +64,6 @@ def _hull() -> Outcome:
     return identity({"reach_edge - ((1 - sigma) X0 + sigma T)": rho - ((1 - value) * start + value * end)})
 
 
-def _shipped() -> Outcome:
-    """The kernel's guard is not taken while t_c - t is above t_c/1024."""
-    kernel = lower(reach_tube.profile())
-    found = {}
-    for branch in branches(kernel, {"t": t, "t_c": t_c}):
-        if not branch.taken_at({t: 9 * (1 - sp.Rational(1, 1000)), t_c: 9}):
-            continue
-        guard = sp.simplify(branch.outputs[0].rewrite(sp.exp) - sp.tanh(t / (t_c - t)).rewrite(sp.exp))
-        if guard == 0:
-            found[f"where {branch.conditions[0]}"] = guard
-    if not found:
-        return Outcome(Verdict.OPEN, "SymPy", ("no branch of the kernel is tanh(t/(t_c - t))",))
-    return identity(found, "SymPy: the kernel's branch away from t_c is tanh(s)")
-
-
 def _guard() -> Outcome:
     """At the guard s >= 1023: 1 - tanh is 2 d/(1 + d), d = exp(-2046), which no double holds."""
     d = (arb(-2046)).exp()
@@ -127,14 +112,6 @@ LEMMAS = (
         ("0 <= sigma <= 1",),
         "Program",
         _hull,
-    ),
-    Lemma(
-        "reach.shipped",
-        "The emitted profile is tanh(t/(t_c - t)) wherever t is more than t_c/1024 before t_c.",
-        r"\texttt{profile}(t) = \tanh\frac{t}{t_c-t}",
-        ("0 <= t < t_c",),
-        "Program",
-        _shipped,
     ),
     Lemma(
         "reach.guard",

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+from itertools import product
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, identity, positive
+from stt_codegen.certify import exact
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
@@ -80,6 +85,54 @@ def _blend() -> Outcome:
     return identity({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
 
 
+def _bezier_shipped() -> Outcome:
+    """`RefinedDesign.bezier` run on tables with a single 1, which by linearity is all of it, against the weights."""
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    found = {}
+    for k in range(4):
+        rows = tuple((((1 if j == k else 0), 0),) for j in range(4))
+        coefficients = RefinedDesign(Fraction(1), 1, 0, rows).bezier()[0, 0, 0]
+        found[f"table entry {k}"] = _weights()[k] - sum(int(c) * f for c, f in zip(coefficients, bernstein, strict=True))
+    return identity(found, "SymPy: the certificate's own map, by linearity")
+
+
+def _halves() -> Outcome:
+    """`exact.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
+    piece = np.array(q, dtype=object)
+    curves = [
+        sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *exact.halves(piece))
+    ]
+    whole, early, late = curves
+    return identity(
+        {
+            "early half less the curve at s/2": early - whole.subs(s, s / 2),
+            "late half less that at (1 + s)/2": late - whole.subs(s, (1 + s) / 2),
+        },
+        "SymPy: the certificate's own code run on symbols",
+    )
+
+
+def _integers() -> Outcome:
+    """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
+    functions are run on every such pattern: n, m over a range, r on a grid."""
+    wrong, cases = [], 0
+    for m, r, unit in product(range(-3, 4), [Fraction(k, 7) for k in range(7)], (Fraction(1), Fraction(1, 1 << 18), Fraction(4))):
+        value = (m + r) * unit
+        for n in range(-5, 6):
+            cases += 1
+            above = (n >= exact.units_above(value, unit)) == (n * unit >= value)
+            below = (n <= exact.units_below(value, unit)) == (n * unit <= value)
+            if not (above and below):
+                wrong.append((m, r, unit, n))
+    verdict = Verdict.PROVED if not wrong else Verdict.OPEN
+    method = "by cases: sign, whole part and rest of the bound; the certificate's own functions, in exact numbers"
+    return Outcome(
+        verdict,
+        method,
+        (f"{cases} comparisons of integers agree with those of numbers, {len(wrong)} do not", *map(str, wrong[:2])),
+    )
+
+
 LEMMAS = (
     Lemma(
         "refined.weights_shipped",
@@ -136,5 +189,29 @@ LEMMAS = (
         ("0 <= s <= 1",),
         "ours",
         _hull,
+    ),
+    Lemma(
+        "refined.bezier_shipped",
+        "The map from the table that the certificate's code uses is that form.",
+        r"\beta = (q_0+4q_1+q_2,\ 4q_1+2q_2,\ 2q_1+4q_2,\ q_1+4q_2+q_3)",
+        (),
+        "certificate",
+        _bezier_shipped,
+    ),
+    Lemma(
+        "refined.halves",
+        "Where a hull is too coarse the certificate's code halves the segment, and both halves are the curve itself.",
+        r"\beta \mapsto (\beta^{\text{early}}, \beta^{\text{late}})",
+        ("0 <= s <= 1",),
+        "certificate, de Casteljau",
+        _halves,
+    ),
+    Lemma(
+        "refined.integers",
+        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing.",
+        r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
+        ("n whole",),
+        "certificate",
+        _integers,
     ),
 )

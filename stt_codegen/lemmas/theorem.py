@@ -36,6 +36,49 @@ def _vdot() -> Outcome:
     )
 
 
+def _norms() -> Outcome:
+    """V = |eps|^2/2 of n components is the sum of theirs, so Vdot = v' r, for n = 1, 2, 3; and so for every n, by component."""
+    found = {}
+    for n in (1, 2, 3):
+        e = sp.symbols(f"e1:{n + 1}", real=True)
+        rates = sp.symbols(f"edot1:{n + 1}", real=True)
+        v = sum(sp.log((1 + c) / (1 - c)) ** 2 for c in e) / 2
+        whole = sum(sp.diff(v, c) * rate for c, rate in zip(e, rates, strict=True))
+        parts = sum(sp.log((1 + c) / (1 - c)) * 2 / (1 - c**2) * rate for c, rate in zip(e, rates, strict=True))
+        found[f"n = {n}: Vdot - sum of eps_i (d eps_i/d e_i) edot_i"] = sp.simplify(whole - parts)
+    return identity(found)
+
+
+def _component() -> Outcome:
+    """r <= P - g k v at the upper edge, k v = 4 k q(eps)/gamma_d: below 0 once 4 k g q(eps) > P gamma_d."""
+    p, g, k, v, s = sp.symbols("P g k v s", positive=True)
+    return identity({"P - g k v at g k v = P + s, plus s": sp.expand((p - g * k * v).subs(v, (p + s) / (g * k)) + s)})
+
+
+def _effort() -> Outcome:
+    """|u| = k h(a, b), h rising with a and falling with b: if k g h > P both adot < 0 and bdot > 0, so |u| falls."""
+    a, b, g, p, s = sp.symbols("a b g P s", positive=True)
+    h = (1 / a + 1 / b) * sp.log(a / b)
+    push, low, high = sp.symbols("f gammadot_L gammadot_U", real=True)
+    held = (p + s) / g  # k h
+    y = a / b
+    return all_of(
+        identity(
+            {
+                "adot = f - g k h - gammadot_L, at k h = (P + s)/g: less (f - gammadot_L - P) - s": sp.expand(
+                    push - g * held - low - ((push - low - p) - s)
+                ),
+                "bdot = gammadot_U - f + g k h: less (gammadot_U - f + P) + s": sp.expand(
+                    high - push + g * held - ((high - push + p) + s)
+                ),
+                "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(h, a) - (1 + y - sp.log(y))),
+                "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(h, b) + (1 + 1 / y + sp.log(y))),
+            }
+        ),
+        positive("1 + exp z - z, z = ln(a/b)", lambda z: 1 + z.exp() - z, [(-40.0, 40.0)], least=1.99),
+    )
+
+
 def _skew() -> Outcome:
     """v' g v = v' g_s v: what is antisymmetric in g does no work."""
     found = {}
@@ -107,6 +150,14 @@ LEMMAS = (
         _vdot,
     ),
     Lemma(
+        "theorem.norms",
+        "V = |eps|^2/2 and Vdot add up over the components, for every n.",
+        r"\dot V = \sum_i v_i r_i",
+        ("|e_i| < 1",),
+        "Theorem 4.1",
+        _norms,
+    ),
+    Lemma(
         "theorem.skew",
         "v' g v depends on the symmetric part of g alone; so Vdot <= -k g_min |v|^2 + |v| |Phi|.",
         r"v^\top g v = v^\top g_s v",
@@ -129,6 +180,23 @@ LEMMAS = (
         ("|Phi| <= Phi over tube and disturbance",),
         "in place of the printed step, ours",
         _decrease,
+    ),
+    Lemma(
+        "theorem.component",
+        "For diagonal g, by component: |eps_i| <= max(|eps_i(0)|, E) for every E with 4 k g_min q(E) > P max gamma_d, "
+        "q(E) = E cosh(E/2)^2.",
+        r"4kg_{\min}\,q(E) > P\max\gamma_d \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
+        ("g diagonal, f may couple", "P >= |f + w| + |edge rate|", "sampled.law, sampled.rises"),
+        "ours",
+        _component,
+    ),
+    Lemma(
+        "theorem.effort",
+        "For diagonal g, by component: |u_i| <= max(|u_i(0)|, P_i/g_min).",
+        r"|u_i| \le \max\Bigl(|u_i(0)|,\ \frac{P_i}{g_{\min}}\Bigr)",
+        ("g diagonal, f may couple", "P_i >= |f_i + w_i - gammadot_edge,i| at both edges", "continuous control"),
+        "ours",
+        _effort,
     ),
     Lemma(
         "theorem.negative",

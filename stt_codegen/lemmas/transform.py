@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import sympy as sp
+from flint import arb
 
+from stt_codegen.controller import logarithm
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
 from stt_codegen.paper import control_law
 from stt_codegen.program.lower import lower
@@ -119,6 +121,73 @@ def _outer_jacobian() -> Outcome:
     return counterexample("xi_12 is d epsilon_1/dx_2", "e = (1/2, 1/2)", xi != slope, f"{xi} times 4/gamma_d, and {slope}")
 
 
+def _outer_loop() -> Outcome:
+    """x = (3/4, 3/4) in the resting tube (-1, 1)^2, xdot = u, k = 1: u by the outer product points out of the tube in both."""
+    vector, matrix = _outer_product()
+    at = dict.fromkeys(vector, sp.Rational(3, 4))
+    epsilon = sp.Matrix([sp.log((1 + v) / (1 - v)) for v in vector])
+    u = (-2 * matrix.inv() * epsilon).subs(at)  # 4/gamma_d = 2
+    pushed = all(bool(v > 0) for v in u)
+    shown = f"xdot = ({sp.N(u[0], 4)}, {sp.N(u[1], 4)}), away from the middle"
+    return counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
+
+
+def _outer_three() -> Outcome:
+    """In three dimensions the singular sphere is nearer to every corner still: e = (2/3, 2/3, 1/3)."""
+    e = sp.Matrix([sp.Rational(2, 3), sp.Rational(2, 3), sp.Rational(1, 3)])
+    determinant = (sp.eye(3) - e * e.T).det()
+    return counterexample("I - e e^T is invertible", "e = (2/3, 2/3, 1/3)", determinant == 0, f"its determinant is {determinant}")
+
+
+def _clamp_cost() -> Outcome:
+    """While |eps| <= eps(e_max) the clamp does nothing; beyond, |u| is that at e_max: 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
+    e_max, width = sp.symbols("e_max w", positive=True)
+    near, far = (1 - e_max) / 2 * width, (1 + e_max) / 2 * width
+    at_clamp = (1 / near + 1 / far) * sp.log(far / near)
+    printed = 4 / (width * (1 - e_max**2)) * sp.log((1 + e_max) / (1 - e_max))
+    return identity(
+        {
+            "k h at the clamp, less 4 k ln((1 + e_max)/(1 - e_max))/(gamma_d (1 - e_max^2))": sp.simplify(
+                sp.expand_log(at_clamp - printed, force=True)
+            ),
+            "tanh(eps(e_max)/2) - e_max": sp.simplify(sp.tanh(sp.log((1 + e_max) / (1 - e_max)) / 2).rewrite(sp.exp) - e_max),
+        }
+    )
+
+
+def _logarithm() -> Outcome:
+    """y = m 2^e, s = (m - 1)/(m + 1): ln y = e ln 2 + 2 atanh s, and the kernel's polynomial in place of 2 atanh(s)/s is within
+    2^-14.9 of it; |s| <= sqrt 2 - 1 squared."""
+    m, count = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
+    kernel = logarithm.without_library(lower(control_law.transformed_error()))
+    epsilon, _ = formulas(kernel, {"a": a, "b": b})
+    ratio = b / a
+    split = {sp.Function("exponent")(ratio): count, sp.Function("mantissa")(ratio): m}
+    s = (m - 1) / (m + 1)
+    around = sp.Rational(logarithm.C.numerator, logarithm.C.denominator) * s**2 + 2
+    ln2 = sp.Rational(logarithm.LN2.numerator, logarithm.LN2.denominator)
+    farthest = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
+    bound, c = 2.0**-14.9, arb(float(logarithm.C))
+
+    def room(v: Any, sign: int) -> Any:
+        """bound 2 s + sign D, D = s (2 + C s^2) - 2 atanh s, about the middle of the ball; 2 s <= 2 atanh s."""
+        mid = arb(v.mid())
+        difference = mid * (2 + c * mid**2) - 2 * mid.atanh()
+        slope = 2 + 3 * c * v**2 - 2 / (1 - v**2)
+        return 2 * bound * mid + sign * difference + (2 * bound + sign * slope) * (v - mid)
+
+    small = 2.0**-7  # below: 2 atanh(s) - 2 s is at most 0.67 s^3, and C is
+    ln2_error = abs(arb(ln2.p) / ln2.q - arb(2).log())
+    return all_of(
+        identity({"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(split) - (count * ln2 + s * around))}),
+        identity({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - m)}),
+        positive("2^-14.9 2 s + D", lambda v: room(v, 1), [(small, farthest)]),
+        positive("2^-14.9 2 s - D", lambda v: room(v, -1), [(small, farthest)]),
+        positive("2^-14.9 - 0.68 s^2/2 below s = 2^-7", lambda v: arb(bound) - arb("0.34") * v**2, [(0.0, small)]),
+        identity({"whether |ln 2 of the Program - ln 2| is above 2^-50": sp.Integer(0 if ln2_error < arb(2) ** -50 else 1)}),
+    )
+
+
 LEMMAS = (
     Lemma(
         "transform.e",
@@ -202,5 +271,39 @@ LEMMAS = (
         ("n = 2",),
         "section IV as printed",
         _outer_jacobian,
+    ),
+    Lemma(
+        "transform.outer_loop",
+        "With it the closed loop xdot = u, k > 0, is driven toward the middle of the tube.",
+        r"\dot x = -k\,\tfrac{4}{\gamma_d}(I-ee^\top)^{-1}\varepsilon \text{ points inward}",
+        ("n = 2",),
+        "section IV as printed",
+        _outer_loop,
+    ),
+    Lemma(
+        "transform.outer_three",
+        "In three dimensions it is invertible wherever |e_i| < 1.",
+        r"\det(I-ee^\top) \ne 0",
+        ("n = 3",),
+        "section IV as printed",
+        _outer_three,
+    ),
+    Lemma(
+        "transform.clamp_cost",
+        "The clamp bounds |u| by its value at e_max and changes nothing while |eps| <= eps(e_max): Theorem 4.1 stands if eps* is "
+        "below that.",
+        r"|u| \le \frac{4k}{\gamma_d(1-e_{\max}^2)}\ln\frac{1+e_{\max}}{1-e_{\max}}",
+        ("gamma_d > 0",),
+        "ours",
+        _clamp_cost,
+    ),
+    Lemma(
+        "transform.logarithm",
+        "The inline logarithm is e ln 2 + s (2 + C s^2), within 2^-14.9 of ln y, relatively: component i has a gain within 2^-14 "
+        "of k.",
+        r"\ln y = e\ln 2 + 2\operatorname{artanh} s,\quad s = \tfrac{m-1}{m+1}",
+        ("y = m 2^e, m in [1/sqrt 2, sqrt 2)", "rounding: `controller/logarithm.py`"),
+        "ours, Program",
+        _logarithm,
     ),
 )

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
-from stt_codegen.paper import adaptive_tube
-from stt_codegen.program.lower import lower
-from stt_codegen.program.symbols import branches
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
 
 psi = sp.Symbol("psi", real=True)
 alpha, theta0, kappa, varsigma, h, p_, q, z = sp.symbols("alpha theta0 kappa varsigma h p q z", positive=True)
@@ -18,29 +13,6 @@ mu = sp.Symbol("mu", real=True)
 GIVEN = {"psi": psi, "alpha": alpha, "theta0": theta0, "kappa": kappa, "mu": mu, "varsigma": varsigma}
 AWAY = {psi: 1, alpha: 1, theta0: 1, kappa: 5, mu: sp.Rational(1, 2), varsigma: 20}  # from every guard
 THETA = theta0 * (1 - sp.tanh(varsigma * (psi - mu)))
-
-
-def _same(kernel_name: str, wanted: dict[int, Any], given: dict[str, Any], at: dict[Any, Any]) -> Outcome:
-    """On the branch of a kernel that is taken at these numbers, away from its guards, the outputs are the wanted formulas."""
-    kernel = lower(getattr(adaptive_tube, kernel_name)())
-    left: dict[str, Any] = {"no branch is taken": at}
-    for branch in branches(kernel, given):
-        if not branch.taken_at(at):
-            continue
-        left = {
-            f"{kernel.output_names[k]} where {', '.join(map(str, branch.conditions)) or 'always'}": sp.simplify(
-                (branch.outputs[k] - want).rewrite(sp.exp)
-            )
-            for k, want in wanted.items()
-        }
-        if all(rest == 0 for rest in left.values()):
-            return identity(left, "SymPy: the kernel's branch away from its guards")
-    return Outcome(Verdict.OPEN, "SymPy", tuple(f"{k}: {v}" for k, v in left.items()))
-
-
-def _rate() -> Outcome:
-    rate = THETA / (psi + alpha) ** 2 - kappa * alpha
-    return _same("update_rate", {0: rate, 1: sp.diff(rate, alpha)}, GIVEN, AWAY)
 
 
 def _jacobian() -> Outcome:
@@ -123,17 +95,6 @@ def _newton_start() -> Outcome:
     )
 
 
-def _newton_shipped() -> Outcome:
-    p = sp.Symbol("p", real=True)
-    f = (z - p) * z**2 - q
-    return _same("newton", {0: z - f / sp.diff(f, z)}, {"p": p, "q": q, "z": z}, {p: 1, q: 1, z: 2})
-
-
-def _end_shipped() -> Outcome:
-    rest = sp.Symbol("rest", nonnegative=True)
-    return _same("implicit_end", {0: rest + q / z**2}, {"q": q, "rest": rest, "z": z}, {q: 1, rest: 1, z: 2})
-
-
 def _inverted() -> Outcome:
     """psi constant -1/2, kappa = 5, theta <= 2 theta0 = 0.02: on alpha in [0, 0.1] alphadot < 0 at 0.1, so z stays below -0.4."""
     worst = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
@@ -141,15 +102,37 @@ def _inverted() -> Outcome:
     return counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
 
 
+def _bounded() -> Outcome:
+    """theta <= 2 theta0 (update.jacobian), so at alpha = 2 theta0/(kappa s^2) and psi + alpha >= s alphadot <= 0."""
+    s, more = sp.symbols("s m", positive=True)
+    largest = 2 * theta0 / (kappa * s**2)
+    rate = 2 * theta0 / (s + more) ** 2 - kappa * largest
+    return all_of(
+        identity({"alphadot's bound there at psi + alpha = s": rate.subs(more, 0)}),
+        identity(
+            {
+                "at psi + alpha = s + m, plus 2 theta0 (2 s m + m^2)/(s^2 (s + m)^2)": sp.together(
+                    rate + 2 * theta0 * (2 * s * more + more**2) / (s**2 * (s + more) ** 2)
+                )
+            }
+        ),
+    )
+
+
+def _printed_lemma() -> Outcome:
+    """Two bumps from opposite sides, beta_L = 5.2 over beta_U = 5; rho = [4.9, 5.3], alpha = 0, nu = 100: both psi are 0.1."""
+    low, high, beta_low, beta_high, nu = arb("4.9"), arb("5.3"), arb("5.2"), arb(5), arb(100)
+    psi = (beta_high - low, high - beta_low)
+    gaps = [top - bottom for top in (high, beta_high) for bottom in (low, beta_low)]
+    width = -sum(((-nu * g).exp() for g in gaps), arb(0)).log() / nu
+    shown = (
+        f"psi + alpha is {psi[0].str(2)} and {psi[1].str(2)}, gamma_d = {width.str(4)}; the gap of beta_U and beta_L is in no psi"
+    )
+    fails = psi[0] > 0 and psi[1] > 0 and width < 0
+    return counterexample("gamma_d > 0 where psi + alpha > 0", "beta_L = 5.2, beta_U = 5, rho = [4.9, 5.3]", fails, shown)
+
+
 LEMMAS = (
-    Lemma(
-        "update.rate_shipped",
-        "The emitted `update_rate` is (11) and its Jacobian, where psi + alpha and the exponent are away from their guards.",
-        r"\dot\alpha = \frac{\theta}{(\psi+\alpha)^2} - \kappa\alpha",
-        ("psi + alpha > 2^-30", "varsigma (psi - mu) < 40"),
-        "(11), Program",
-        _rate,
-    ),
     Lemma(
         "update.jacobian",
         "The Jacobian is -2 theta/(psi + alpha)^3 - kappa: negative, since theta is positive.",
@@ -199,27 +182,27 @@ LEMMAS = (
         _newton_start,
     ),
     Lemma(
-        "update.newton_shipped",
-        "The emitted `newton` is Newton's map for the cubic, away from its guard.",
-        r"z \mapsto z - f(z)/f'(z)",
-        ("the iterate is above 2^-60",),
-        "Program",
-        _newton_shipped,
-    ),
-    Lemma(
-        "update.end_shipped",
-        "The emitted end of the step is alpha' = rest + q/z^2, which is not negative.",
-        r"\alpha' = \tfrac{\alpha}{1+h\kappa} + \tfrac{q}{z^2} \ge 0",
-        (),
-        "Program",
-        _end_shipped,
-    ),
-    Lemma(
         "update.inverted_start",
         "Whatever psi(0), psi + alpha becomes positive.",
         r"\exists t:\ \psi+\alpha > 0",
         ("kappa = 5, theta0 = 0.01: the case study's",),
         "(11) as printed",
         _inverted,
+    ),
+    Lemma(
+        "update.bounded",
+        "alpha <= 2 theta0/(kappa s^2) where psi + alpha >= s; so |alphadot| <= 2 theta0/s^2 + kappa alpha is bounded.",
+        r"0 \le \alpha \le \frac{2\theta_0}{\kappa s^2}",
+        ("psi + alpha >= s (update.away)",),
+        "in place of Lemma 3.3, ours",
+        _bounded,
+    ),
+    Lemma(
+        "update.printed_lemma",
+        "Lemma 3.3: with psi + alpha bounded away from 0 the tube has positive width (smooth.width says what it takes).",
+        r"\psi+\alpha > 0 \Rightarrow \gamma_d > 0",
+        ("(7)-(11) as printed, sides chosen one by one",),
+        "Lemma 3.3 as printed",
+        _printed_lemma,
     ),
 )

@@ -47,6 +47,7 @@ from stt_codegen.program.program import (
     Store,
     Trunc,
     Var,
+    operands,
 )
 from stt_codegen.program.running import LIBRARY_ULPS
 
@@ -440,7 +441,7 @@ class _Printer:
         self.compares = {name: v for name, v in values.items() if isinstance(v, Op) and v.name in _SIGN}
         self.selects = {name: v for name, v in values.items() if isinstance(v, Select)}
         extremes = {v.condition for v in values.values() if isinstance(v, Select) and self.extreme(v)}
-        used = {o for v in values.values() if not (isinstance(v, Select) and self.extreme(v)) for o in _operands(v)}
+        used = {o for v in values.values() if not (isinstance(v, Select) and self.extreme(v)) for o in operands(v)}
         used |= {o for v in values.values() if isinstance(v, Select) for o in (v.then, v.other)} | set(kernel.outputs)
         body = [a for a in kernel.body if not (a.var in extremes and a.var not in used)]
         inputs = ", ".join(v.name for v in kernel.inputs)
@@ -459,19 +460,6 @@ class _Printer:
         lines += [f"    {p.name} = [{zero}] * {p.length}" for p in function.outputs if not p.inout]
         lines += [f"    {p.name} = list({p.name})" for p in function.outputs if p.inout]
         return [*lines, *self.statements(function.body, function)]
-
-
-def _operands(value: Expression) -> tuple[Operand, ...]:
-    match value:
-        case Op(args=args):
-            return args
-        case Select(condition=condition, then=then, other=other):
-            return (condition, then, other)
-        case IsFinite(arg=arg) | Trunc(arg=arg):
-            return (arg,)
-        case Load(index=index):
-            return (index,)
-    return ()
 
 
 def _assigns(body: Iterable[Statement]) -> Iterable[Assign]:

@@ -11,7 +11,7 @@ from functools import cache
 
 import casadi as ca
 
-from stt_codegen.program.program import BOOL, REAL, Assign, Kernel, Op, Operand, Select, Var, real, type_of
+from stt_codegen.program.program import BOOL, REAL, Assign, Kernel, Op, Operand, Select, Var, operands, real, type_of
 
 # Opcodes that are one operation of the Program.
 _DIRECT = {
@@ -114,8 +114,8 @@ class _Reader:
 
     def _emit(self, operation: str, *args: Operand) -> Operand:
         logical = operation in ("and", "or", "not")
-        operands = tuple(self._as_bool(a) if logical else self._as_real(a) for a in args)
-        return self._number(Op(operation, operands))
+        typed = tuple(self._as_bool(a) if logical else self._as_real(a) for a in args)
+        return self._number(Op(operation, typed))
 
     def _select(self, condition: Operand, then: Operand, other: Operand) -> Operand:
         return self._number(Select(condition, then, other))
@@ -153,13 +153,5 @@ def _live(body: list[Assign], outputs: list[Operand]) -> tuple[Assign, ...]:
         if assign.var.name not in needed:
             continue
         kept.append(assign)
-        value = assign.value
-        operands = (
-            value.args
-            if isinstance(value, Op)
-            else (value.condition, value.then, value.other)
-            if isinstance(value, Select)
-            else ()
-        )
-        needed |= {a.name for a in operands if isinstance(a, Var)}
+        needed |= {a.name for a in operands(assign.value) if isinstance(a, Var)}
     return tuple(reversed(kept))

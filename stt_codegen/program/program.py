@@ -152,6 +152,20 @@ def type_of(expression: Expression) -> Type:
             return REAL
 
 
+def operands(expression: Expression) -> tuple[Operand, ...]:
+    """What an expression reads; nothing for a variable or constant itself."""
+    match expression:
+        case Op(args=args):
+            return args
+        case Select(condition=condition, then=then, other=other):
+            return (condition, then, other)
+        case IsFinite(arg=arg) | Trunc(arg=arg):
+            return (arg,)
+        case Load(index=index):
+            return (index,)
+    return ()
+
+
 # ---------------------------------------------------------------------------------------------- statements
 
 

@@ -16,7 +16,7 @@ import sympy as sp
 
 from stt_codegen.program.program import Assign, Kernel, Op, Operand, Select, Var
 
-_OPERATIONS: dict[str, Any] = {
+OPERATIONS: dict[str, Any] = {
     "add": lambda a, b: a + b,
     "sub": lambda a, b: a - b,
     "mul": lambda a, b: a * b,
@@ -32,9 +32,16 @@ _OPERATIONS: dict[str, Any] = {
     "tanh": sp.tanh,
     "sinh": sp.sinh,
     "cosh": sp.cosh,
+    "atanh": sp.atanh,
+    "sin": sp.sin,
+    "cos": sp.cos,
+    "tan": sp.tan,
+    "exponent": sp.Function("exponent"),
+    "mantissa": sp.Function("mantissa"),
+    "real": lambda a: a,
 }
-_COMPARISONS: dict[str, Any] = {"lt": sp.Lt, "le": sp.Le, "eq": sp.Eq, "ne": sp.Ne}
-_NEGATED: dict[str, Any] = {"lt": sp.Ge, "le": sp.Gt, "eq": sp.Ne, "ne": sp.Eq}
+COMPARISONS: dict[str, Any] = {"lt": sp.Lt, "le": sp.Le, "eq": sp.Eq, "ne": sp.Ne, "ilt": sp.Lt, "tlt": sp.Lt}
+NEGATED: dict[str, Any] = {"lt": sp.Ge, "le": sp.Gt, "eq": sp.Ne, "ne": sp.Eq, "ilt": sp.Ge, "tlt": sp.Ge}
 
 
 @dataclass(frozen=True)
@@ -52,7 +59,7 @@ class Branch:
 def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
     """Every way through the kernel, for inputs that are SymPy expressions. Raises `NotImplementedError`, naming it, for a node
     that is no formula (integers, loads)."""
-    tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and a.value.name in _COMPARISONS]
+    tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and a.value.name in COMPARISONS]
     for outcomes in product((True, False), repeat=len(tests)):
         yield _through(kernel, given, dict(zip(tests, outcomes, strict=True)))
 
@@ -82,15 +89,15 @@ def _through(kernel: Kernel, given: Mapping[str, Any], outcomes: Mapping[str, bo
 
 def _assigned(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditions: list[Any]) -> Any:
     match assign.value:
-        case Op(name=name, args=args) if name in _COMPARISONS:
+        case Op(name=name, args=args) if name in COMPARISONS:
             holds = outcomes[assign.var.name]
-            conditions.append((_COMPARISONS if holds else _NEGATED)[name](*map(value, args)))
+            conditions.append((COMPARISONS if holds else NEGATED)[name](*map(value, args)))
             return holds
         case Op(name="and" | "or" | "not" as name, args=args):
             truths = [value(a) for a in args]
             return {"and": all(truths), "or": any(truths), "not": not truths[0]}[name]
-        case Op(name=name, args=args) if name in _OPERATIONS:
-            return _OPERATIONS[name](*map(value, args))
+        case Op(name=name, args=args) if name in OPERATIONS:
+            return OPERATIONS[name](*map(value, args))
         case Select(condition=condition, then=then, other=other):
             return value(then) if value(condition) else value(other)
     raise NotImplementedError(f"{assign.var.name}: no formula for {assign.value}")

@@ -1,0 +1,83 @@
+"""A certified tube cut into time windows, with what the statements about effort and sampling need of each: bounds on its
+width, on the speed of its edges, on the rate of its width, and on the place where it is. All rounded outward.
+
+Refined tubes have a window for each segment, exact but for the last rounding; enclosed ones have their cells' places joined,
+and the one speed of P6.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.certify.enclosure import Enclosed
+from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+
+Array = npt.NDArray[Any]
+OUT = 1 + 2.0**-48  # more than the few roundings of a quotient or product of doubles
+CELLS = 64  # windows of an enclosed tube
+
+
+@dataclass(frozen=True)
+class Windows:
+    """W time windows and last the one from t_c on. times: (W + 1) boundaries, seconds; the rest (W + 1, n): narrow <= gamma_d
+    <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high."""
+
+    times: Array
+    narrow: Array
+    wide: Array
+    speed: Array
+    widening: Array
+    low: Array
+    high: Array
+
+    @property
+    def shortest(self) -> float:
+        """Of the windows before t_c, seconds."""
+        return float(np.diff(self.times).min())
+
+
+def refined_windows(design: RefinedDesign) -> Windows:
+    """A window for each segment, from its Bezier coefficients: integers below 2^27 in units of a power of 2, so that sums and
+    differences are exact doubles."""
+    unit = float(design.unit)
+    bezier = design.bezier()  # (K, n, 2, 4)
+    last = np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)
+    bezier = np.concatenate([bezier, last])
+    per_second = float(Fraction(3 * design.segments) / design.prescribed_time) * OUT * unit
+    width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
+    times = np.linspace(0.0, float(design.prescribed_time), design.segments + 1)
+    return Windows(
+        times,
+        width.min(axis=-1) * unit,
+        width.max(axis=-1) * unit,
+        np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3)) * per_second,
+        np.abs(np.diff(width, axis=-1)).max(axis=-1) * per_second,
+        bezier[:, :, LOWER].min(axis=-1) * unit,
+        bezier[:, :, UPPER].max(axis=-1) * unit,
+    )
+
+
+def enclosed_windows(tube: Enclosed) -> Windows:
+    """CELLS windows, or as many as there are cells."""
+    times, gamma = tube.lines.times, tube.gamma
+    count = len(times) - 1
+    cuts = np.unique(np.linspace(0, count, min(CELLS, count) + 1).astype(int))
+    groups = [slice(a, b) for a, b in itertools.pairwise(cuts)] + [slice(count, count + 1)]
+    low, high = gamma[:, :, LOWER], gamma[:, :, UPPER]  # (N + 1, n, 2 ends)
+    speed = np.tile([float(v) * OUT for v in tube.certificate.speed], (len(groups), 1))
+    speed[-1] = 0.0
+    return Windows(
+        times[cuts],
+        np.array([np.nextafter(high[g, :, 0] - low[g, :, 1], -np.inf).min(axis=0) for g in groups]),
+        np.array([np.nextafter(high[g, :, 1] - low[g, :, 0], np.inf).max(axis=0) for g in groups]),
+        speed,
+        2 * speed,
+        np.array([low[g, :, 0].min(axis=0) for g in groups]),
+        np.array([high[g, :, 1].max(axis=0) for g in groups]),
+    )

@@ -1,0 +1,219 @@
+"""Every emitted function on every path: its frame (finite test, held time, segment, clamps, saturation, status) puts the kernels
+together as the paper's equations, repaired, say.
+
+A function of a small example program is followed at points of every regime, edges, empty tubes and odd numbers included. On the
+path of a point its outputs are formulas in t, x, alpha and table entries, which stay symbols, so they hold for every design of
+that shape; they are compared with formulas put together from the equations (frames.py). Kernels stay symbols too: lemmas of their
+own say what they are. Points of one path that these formulas treat differently are all compared.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen.controller.ticks import ticks_of
+from stt_codegen.lemmas import frames, frames_adaptive
+from stt_codegen.lemmas.examples import (
+    SYMBOLS,
+    Case,
+    N,
+    Point,
+    Spec,
+    cases,
+)
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
+from stt_codegen.program.paths import follow, formulas_on
+from stt_codegen.program.program import Status
+
+
+def check(case: Case, function: str, points: Iterable[Point], spec: Spec) -> Outcome:
+    """Proved when on every path and regime of the points the outputs are those of the formulas."""
+    seen: dict[Any, Any] = {}
+    looked = 0
+    for point in points:
+        looked += 1
+        path = follow(case.program, function, point, case.opaque)
+        regime, outputs, result = spec(case, point)
+        seen.setdefault((path.decisions, regime), (path, point, outputs, result))
+    left = []
+    for path, point, outputs, result in seen.values():
+        found = formulas_on(case.program, function, SYMBOLS, path, case.opaque)
+        pairs = [
+            (f"{name}[{i}]", v, w)
+            for name in outputs
+            for i, (v, w) in enumerate(zip(found.outputs[name], outputs[name], strict=True))
+        ]
+        pairs += [("result", found.result, result)]
+        left += [f"{name} at {_shown(point)}: {v} for {w}"[:300] for name, v, w in pairs if not _same(v, w)]
+    method = "SymPy: the function followed at points of every regime, its formulas on each path compared"
+    if left:
+        return Outcome(Verdict.OPEN, method, tuple(left))
+    return Outcome(Verdict.PROVED, method, (f"{function}: {len(seen)} paths and regimes, {looked} points",))
+
+
+def _same(found: Any, wanted: Any) -> bool:
+    if found is None or wanted is None or isinstance(found, Status) or isinstance(wanted, Status):
+        return found is wanted
+    if sp.sympify(found) is sp.nan or sp.sympify(wanted) is sp.nan:
+        return sp.sympify(found) is sp.sympify(wanted)
+    difference = sp.sympify(found) - wanted
+    return bool(sp.expand(difference) == 0 or sp.cancel(difference) == 0)
+
+
+def _shown(point: Point) -> str:
+    return ", ".join(f"{k} = {v}" for k, v in point.items())
+
+
+# ------------------------------------------------------------------------------------------------ points
+
+TIMES = (-1.0, 0.0, 0.3, 2.5, 5.0, 8.9, 9.0, 12.0)
+ODD = (math.nan, math.inf, -math.inf)
+SHARES = (-2.5, -0.1, 0.0, 0.001, 0.2, 0.5, 0.8, 0.999, 1.0, 1.1, 3.5)  # of the width, from the lower edge
+APART = (-2.5, -0.1, 0.001, 0.2, 0.8, 0.999, 1.1, 3.5)  # from ties: `tube` in seconds tells where a tick's are to rounding only
+ALPHAS = ((0.0, 0.1, 0.0, 0.2), (-1.0, 0.0, 1e30, 0.5), (0.3, 1e9, 0.2, -2.0))
+
+
+def _times() -> list[Point]:
+    return [{"t": t} for t in (*TIMES, *ODD)]
+
+
+def _states(
+    case: Case, arguments: Mapping[str, Any], extra: Mapping[str, Any], several: Sequence[float] = SHARES
+) -> Iterator[Point]:
+    """Every share in one component while the other is at a fifth; both alike; and a narrow tube's own odd places."""
+    tube = follow(case.program, "tube", arguments, case.opaque).outputs
+    shares = [pair for s in several for pair in ((s, 0.2), (0.2, s), (s, s))]
+    for pair in shares:
+        widths = [tube["upper"][i] - tube["lower"][i] for i in range(N)]
+        x = [tube["lower"][i] + pair[i] * (widths[i] if abs(widths[i]) > 1e-9 else 1e-3) for i in range(N)]
+        yield {**extra, "x": [tube["upper"][i] if pair[i] == 1.0 else x[i] for i in range(N)]}
+
+
+def _bad_states(extra: Mapping[str, Any]) -> Iterator[Point]:
+    for odd in ODD:
+        yield {**extra, "x": [odd, 1.0]}
+        yield {**extra, "x": [1.0, odd]}
+
+
+def _spline_points(case: Case) -> Iterator[Point]:
+    for t in TIMES:
+        yield from _states(case, {"t": t}, {"t": t})
+    yield from _bad_states({"t": 1.0})
+    yield from ({"t": odd, "x": [1.0, 1.0]} for odd in ODD)
+
+
+def _tick_points(case: Case) -> Iterator[Point]:
+    ticks = ticks_of(case.design, Fraction(1, 1000))  # type: ignore[arg-type]
+    for tick in (0, 1, 2400, 6750, 8999, ticks.last - 1, ticks.last, ticks.last + 1, 2**32 - 1):
+        yield from _states(case, {"t": tick / 1000}, {"tick": tick}, APART)
+    yield from _bad_states({"tick": 7})
+
+
+def _alpha_points(x: bool) -> Iterator[Point]:
+    case = cases()["adaptive"]
+    for t, alpha in product((-1.0, 2.5, 12.0) if x else TIMES, ALPHAS):
+        extra = {"t": t, "alpha": list(alpha)}
+        yield from _states(case, extra, extra) if x else (extra,)
+    for odd in ODD:
+        states = {"x": [1.0, 1.0]} if x else {}
+        yield {"t": odd, "alpha": list(ALPHAS[0]), **states}
+        for k in range(2 * N):
+            yield {"t": 1.0, "alpha": [odd if i == k else 0.1 for i in range(2 * N)], **states}
+    if x:
+        yield from _bad_states({"t": 1.0, "alpha": list(ALPHAS[0])})
+
+
+def _step_points() -> Iterator[Point]:
+    for point, dt in product(_alpha_points(False), (0.01, 1e9, 0.0, -1.0, math.nan)):
+        yield {**point, "dt": dt}
+
+
+def _boxes() -> Iterator[Point]:
+    """Edges and states of `transform`: both components alike or different, empty, narrow, wide, not finite."""
+    sides = [(0.0, 1.0), (0.0, 2.0**-22), (1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)]
+    for (low, high), share in product(sides, (*SHARES, math.nan)):
+        x = low + share * (high - low if 0 < high - low < 10 else 1.0)
+        yield {"lower": [low, 0.0], "upper": [high, 1.0], "x": [x, 0.2]}
+        yield {"lower": [0.0, low], "upper": [1.0, high], "x": [0.9, x]}
+
+
+# By lemma: the example, the emitted function, and its points.
+SUBJECTS: Mapping[str, tuple[str, str, Callable[[Case], Iterable[Point]]]] = {
+    **{f"{case}_tube": (case, "tube", lambda _: _times()) for case in ("wide", "narrow")},
+    **{f"{case}_tube_rate": (case, "tube_rate", lambda _: _times()) for case in ("wide", "narrow")},
+    **{f"{case}_control": (case, "control", _spline_points) for case in ("wide", "narrow")},
+    **{f"{case}_margin": (case, "margin", _spline_points) for case in ("wide", "narrow")},
+    "control_tick": ("wide", "control_tick", _tick_points),
+    "transform": ("narrow", "transform", lambda _: _boxes()),
+    "alpha_init": ("adaptive", "alpha_init", lambda _: [{}]),
+    "alpha_step": ("adaptive", "alpha_step", lambda _: _step_points()),
+    "alpha_rate": ("adaptive", "alpha_rate", lambda _: _alpha_points(False)),
+    "adaptive_tube": ("adaptive", "tube", lambda _: _alpha_points(False)),
+    "adaptive_tube_rate": ("adaptive", "tube_rate", lambda _: _alpha_points(False)),
+    "adaptive_control": ("adaptive", "control", lambda _: _alpha_points(True)),
+    "adaptive_margin": ("adaptive", "margin", lambda _: _alpha_points(True)),
+}
+SPLINE: Mapping[str, Spec] = {
+    "tube": frames.tube,
+    "tube_rate": frames.tube_rate,
+    "control": frames.control_of(frames.spline_edges),
+    "control_tick": frames.control_of(frames.spline_edges),
+    "margin": frames.margin_of(frames.spline_edges),
+    "transform": frames.transform,
+}
+ADAPTIVE: Mapping[str, Spec] = {
+    "tube": frames_adaptive.adaptive_tube,
+    "tube_rate": frames_adaptive.adaptive_rate,
+    "control": frames.control_of(frames_adaptive.adaptive_edges),
+    "margin": frames.margin_of(frames_adaptive.adaptive_edges),
+    "alpha_init": frames_adaptive.alpha_init,
+    "alpha_step": frames_adaptive.alpha_step,
+    "alpha_rate": frames_adaptive.alpha_rate,
+}
+
+
+def prove(name: str) -> Outcome:
+    """The function of a lemma, at its points, against its formulas."""
+    kind, function, points = SUBJECTS[name]
+    case = cases()[kind]
+    return check(case, function, points(case), (ADAPTIVE if kind == "adaptive" else SPLINE)[function])
+
+
+STATEMENTS = {
+    "tube": ("both edges, NaN for a t that is not finite", r"\gamma_{L,U}(t)"),
+    "tube_rate": ("the rates of both edges, 0 from t_c on", r"\dot\gamma_{L,U}(t)"),
+    "control": (
+        "u = -k xi eps on distances held by e_max, saturated where asked, 0 in an empty tube; and the status",
+        r"u = -k\,\xi\,\varepsilon",
+    ),
+    "margin": ("the least share of the width to the nearer edge, from 1/2 down to -1", r"\min_i \min(a_i, b_i)/\gamma_{d,i}"),
+    "control_tick": ("the same law at tick periods, segment and rest in integers", r"u = -k\,\xi\,\varepsilon"),
+    "transform": ("e clamped, eps and xi; 0 in an empty component, NaN where something is not finite", r"e,\ \varepsilon,\ \xi"),
+    "alpha_init": ("zeros", r"\alpha(0) = 0"),
+    "alpha_step": ("one implicit step of (11) to t + dt, or none", r"\alpha(t+dt)"),
+    "alpha_rate": ("(11) and its Jacobian with psi of rho and beta", r"\dot\alpha"),
+}
+KINDS = {"wide": " of a refined tube", "narrow": " of a refined tube that may be empty", "adaptive": " of an adaptive tube"}
+
+
+def _lemmas() -> Iterator[Lemma]:
+    for name, (kind, function, _) in SUBJECTS.items():
+        told, latex = STATEMENTS[function]
+        yield Lemma(
+            f"functions.{name}",
+            f"The emitted `{function}`{KINDS[kind] if name != function else ''} gives {told}, on every path.",
+            latex,
+            ("every kernel is what its own lemma says", "paths taken at points of every regime"),
+            "Program",
+            partial(prove, name),
+        )
+
+
+LEMMAS = tuple(_lemmas())

@@ -1,0 +1,178 @@
+"""Plants xdot = f(x) + g(x) u + w: what the controller does not know, for the statements about effort and sampling and for
+simulation.
+
+A plant of your own is a Python file with `f(x)` and `g(x)`, CasADi expressions of a column x (lists of entries and of rows
+will do), and, where you know one, `w_max`, a bound on the norm of w:
+
+    import casadi as ca
+
+    def f(x):
+        return [0, -9.81 * ca.sin(x[0])]
+
+    def g(x):
+        return [[1, 0], [0, 2 + ca.cos(x[0])]]
+
+    w_max = 0.1
+
+CasADi is imported only where a plant is evaluated.
+"""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, Protocol
+
+from stt_codegen.errors import BadInput
+
+
+class Model(Protocol):
+    """What a plant must have. f, g: CasADi expressions of the column x, shapes (n,) and (n, n); w_max: a bound on |w|, in
+    units per second; dimension: n, or None where any will do."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def dimension(self) -> int | None: ...
+    @property
+    def w_max(self) -> Fraction: ...
+    def f(self, x: Any) -> Any: ...
+    def g(self, x: Any) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A plant made of two functions. `doc` is one line for people."""
+
+    name: str
+    doc: str
+    dimension: int | None
+    drift: Callable[[Any], Any]
+    input_matrix: Callable[[Any], Any]
+    w_max: Fraction = Fraction(0)
+
+    def f(self, x: Any) -> Any:
+        return self.drift(x)
+
+    def g(self, x: Any) -> Any:
+        return self.input_matrix(x)
+
+
+# ------------------------------------------------------------------------------------------------ built in
+
+
+def _no_drift(x: Any) -> Any:
+    return [0] * x.shape[0]
+
+
+def _identity(x: Any) -> Any:
+    n = x.shape[0]
+    return [[int(i == j) for j in range(n)] for i in range(n)]
+
+
+def _robot(x: Any) -> Any:
+    """g of (14): velocities in the robot's frame, turned by its heading x3."""
+    import casadi as ca
+
+    c, s = ca.cos(x[2]), ca.sin(x[2])
+    return [[c, -s, 0], [s, c, 0], [0, 0, 1]]
+
+
+INERTIA = (1.2, 1.0, 0.8)  # kg m^2 about the principal axes, of the example spacecraft
+
+
+def _gyroscopic(x: Any) -> Any:
+    """Euler's equations: J omegadot = -omega x (J omega) + torque."""
+    a, b, c = INERTIA
+    return [(b - c) / a * x[1] * x[2], (c - a) / b * x[2] * x[0], (a - b) / c * x[0] * x[1]]
+
+
+def _torques(x: Any) -> Any:
+    return [[1 / INERTIA[0], 0, 0], [0, 1 / INERTIA[1], 0], [0, 0, 1 / INERTIA[2]]]
+
+
+def _droop(x: Any) -> Any:
+    """What gravity takes from a velocity servo of a planar arm of two equal links, rad/s."""
+    import casadi as ca
+
+    return [-0.10 * ca.cos(x[0]) - 0.05 * ca.cos(x[0] + x[1]), -0.05 * ca.cos(x[0] + x[1])]
+
+
+def _servo(x: Any) -> Any:
+    """Gains that nobody told the controller: they change with the elbow, and each joint drags the other a little."""
+    import casadi as ca
+
+    drag = 0.15 * ca.cos(x[1])
+    return [[0.9 - 0.2 * ca.cos(x[1]), drag], [drag, 1.1]]
+
+
+PLANTS = {
+    plant.name: plant
+    for plant in (
+        Plant("integrator", "xdot = u + w, in any dimension", None, _no_drift, _identity),
+        Plant("robot", "the omnidirectional robot (14) with its heading x3", 3, _no_drift, _robot),
+        Plant("spacecraft", "attitude rates of a rigid body, torques as inputs", 3, _gyroscopic, _torques),
+        Plant("arm", "two-link arm at velocity level, unknown gains", 2, _droop, _servo),
+    )
+}
+
+
+# ------------------------------------------------------------------------------------------------ by name
+
+
+def plant_of(name: str, dimension: int) -> Model:
+    """A built-in plant, or the one in a Python file. Raises `BadInput` when there is none or its dimension is another."""
+    plant = _from_file(Path(name)) if name.endswith(".py") else PLANTS.get(name)
+    if plant is None:
+        raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with f(x) and g(x)")
+    if plant.dimension not in (None, dimension):
+        fitting = [p.name for p in PLANTS.values() if p.dimension in (None, dimension)]
+        raise BadInput(f"--plant {name}: has {plant.dimension} dimensions, the task has {dimension}; use {', '.join(fitting)}")
+    model(plant, dimension)  # what is wrong with it shows here
+    return plant
+
+
+def _from_file(path: Path) -> Plant:
+    try:
+        names = runpy.run_path(str(path))
+    except Exception as error:  # the user's own code may raise anything
+        raise BadInput(f"--plant {path}: cannot be run ({type(error).__name__}: {error})") from None
+    for wanted in ("f", "g"):
+        if not callable(names.get(wanted)):
+            raise BadInput(f"--plant {path}: has no function {wanted}(x); see `stt_codegen/plants.py` for an example")
+    try:
+        w_max = Fraction(str(names.get("w_max", 0)))
+    except ValueError:
+        w_max = Fraction(-1)
+    if w_max < 0:
+        raise BadInput(f"--plant {path}: w_max is {names['w_max']!r}; a number that is 0 or greater is needed")
+    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max)
+
+
+def model(plant: Model, dimension: int) -> Any:
+    """The plant as a CasADi function of x (n) with outputs f (n) and g (n by n, dense). Raises `BadInput` for wrong shapes."""
+    import casadi as ca
+
+    x = ca.SX.sym("x", dimension)
+    try:
+        f = ca.densify(_matrix(plant.f(x)))
+        g = ca.densify(_matrix(plant.g(x)))
+    except Exception as error:  # the user's own code may raise anything
+        raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({type(error).__name__}: {error})") from None
+    for name, value, shape in (("f", f, (dimension, 1)), ("g", g, (dimension, dimension))):
+        if value.shape != shape:
+            raise BadInput(f"--plant {plant.name}: {name}(x) has shape {value.shape}; {shape} is needed")
+    return ca.Function("plant", [x], [f, g], ["x"], ["f", "g"])
+
+
+def _matrix(value: Any) -> Any:
+    """A CasADi matrix from an expression, a list of entries, or a list of rows."""
+    import casadi as ca
+
+    if isinstance(value, Sequence):
+        rows = [ca.horzcat(*row) if isinstance(row, Sequence) else row for row in value]
+        return ca.vertcat(*(ca.SX(row) for row in rows))
+    return ca.SX(value)

@@ -1,0 +1,143 @@
+"""What the command line prints of designs, bounds and comparisons, as tables for people; --json has the same as data."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+
+def _console() -> Any:
+    """Where tables go: as wide as the terminal, or 120 columns in a file."""
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def show_design(report: dict[str, Any]) -> None:
+    console = _console()
+    verdict = "[green]certified[/green]" if report["certified"] else "[red]NOT CERTIFIED[/red]"
+    console.print(f"[bold]{report['task']}[/bold]: {report['design']} tube, {verdict}, {report['seconds']} s")
+    speed = ", ".join(f"{v:.4g}" for v in report["speed_bound"])
+    console.print(
+        f"  {report['parameters']} over {report['prescribed_time']:g} s; least width {report['least_width']:.4g}; "
+        f"speed of an edge at most {speed} by dimension"
+    )
+    if report["method"] == "sampled":
+        console.print(
+            "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
+            "gamma(0), so starts near the edge of the initial set are outside"
+        )
+    elif report["method"] == "enclosure":
+        console.print(
+            "  [yellow]note[/yellow]: the smooth maximum narrows gamma(0), so starts near the edge of the initial set are outside"
+        )
+    elif not report["covers_initial_set"]:
+        console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
+    table = Table(box=None, pad_edge=True, header_style="bold")
+    for heading in ("", "property", "holds", "to spare", "least at"):
+        table.add_column(heading, justify="right" if heading == "to spare" else "left")
+    for p in report["properties"]:
+        holds = "[green]yes[/green]" if p["holds"] else "[red]NO[/red]"
+        table.add_row(p["property"], p["statement"], holds, f"{p['margin']:.3g}" if p["margin"] else "", p["where"])
+    console.print(table)
+    law = report["input"]
+    if law["largest_u"] is not None:
+        saturated = f", saturated at {', '.join(f'{u:g}' for u in law['u_max'])}" if law["u_max"] else ""
+        console.print(f"  |u| up to {law['largest_u']:.4g} at the clamp{saturated}")
+    if law["sampling"] is not None:
+        for line in _sampling_lines(law["sampling"], law["tick_period"]):
+            console.print(f"  {line}")
+    cost = report["cost"]
+    kinds = ", ".join(f"{count} {kind}" for kind, count in cost["operations"].items())
+    code = f", {cost['host_code_bytes']} B of code on this host (-Os)" if cost["host_code_bytes"] else ""
+    console.print(f"  one {' + '.join(cost['functions'])} step: {cost['operations_total']} operations ({kinds})")
+    console.print(f"  {cost['table_bytes']} B of tables{code}")
+    if "picture" in report:
+        console.print(f"  picture: {report['picture']}")
+
+
+def _sampling_lines(sampling: dict[str, Any], tick_period: float | None) -> Iterator[str]:
+    """What `Analysis.sampling` says, for people."""
+    own, best, plant = sampling["at_this_gain"], sampling["longest"], f"for {sampling['plant']}"
+    if own is None:
+        yield f"[yellow]note[/yellow]: gain {sampling['gain']:g} is proved at no sampling period {plant}"
+    else:
+        u = f"|u| below {', '.join(f'{v:.3g}' for v in own['u'])}"
+        yield f"sample every {_time(own['period'])} or faster, proved {plant}: |e| stays below {own['e']:.3g}, {u}"
+    if best is not None and (own is None or best["period"] > 1.1 * own["period"]):
+        yield f"gain {best['gain']:g} would allow {_time(best['period'])}, with |e| up to {best['e']:.3g}"
+    period, gains = sampling["gains_at"]["period"], sampling["gains_at"]["gains"]
+    if gains is None:
+        yield f"[yellow]note[/yellow]: no gain is proved for a period of {_time(period)}"
+    else:
+        yield f"gains from {gains[0]:g} to {gains[1]:g} are proved for a period of {_time(period)}"
+    if tick_period is not None and (own is None or tick_period > own["period"]):
+        yield f"[yellow]note[/yellow]: emit.tick_period {_time(tick_period)} is longer than what is proved at this gain"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.4g} s" if seconds >= 1 else f"{1e3 * seconds:.4g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.4g} us"
+
+
+def show_bounds(document: dict[str, Any]) -> None:
+    """What `prove TASK` found: hypotheses, then bounds by dimension, then the sampled statements."""
+    console = _console()
+    noise = f", x measured to {document['noise']:g}" if document["noise"] else ""
+    console.print(f"[bold]{document['task']}[/bold], {document['design']}, with {document['plant']}{noise}")
+    table = Table(box=None, header_style="bold")
+    for heading in ("hypothesis", "statement", "holds"):
+        table.add_column(heading)
+    for h in document["hypotheses"]:
+        table.add_row(h["name"], h["statement"], "[green]yes[/green]" if h["holds"] else "[red]NO[/red]")
+    console.print(table)
+    tube, plant, free = document["tube"], document["plant_over_the_tube"], document["continuous"]
+    rows = {
+        "tube, lowest": tube["lower"],
+        "tube, highest": tube["upper"],
+        "least width": tube["least_width"],
+        "largest width": tube["largest_width"],
+        "speed of an edge": tube["speed"],
+        "|f + w|": plant["push"],
+        "g_ii, least": plant["g_diagonal_least"],
+        "|g_ij|, largest": plant["g_cross_largest"],
+        "eps* (continuous)": free["epsilon_star"],
+        "|u| (continuous)": free["u"],
+    }
+    numbers = Table(box=None, header_style="bold")
+    numbers.add_column("bound")
+    for i in range(len(tube["lower"])):
+        numbers.add_column(f"x{i + 1}", justify="right")
+    for name, values in rows.items():
+        numbers.add_row(name, *("none" if v is None else f"{v:.4g}" for v in values))
+    console.print(numbers)
+    console.print(f"  |eps|, all of it (continuous): {_or_none(free['epsilon_star_norm'])}")
+    for name, p in document["sampled"].items():
+        if p is None:
+            console.print(f"  sampled, {name}: proves no period")
+            continue
+        a, b = p["tight"]["time"]
+        where = f"tightest at {a:.4g} to {b:.4g} s" + (
+            f", x{p['tight']['dimension']}" if p["tight"]["dimension"] != "all" else ""
+        )
+        console.print(f"  sampled, {name}: {_time(p['period'])}, |e| below {p['e']:.3g}; {where}")
+    for line in _sampling_lines(document["sampling"], None):
+        console.print(f"  {line}")
+
+
+def _or_none(value: float | None) -> str:
+    return "none" if value is None else f"{value:.4g}"
+
+
+def show_rows(title: str, rows: list[Any]) -> None:
+    """A comparison with the reference as a table."""
+    heading = f"{title}: largest distance from the reference"
+    table = Table(box=None, header_style="bold", title=heading, title_justify="left")
+    for name in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
+        table.add_column(name, justify="left" if name in ("backend", "quantity") else "right")
+    for r in rows:
+        verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
+        table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
+    _console().print(table)
+    print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")
