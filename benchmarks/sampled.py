@@ -2,8 +2,8 @@
 
     python benchmarks/sampled.py [COUNT] [--record FILE.md]
 
-One or two components, random bounds. Every adversary keeps to the bounds that the statement was told (|f + w|, edge speeds, width,
-g) and pushes as hard as they allow: up, down, with the motion, against the middle, at random. A period of `longest` is simulated
+One or two components, random bounds. Every adversary keeps to the bounds that the statement was told (|f + w|, edge speeds,
+width, g) and pushes as hard as they allow: up, down, with the motion, against the middle, at random. A period of `longest` is run
 first, where |eps| must stay below E; then longer ones until the state leaves the tube. Deterministic.
 """
 

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -75,6 +75,11 @@ class Analysis:
             before = max(k - 1, 0)
             low, high = np.minimum(w.low[k], w.low[before]), np.maximum(w.high[k], w.high[before])
             yield enclosure.over(list(zip(low.tolist(), high.tolist(), strict=True)))
+
+    def start_at(self, x0: Sequence[float]) -> Array:
+        """|eps(0)| of another start."""
+        law = self.setting.law
+        return setting_of(self.windows, self.bounds, law, x0).start
 
     @property
     def name(self) -> str:

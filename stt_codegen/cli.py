@@ -282,6 +282,40 @@ def compare(
 
 
 @app.command()
+def simulate(
+    task: TaskFile,
+    plant: Annotated[str, typer.Option(metavar="PLANT", help="integrator, robot, spacecraft, arm, or a file .py")] = "integrator",
+    rate: Annotated[float, typer.Option(metavar="HZ", help="samples a second; u is held between them")] = 1000.0,
+    disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
+    w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
+    noise: Annotated[float, typer.Option(min=0, help="bound on the error of every measured component")] = 0.0,
+    lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
+    start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
+    gain: Annotated[str | None, typer.Option(help='another control.gain, or "best": that with the longest proved period')] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    uncertified: Uncertified = False,
+    json: Json = False,
+) -> None:
+    """Drive a plant with the emitted C, held between samples: what is hit, left, reached. Exit code 1 when the task is missed."""
+    from stt_codegen.loop.command import simulate_task
+
+    with _patience(f"simulating {task}"):
+        options = (plant, rate, disturbance, w_max, noise, lost, start, seed, gain)
+        report = simulate_task(task, design, scalar, uncertified, out, *options)
+    if json:
+        _print_json(report)
+    else:
+        from stt_codegen.show import show_run
+
+        show_run(report)
+    if not report["fulfilled"]:
+        raise typer.Exit(1)
+
+
+@app.command()
 def pil(
     task: TaskFile,
     board: Annotated[Literal["m0", "m3", "m4f", "m7", "rv32", "avr"], typer.Option(help="the emulated board")],

@@ -40,13 +40,13 @@ def draw(controller: Controller, path: Path) -> None:
         constrained_layout=True,
     )
     if n >= 2:
-        _arena(axes["arena"], controller, low, high)
+        draw_arena(axes["arena"], controller, low, high)
     for i in range(n):
-        _dimension(axes[f"x{i + 1}"], controller, i, t, low, high)
+        draw_dimension(axes[f"x{i + 1}"], controller, i, t, low, high)
         axes[f"x{i + 1}"].set_xlabel("t [s]" if i == n - 1 else "")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
-    _save(figure, path)
+    save(figure, path)
 
 
 def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
@@ -55,14 +55,14 @@ def draw_beside(controllers: list[Controller], titles: list[str], path: Path) ->
     for axis, controller, title in zip(np.atleast_1d(axes), controllers, titles, strict=True):
         t = np.linspace(0.0, float(controller.task.prescribed_time), 1801)
         low, high = tube_at(controller, t)
-        _arena(axis, controller, low, high)
+        draw_arena(axis, controller, low, high)
         hits = _collisions(controller, low, high)
         for k in np.nonzero(hits)[0][::12]:
             axis.add_patch(
                 Rectangle(tuple(low[k, :2]), *(high[k, :2] - low[k, :2]), fill=False, edgecolor="black", linewidth=0.6)
             )
         axis.set_title(f"{title}: {'collides' if hits.any() else 'keeps clear'}")
-    _save(figure, path)
+    save(figure, path)
 
 
 def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[np.bool_]:
@@ -74,7 +74,8 @@ def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[
     return found
 
 
-def _save(figure: Any, path: Path) -> None:
+def save(figure: Any, path: Path) -> None:
+    """Write and close a figure. Raises `BadInput` where it cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=110, metadata={"Software": None})
@@ -98,7 +99,8 @@ def _patch(box: Box, colour: str, **style: Any) -> Rectangle:
     return Rectangle((x, y), a - x, b - y, color=colour, **style)
 
 
-def _arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
+def draw_arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
+    """The arena in the first two dimensions: sets, the tube's boxes over time, its centre line."""
     task = controller.task
     space = task.state_space
     axis.set(xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])))
@@ -129,7 +131,7 @@ def _arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
     axis.plot(*((low + high) / 2).T[:2], color="black", linewidth=0.8, linestyle=":")
 
 
-def _dimension(axis: Any, controller: Controller, i: int, t: Array, low: Array, high: Array) -> None:
+def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Array, high: Array) -> None:
     """One dimension over time; an unsafe set is drawn while all other dimensions of the tube overlap it."""
     task, n = controller.task, controller.task.dimension
     axis.fill_between(t, low[:, i], high[:, i], color=COLOURS["tube"], alpha=0.35, linewidth=0)

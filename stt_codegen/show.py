@@ -130,6 +130,33 @@ def _or_none(value: float | None) -> str:
     return "none" if value is None else f"{value:.4g}"
 
 
+def show_run(report: dict[str, Any]) -> None:
+    """What came of a closed loop, and what had been proved for it."""
+    console = _console()
+    verdict = "[green]fulfilled[/green]" if report["fulfilled"] else "[red]MISSED[/red]"
+    under = [f"|w| <= {report['w_max']:g} ({report['disturbance']})" if report["w_max"] else "no disturbance"]
+    under += [f"{report['rate']:g} Hz", f"gain {report['gain']:g}"]
+    if report["noise"]:
+        under.append(f"x measured to {report['noise']:g}")
+    if report["lost"]:
+        under.append(f"up to {report['lost']} lost in a row")
+    console.print(f"[bold]{report['task']}[/bold] ({report['design']}) drives {report['plant']}: {verdict}; {', '.join(under)}")
+    hit = "none" if report["hit"] is None else f"[red]{report['hit']} at {report['hit_at']:.4g} s[/red]"
+    left = "never" if report["left_at"] is None else f"[red]at {report['left_at']:.4g} s[/red]"
+    reached = "in the target" if report["reached"] else f"[red]not in the target, at {_numbers(report['last'])}[/red]"
+    console.print(f"  unsafe sets entered: {hit}; state space left: {left}; at t_c {reached}")
+    tube = f"least margin {report['margin']:.3g} of the width" if report["kept"] else "[red]was left[/red]"
+    console.print(f"  tube: {tube}; |e| up to {_numbers(report['e'])}; |u| up to {_numbers(report['u'])}")
+    for line in report["foretold"]:
+        console.print(f"  beforehand: {line}")
+    for path in report["files"]:
+        console.print(f"  {path}")
+
+
+def _numbers(values: list[float]) -> str:
+    return ", ".join(f"{v:.4g}" for v in values)
+
+
 def show_rows(title: str, rows: list[Any]) -> None:
     """A comparison with the reference as a table."""
     heading = f"{title}: largest distance from the reference"

@@ -15,12 +15,13 @@ from conftest import ROOT
 from stt_codegen.backends import STRICT
 
 PAGE = (ROOT / "docs" / "board.md").read_text()
+LEMMAS = (ROOT / "docs" / "lemmas.md").read_text()
 GCC = "12.2"  # the counts on the page are of this compiler
 
 
-def steps() -> list[tuple[str, str]]:
+def steps(page: str = PAGE) -> list[tuple[str, str]]:
     """Every command of the page, in order, with what it prints."""
-    blocks = re.findall(r"^```console\n(.*?)^```", PAGE, re.M | re.S)
+    blocks = re.findall(r"^```console\n(.*?)^```", page, re.M | re.S)
     return [(c, out) for block in blocks for c, out in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", block, re.M)]
 
 
@@ -57,3 +58,19 @@ def test_the_pages_loop_compiles_for_the_board_without_a_warning(folder: Path, t
     command = [tool("arm-none-eabi-gcc"), "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", *flags]
     for name in ("main.c", "omni_board.c", "omni_board_selftest.c"):
         subprocess.run([*command, "-c", name], cwd=folder / "firmware", check=True)
+
+
+def test_the_page_on_lemmas_shows_what_design_prints_and_a_plant_that_works(folder: Path) -> None:
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    ((command, shown),) = steps(LEMMAS)
+    ran = subprocess.run(
+        command, shell=True, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
+    )
+    assert ran.stdout == shown
+    (source,) = re.findall(r"^```python\n(.*?)^```", LEMMAS, re.M | re.S)
+    (folder / "mine.py").write_text(source)
+    command = "stt-codegen prove tasks/omni_s3.toml --plant mine.py"
+    ran = subprocess.run(
+        command, shell=True, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
+    )
+    assert ran.returncode == 0, ran.stdout + ran.stderr

@@ -1,0 +1,134 @@
+"""What `stt-codegen simulate` does: one loop, what was proved for it beforehand, its trace and picture."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from stt_codegen.bounds import Analysis
+from stt_codegen.emit.manifest import write_files
+from stt_codegen.errors import BadInput
+from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
+from stt_codegen.pipeline import Controller, build_task, require_supported
+from stt_codegen.plants import Model, Plant, plant_of
+from stt_codegen.task import load_task
+
+
+def simulate_task(
+    path: Path,
+    design: str | None,
+    scalar: str | None,
+    uncertified: bool,
+    out: Path | None,
+    plant_name: str,
+    rate: float,
+    disturbance: str,
+    w_max: float | None,
+    noise: float,
+    lost: int,
+    start: str | None,
+    seed: int,
+    gain: str | None,
+) -> dict[str, Any]:
+    """The report of one run as JSON data."""
+    task = load_task(path).with_options(design, scalar)
+    require_supported(task)
+    controller = build_task(task, uncertified)
+    plant = plant_of(plant_name, task.dimension)
+    strength = w_max if w_max is not None else float(plant.w_max or task.plant.w_max or 0)
+    if disturbance != "none" and strength == 0:
+        raise BadInput(f"--disturbance {disturbance}: of which size? give --w-max, its greatest norm in units per second")
+    strength = 0.0 if disturbance == "none" else strength
+    windy = with_wind(plant, strength)
+    if gain is not None:
+        controller = with_gain(controller, _gain(gain, controller, windy, noise))
+    scenario = Scenario(rate, disturbance, strength, seed, noise, lost, _numbers(start))
+    run = Loop(controller, plant).run(scenario, trace=out is not None)
+    report = {
+        "task": task.name,
+        "design": controller.design.kind,
+        "plant": plant.name,
+        "gain": float(controller.task.control.gain),
+        "rate": rate,
+        "disturbance": disturbance,
+        "w_max": strength,
+        "noise": noise,
+        "lost": lost,
+        "seed": seed,
+        "fulfilled": run.good,
+        "kept": run.kept,
+        **{name: value for name, value in asdict(run).items() if name != "trace"},
+        "foretold": foretold(controller, windy, scenario),
+        "files": [],
+    }
+    if out is not None:
+        report["files"] = write_run(controller, run, out)
+    return report
+
+
+def with_wind(plant: Model, strength: float) -> Plant:
+    """The plant with another bound on |w|."""
+    return Plant(plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength))
+
+
+def with_gain(controller: Controller, gain: float) -> Controller:
+    """The controller made again with another gain, written as a short decimal."""
+    task = controller.task
+    control = task.control.model_copy(update={"gain": Fraction(f"{gain:.6g}")})
+    return build_task(task.model_copy(update={"control": control}), uncertified=True)
+
+
+def _gain(text: str, controller: Controller, plant: Model, noise: float) -> float:
+    if text == "best":
+        best = Analysis(controller, plant, noise).best_gain if controller.certificate.holds else None
+        if best is None:
+            raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
+        return math.copysign(best[0], float(controller.task.control.gain))
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if value == 0 or not math.isfinite(value):
+        raise BadInput(f'--gain {text}: a number that is not 0 is needed, or "best"')
+    return value
+
+
+def _numbers(text: str | None) -> tuple[float, ...] | None:
+    if text is None:
+        return None
+    try:
+        return tuple(float(v) for v in text.split(","))
+    except ValueError:
+        raise BadInput(f"--start {text}: numbers with commas between them are needed, for example 0.25,0.25") from None
+
+
+def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[str]:
+    """What `prove TASK` says of this loop before it is run."""
+    if not controller.certificate.holds:
+        return ["the tube is not certified: nothing is proved"]
+    analysis = Analysis(controller, plant, scenario.noise)
+    if scenario.start is not None:
+        analysis.setting = replace(analysis.setting, start=analysis.start_at(scenario.start))
+    failed = [h.statement for h in analysis.hypotheses() if not h.holds]
+    lines = [f"does not hold: {statement}" for statement in failed]
+    age, period = (scenario.lost + 1) / scenario.rate, analysis.period
+    if period is None:
+        return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
+    most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {period.e:.3g}"
+    if age <= period.seconds:
+        return [*lines, f"proved: {e}, with samples up to {most} old (here {here})"]
+    return [*lines, f"not proved: samples get {here} old here, up to {most} are proved"]
+
+
+def write_run(controller: Controller, run: Run, folder: Path) -> list[str]:
+    """The trace and a picture of it; their paths."""
+    from stt_codegen.loop.picture import draw_run
+
+    assert run.trace is not None
+    name = f"{controller.task.name}.loop"
+    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task.dimension)})
+    draw_run(controller, run, folder / f"{name}.png")
+    return [str(folder / f"{name}.csv"), str(folder / f"{name}.png")]

@@ -1,0 +1,132 @@
+"""The closed loop in C: the emitted controller as it goes on the board, a plant printed from its kernel, and what joins them
+(templates/loop/), compiled by the system's compiler and called through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from stt_codegen.backends import find_compiler, run_compiler
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.emit.render import template, template_folder
+from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model, model
+from stt_codegen.program.c import CPrinter
+from stt_codegen.program.lower import lower
+from stt_codegen.program.program import Program
+
+FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-ffp-contract=off", "-shared", "-fPIC")
+MOST = 64  # dimensions, as in loop.h
+_double_p = ctypes.POINTER(ctypes.c_double)
+STEP = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, _double_p, _double_p)
+TUBE = ctypes.CFUNCTYPE(None, ctypes.c_double, _double_p, _double_p)
+ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double)
+
+
+class Setting(ctypes.Structure):
+    """`loop_setting` of loop.h."""
+
+    _fields_ = (
+        ("n", ctypes.c_int32),
+        ("boxes", ctypes.c_int32),
+        ("samples", ctypes.c_int32),
+        ("parts", ctypes.c_int32),
+        ("kind", ctypes.c_int32),
+        ("lost", ctypes.c_int32),
+        ("seed", ctypes.c_uint64),
+        ("period", ctypes.c_double),
+        ("strength", ctypes.c_double),
+        ("noise", ctypes.c_double),
+        ("start", ctypes.c_void_p),
+        ("space", ctypes.c_void_p),
+        ("target", ctypes.c_void_p),
+        ("unsafe", ctypes.c_void_p),
+    )
+
+
+class Judged(ctypes.Structure):
+    """`loop_result` of loop.h."""
+
+    _fields_ = (
+        ("hit", ctypes.c_int32),
+        ("left", ctypes.c_int32),
+        ("reached", ctypes.c_int32),
+        ("outside", ctypes.c_int32),
+        ("hit_at", ctypes.c_double),
+        ("left_at", ctypes.c_double),
+        ("outside_at", ctypes.c_double),
+        ("margin", ctypes.c_double),
+        ("e", ctypes.c_double * MOST),
+        ("u", ctypes.c_double * MOST),
+        ("last", ctypes.c_double * MOST),
+    )
+
+
+@dataclass(frozen=True)
+class Own:
+    """An emitted controller as the loop calls it; `start` sets alpha to 0 where there is one. `library` keeps it loaded."""
+
+    step: Any
+    tube: Any
+    advance: Any
+    start: Callable[[], None]
+    library: Any
+
+
+def driver(plant: Model, dimension: int) -> Any:
+    """`loop_run` for a plant; compiled once a process for each."""
+    function = model(plant, dimension)
+    return _driver(f"{plant.name}: {function}", _plant_source(function))
+
+
+@cache
+def _driver(name: str, source: str) -> Any:
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "plant.c").write_text(source)
+        made, where = f"{folder}/loop.so", template_folder() / "loop"
+        run_compiler([find_compiler(), *FLAGS, f"-I{where}", f"{folder}/plant.c", str(where / "loop.c"), "-o", made, "-lm"])
+        library = ctypes.CDLL(made)
+    run = library.loop_run
+    run.restype = None
+    run.argtypes = [
+        ctypes.POINTER(Setting),
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+        ctypes.POINTER(Judged),
+        ctypes.c_void_p,
+    ]
+    return run
+
+
+def _plant_source(function: Any) -> str:
+    kernel = lower(function)
+    n = function.nnz_in(0)
+    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
+    outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
+    arguments = ", ".join([*(f"x[{i}]" for i in range(n)), *outputs])
+    return template("loop/plant.c.j2").render(kernel="\n".join(lines), arguments=arguments)
+
+
+def own(controller: Controller) -> Own:
+    """The emitted C of a controller, compiled."""
+    prefix, adaptive = controller.task.name, not isinstance(controller.design, RefinedDesign)
+    steps = controller.certificate.steps
+    longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
+    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, data in controller.files.items():
+            Path(folder, name).write_bytes(data)
+        Path(folder, "adapter.c").write_text(template("loop/adapter.c.j2").render(**words))
+        sources = [f"{folder}/adapter.c", f"{folder}/{prefix}.c"]
+        run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
+        library = ctypes.CDLL(f"{folder}/own.so")
+    if not adaptive:
+        return Own(library.loop_own_step, library.loop_own_tube, None, lambda: None, library)
+    library.loop_own_advance.argtypes = [ctypes.c_double, ctypes.c_double]
+    return Own(library.loop_own_step, library.loop_own_tube, library.loop_own_advance, library.loop_own_start, library)

@@ -1,0 +1,161 @@
+"""Pictures of closed loops: a run beside its tube; the paper's figure 3 from several tasks, figure 1 from one adaptive tube."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import numpy.typing as npt
+
+mpl.use("Agg")
+
+import matplotlib.pyplot as plt
+from matplotlib.patches import Rectangle
+
+from stt_codegen.loop.simulate import Run
+from stt_codegen.picture import COLOURS, draw_arena, draw_dimension, save, tube_at
+from stt_codegen.pipeline import Controller
+
+Array = npt.NDArray[Any]
+PATH = "#d35400"
+LINES = ("#d35400", "#8e44ad", "#16a085")
+SLICES = 40  # boxes of a tube in three dimensions
+
+
+def draw_run(controller: Controller, run: Run, path: Path) -> None:
+    """Save one PNG: the arena with the state's path, every dimension over time, and the input."""
+    assert run.trace is not None
+    task, n = controller.task, controller.task.dimension
+    t, x, u = run.trace[:, 0], run.trace[:, 1 : n + 1], run.trace[:, n + 1 : 2 * n + 1]
+    grid = np.linspace(0.0, float(task.prescribed_time), 1801)
+    low, high = tube_at(controller, grid)
+    names = [*(f"x{i + 1}" for i in range(n)), "u"]
+    rows: list[Any] = [["arena", name] if n > 1 else [name, name] for name in names]
+    figure, axes = plt.subplot_mosaic(
+        rows, figsize=(11, max(5.2, 1.8 * (n + 1))), width_ratios=[1, 1.25], constrained_layout=True
+    )
+    if n > 1:
+        draw_arena(axes["arena"], controller, low, high)
+        axes["arena"].plot(x[:, 0], x[:, 1], color=PATH, linewidth=1.6)
+    for i in range(n):
+        draw_dimension(axes[f"x{i + 1}"], controller, i, grid, low, high)
+        axes[f"x{i + 1}"].plot(t, x[:, i], color=PATH, linewidth=1.2)
+    for i in range(n):
+        axes["u"].plot(t, u[:, i], linewidth=0.8, label=f"$u_{i + 1}$")
+    axes["u"].set(xlabel="t [s]", ylabel="$u$")
+    axes["u"].legend(loc="upper right", fontsize=7)
+    told = "task fulfilled" if run.good else _reason(run)
+    figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {float(task.control.gain):g}, {told}")
+    save(figure, path)
+
+
+def _reason(run: Run) -> str:
+    """Why a run missed its task, in words."""
+    if run.hit is not None:
+        return f"hits {run.hit} at {run.hit_at:.3g} s"
+    if run.left_at is not None:
+        return f"leaves the state space at {run.left_at:.3g} s"
+    return "not in the target at t_c"
+
+
+def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) -> None:
+    """The paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
+    figure = plt.figure(figsize=(4.1 * (len(pairs) + 1), 4.3), constrained_layout=True)
+    axis = figure.add_subplot(1, len(pairs) + 1, 1)
+    first = pairs[0][0]
+    _sets(axis, first)
+    for (controller, runs), colour in zip(pairs, LINES, strict=False):
+        box = controller.task.initial_set
+        axis.add_patch(_box(box, fill=False, edgecolor=colour, linewidth=1.6))
+        for run in runs:
+            assert run.trace is not None
+            axis.plot(run.trace[:, 1], run.trace[:, 2], color=colour, linewidth=0.8, alpha=0.8)
+    axis.set_title(f"(a) {sum(len(runs) for _, runs in pairs)} runs under disturbance", fontsize=9)
+    for k, ((controller, runs), colour) in enumerate(zip(pairs, LINES, strict=False)):
+        solid: Any = figure.add_subplot(1, len(pairs) + 1, k + 2, projection="3d")
+        _tube3(solid, controller, colour)
+        for run in runs:
+            assert run.trace is not None
+            solid.plot(run.trace[:, 1], run.trace[:, 2], run.trace[:, 0], color="black", linewidth=0.7)
+        solid.set_title(f"({'bcd'[k]}) {controller.task.name}, certified", fontsize=9)
+    save(figure, path)
+
+
+def _sets(axis: Any, controller: Controller) -> None:
+    """Unsafe sets and target in the plane."""
+    task = controller.task
+    space = task.state_space
+    axis.set(xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])))
+    axis.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
+    for s in task.unsafe:
+        axis.add_patch(_box(s, color=COLOURS["unsafe"], alpha=0.75))
+        axis.text(
+            *(float(s.lower[i] + s.upper[i]) / 2 for i in (0, 1)), s.name, ha="center", va="center", color="white", fontsize=8
+        )
+    axis.add_patch(_box(task.target_set, fill=False, edgecolor=COLOURS["target"], linewidth=1.8))
+
+
+def _box(box: Any, **style: Any) -> Rectangle:
+    (x, y), (a, b) = (float(v) for v in box.lower[:2]), (float(v) for v in box.upper[:2])
+    return Rectangle((x, y), a - x, b - y, **style)
+
+
+def _tube3(axis: Any, controller: Controller, colour: str) -> None:
+    """A tube as boxes over time, unsafe sets as pillars."""
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    task = controller.task
+    end = float(task.prescribed_time)
+    for s in task.unsafe:
+        (x, y), (a, b) = (float(v) for v in s.lower[:2]), (float(v) for v in s.upper[:2])
+        axis.bar3d(x, y, 0, a - x, b - y, end, color=COLOURS["unsafe"], alpha=0.12, shade=False)
+    t = np.linspace(0.0, end, SLICES * 8 + 1)
+    low, high = tube_at(controller, t)
+    faces = []
+    for k in range(0, len(t), 8):
+        (x, y), (a, b) = low[k, :2], high[k, :2]
+        faces.append([(x, y, t[k]), (a, y, t[k]), (a, b, t[k]), (x, b, t[k])])
+    axis.add_collection3d(Poly3DCollection(faces, facecolor=colour, edgecolor=colour, alpha=0.22, linewidth=0.5))
+    space = task.state_space
+    axis.set(
+        xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])), zlim=(0, end)
+    )
+    axis.set(xlabel="$x_1$", ylabel="$x_2$", zlabel="t [s]")
+    axis.view_init(elev=24, azim=-62)
+
+
+def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
+    """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adapted tube, all in
+    three dimensions."""
+    from stt_codegen import reference
+    from stt_codegen.certify.sampled import parameters_of
+
+    assert run.trace is not None
+    task, design = controller.task, controller.design
+    t = np.linspace(0.0, float(task.prescribed_time), 1601)
+    lines = reference.lines(parameters_of(design), t)  # type: ignore[arg-type]
+    low, high = tube_at(controller, t)
+    pushed = [b.dimension for b in design.bumps]  # type: ignore[union-attr]
+    i = max(set(pushed), key=pushed.count) if pushed else 0
+    figure = plt.figure(figsize=(17, 3.9), constrained_layout=True)
+    axes: list[Any] = [figure.add_subplot(1, 5, k + 1) for k in range(4)]
+    _sets(axes[0], controller)
+    axes[0].add_patch(_box(task.initial_set, fill=False, edgecolor=COLOURS["start"], linewidth=1.8))
+    axes[0].plot(run.trace[:, 1], run.trace[:, 2], color="black", linestyle=":")
+    axes[0].set_title("(a) state space and path", fontsize=9)
+    rho, beta = lines.rho[:, i].astype(float), lines.beta[:, i].astype(float)
+    for axis, name in zip(axes[1:], ("(b) reachability tube", "(c) circumvent functions", "(d) adapted tube"), strict=True):
+        axis.set_title(f"{name}, $x_{i + 1}$", fontsize=9)
+        axis.set(xlabel="t [s]", ylim=(float(task.state_space.lower[i]), float(task.state_space.upper[i])))
+    for axis in axes[1:3]:
+        axis.fill_between(t, rho[:, 0], rho[:, 1], color=COLOURS["tube"], alpha=0.3, linewidth=0)
+    axes[2].plot(t, beta[:, 0], t, beta[:, 1], color=PATH, linewidth=1.2)
+    draw_dimension(axes[3], controller, i, t, low, high)
+    axes[3].plot(run.trace[:, 0], run.trace[:, 1 + i], color="black", linestyle=":")
+    solid: Any = figure.add_subplot(1, 5, 5, projection="3d")
+    _tube3(solid, controller, LINES[0])
+    solid.set_title("(e) the tube over time", fontsize=9)
+    save(figure, path)

@@ -1,0 +1,186 @@
+"""A closed loop run: the emitted C, held between samples, drives a plant under a disturbance; every state on the way is judged.
+
+Between samples a classical Runge-Kutta method with fixed steps of at most STEP seconds and a quarter of the period integrates the
+plant, u being held. Runs are the same on every machine of one libm: random numbers come from the seed in templates/loop/loop.c.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.errors import BadInput
+from stt_codegen.loop.compiled import Judged, Own, Setting, driver, own
+from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model
+from stt_codegen.task import Task
+
+Array = npt.NDArray[Any]
+KINDS = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
+DISTURBANCES = {
+    "none": "w = 0",
+    "constant": "one vector of the full norm, drawn from the seed",
+    "sinusoidal": "along one vector, 0.5 to 20 rad/s, drawn",
+    "random": "a new vector in the ball at every sample",
+    "nearest": "toward the nearest unsafe set or wall, full norm",
+    "outward": "toward the nearest edge of the tube, full norm",
+}
+STEP = 0.001  # seconds, of the integrator at most
+PARTS = 4  # of a period, at least
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What a loop runs under. rate: samples a second; strength: bound on |w|; noise: bound on the error of every measured
+    component; lost: samples that may be lost in a row; start: x(0), the task's own where None."""
+
+    rate: float = 1000.0
+    disturbance: str = "none"
+    strength: float = 0.0
+    seed: int = 0
+    noise: float = 0.0
+    lost: int = 0
+    start: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.disturbance not in KINDS:
+            raise BadInput(f"--disturbance {self.disturbance}: is none of {', '.join(KINDS)}")
+        for name, value in (("--rate", self.rate), ("--w-max", self.strength), ("--noise", self.noise)):
+            if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
+                raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
+
+
+@dataclass(frozen=True)
+class Run:
+    """What came of it. hit: the unsafe set that was entered first; times are None where it did not happen; outside: samples at
+    which the controller said OUTSIDE_TUBE; margin: least distance to an edge over the width, all along; e, u: largest |e_i|,
+    |u_i|. trace: rows of t, x, u, lower, upper, w, status at every sample and at the end, where asked for."""
+
+    hit: str | None
+    hit_at: float | None
+    left_at: float | None
+    outside: int
+    outside_at: float | None
+    reached: bool
+    margin: float
+    e: tuple[float, ...]
+    u: tuple[float, ...]
+    last: tuple[float, ...]
+    trace: Array | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def good(self) -> bool:
+        """The task is fulfilled: no unsafe set entered, never outside the state space, in the target at the end."""
+        return self.hit is None and self.left_at is None and self.reached
+
+    @property
+    def kept(self) -> bool:
+        """The state was inside its tube all along."""
+        return self.margin > 0
+
+
+class Loop:
+    """A controller and a plant, compiled: run it under as many scenarios as you like."""
+
+    def __init__(self, controller: Controller, plant: Model, step: Own | None = None) -> None:
+        self.controller, self.plant = controller, plant
+        self.run_loop = driver(plant, controller.task.dimension)
+        self.own = step or own(controller)
+        self.field = _Field(controller.task)
+
+    def run(self, scenario: Scenario, trace: bool = False) -> Run:
+        task, field_ = self.controller.task, self.field
+        start = np.array(scenario.start or [float(v) for v in task.initial_state])
+        if start.shape != (task.dimension,):
+            raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed")
+        period = 1 / scenario.rate
+        samples = math.ceil(float(task.prescribed_time) / period - 1e-9)
+        setting = Setting(
+            n=task.dimension,
+            boxes=len(field_.names),
+            samples=samples,
+            parts=self._parts(period),
+            kind=KINDS.index(scenario.disturbance),
+            lost=scenario.lost,
+            seed=scenario.seed,
+            period=period,
+            strength=scenario.strength,
+            noise=scenario.noise,
+            start=start.ctypes.data,
+            space=field_.space.ctypes.data,
+            target=field_.target.ctypes.data,
+            unsafe=field_.unsafe.ctypes.data,
+        )
+        rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
+        judged = Judged()
+        self.own.start()
+        pointers = [
+            None if f is None else ctypes.cast(f, ctypes.c_void_p) for f in (self.own.step, self.own.tube, self.own.advance)
+        ]
+        self.run_loop(ctypes.byref(setting), *pointers, ctypes.byref(judged), None if rows is None else rows.ctypes.data)
+        return self._judged(judged, rows)
+
+    def _parts(self, period: float) -> int:
+        """Steps of the integrator in a period; of an adaptive tube no shorter than its certificate allows."""
+        parts = max(PARTS, math.ceil(period / STEP))
+        steps = self.controller.certificate.steps
+        return parts if steps is None else max(1, min(parts, math.floor(period / float(steps[0]))))
+
+    def _judged(self, r: Judged, rows: Array | None) -> Run:
+        n = self.controller.task.dimension
+
+        def at(value: float) -> float | None:
+            return None if value < 0 else float(value)
+
+        return Run(
+            hit=None if r.hit < 0 else self.field.names[r.hit],
+            hit_at=at(r.hit_at),
+            left_at=at(r.left_at),
+            outside=r.outside,
+            outside_at=at(r.outside_at),
+            reached=bool(r.reached),
+            margin=r.margin,
+            e=tuple(r.e[:n]),
+            u=tuple(r.u[:n]),
+            last=tuple(r.last[:n]),
+            trace=rows,
+        )
+
+
+class _Field:
+    """The task's sets as arrays of doubles; unsafe sets grown and the state space shrunk by the body."""
+
+    def __init__(self, task: Task) -> None:
+        def sides(box: Any) -> Array:
+            return np.array([[float(a), float(b)] for a, b in zip(box.lower, box.upper, strict=True)])
+
+        self.space, self.target = sides(task.free_space), sides(task.target_set)
+        self.names = [u.name or f"U{j + 1}" for j, u in enumerate(task.grown_unsafe)]
+        self.unsafe = np.array([sides(u) for u in task.grown_unsafe]).reshape(-1, task.dimension, 2)
+
+
+def columns(n: int) -> list[str]:
+    """The names of a trace's columns."""
+    return ["t", *(f"{name}{i + 1}" for name in ("x", "u", "lower", "upper", "w") for i in range(n)), "status"]
+
+
+def csv(trace: Array, n: int) -> bytes:
+    """A trace as CSV; numbers in nine digits."""
+    lines = [",".join(columns(n))]
+    lines += [",".join(f"{v:.9g}" for v in row[:-1]) + f",{int(row[-1])}" for row in trace.tolist()]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def starts(task: Task, gamma: Sequence[tuple[Fraction, Fraction]], e: float, seed: int) -> tuple[float, ...]:
+    """A random start in the initial set with |e| below a bound, by component, for gamma(0)."""
+    draw = np.random.default_rng(seed)
+    middle = np.array([float(a + b) / 2 for a, b in gamma])
+    half = np.array([float(b - a) / 2 for a, b in gamma])
+    return tuple((middle + half * e * draw.uniform(-1, 1, len(middle))).tolist())

@@ -1,0 +1,216 @@
+/* The loop: classical Runge-Kutta steps of fixed size between samples; every state on the way is judged. See loop.h. */
+#include "loop.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+typedef struct {
+    const loop_setting *s;
+    uint64_t random;
+    double direction[MOST]; /* unit vector, or the vector held over this period */
+    double rate, phase;     /* of the sinusoid, rad/s and rad */
+    double middle[MOST], half[MOST]; /* of the tube, at the last look */
+} wind;
+
+static double uniform(uint64_t *state) /* splitmix64, to [0, 1) */
+{
+    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+}
+
+static double norm_of(const double *v, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) sum += v[i] * v[i];
+    return sqrt(sum);
+}
+
+static void unit_vector(uint64_t *state, double *v, int n)
+{
+    double size;
+    do { /* in the ball, then on the sphere */
+        for (int i = 0; i < n; i++) { /* normal numbers, by Box and Muller */
+            const double a = 1.0 - uniform(state), b = uniform(state);
+            v[i] = sqrt(-2.0 * log(a)) * cos(6.283185307179586 * b);
+        }
+        size = norm_of(v, n);
+    } while (size < 1e-9);
+    for (int i = 0; i < n; i++) v[i] /= size;
+}
+
+/* From x to the nearest point of a box; the distance, 0 inside. */
+static double toward(const double *box, const double *x, double *way, int n)
+{
+    for (int i = 0; i < n; i++) {
+        const double low = box[2 * i], high = box[2 * i + 1];
+        way[i] = x[i] < low ? low - x[i] : x[i] > high ? high - x[i] : 0.0;
+    }
+    return norm_of(way, n);
+}
+
+static void nearest(const loop_setting *s, const double *x, double *w)
+{
+    const int n = s->n;
+    double best = HUGE_VAL, way[MOST];
+    for (int j = 0; j < s->boxes; j++) {
+        const double distance = toward(s->unsafe + 2 * n * j, x, way, n);
+        if (distance > 0.0 && distance < best) {
+            best = distance;
+            for (int i = 0; i < n; i++) w[i] = way[i] / distance;
+        }
+    }
+    for (int i = 0; i < n; i++) { /* walls */
+        const double down = x[i] - s->space[2 * i], up = s->space[2 * i + 1] - x[i];
+        const double distance = fmin(down, up);
+        if (distance < best) {
+            best = distance;
+            memset(w, 0, (size_t)n * sizeof *w);
+            w[i] = down < up ? -1.0 : 1.0;
+        }
+    }
+}
+
+static void blow(const wind *v, double t, const double *x, double *w)
+{
+    const loop_setting *s = v->s;
+    const int n = s->n;
+    memset(w, 0, (size_t)n * sizeof *w);
+    if (s->kind == CONSTANT || s->kind == RANDOM) memcpy(w, v->direction, (size_t)n * sizeof *w);
+    if (s->kind == SINUSOIDAL)
+        for (int i = 0; i < n; i++) w[i] = v->direction[i] * sin(v->rate * t + v->phase);
+    if (s->kind == NEAREST) nearest(s, x, w);
+    if (s->kind == OUTWARD) { /* toward the nearest edge of the tube */
+        int worst = 0;
+        double most = -1.0;
+        for (int i = 0; i < n; i++) {
+            const double e = fabs(x[i] - v->middle[i]) / v->half[i];
+            if (e > most) most = e, worst = i;
+        }
+        w[worst] = x[worst] < v->middle[worst] ? -1.0 : 1.0;
+    }
+    for (int i = 0; i < n; i++) w[i] *= s->strength;
+}
+
+static void rate_of(const wind *v, double t, const double *x, const double *u, double *rate)
+{
+    const int n = v->s->n;
+    double g[MOST * MOST], w[MOST];
+    loop_plant(x, rate, g);
+    blow(v, t, x, w);
+    for (int i = 0; i < n; i++) {
+        rate[i] += w[i];
+        for (int j = 0; j < n; j++) rate[i] += g[i + n * j] * u[j];
+    }
+}
+
+static void runge_kutta(const wind *v, double t, double h, const double *u, double *x)
+{
+    static const double at[4] = {0.0, 0.5, 0.5, 1.0}, share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    const int n = v->s->n;
+    double k[MOST] = {0}, y[MOST], sum[MOST] = {0};
+    for (int stage = 0; stage < 4; stage++) {
+        for (int i = 0; i < n; i++) y[i] = x[i] + at[stage] * h * k[i];
+        rate_of(v, t + at[stage] * h, y, u, k);
+        for (int i = 0; i < n; i++) sum[i] += share[stage] * k[i];
+    }
+    for (int i = 0; i < n; i++) x[i] += h * sum[i];
+}
+
+static int inside(const double *box, const double *x, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(box[2 * i] <= x[i] && x[i] <= box[2 * i + 1])) return 0;
+    return 1;
+}
+
+/* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
+static int within(const double *box, const double *x, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (!(box[2 * i] < x[i] && x[i] < box[2 * i + 1])) return 0;
+    return 1;
+}
+
+static void judge(const loop_setting *s, double t, const double *x, loop_tube tube, wind *v, loop_result *r)
+{
+    const int n = s->n;
+    double lower[MOST], upper[MOST];
+    for (int j = 0; j < s->boxes && r->hit < 0; j++)
+        if (within(s->unsafe + 2 * n * j, x, n)) r->hit = j, r->hit_at = t;
+    if (!r->left && !inside(s->space, x, n)) r->left = 1, r->left_at = t;
+    if (tube == NULL) return;
+    tube(t, lower, upper);
+    for (int i = 0; i < n; i++) {
+        const double width = upper[i] - lower[i], nearer = fmin(x[i] - lower[i], upper[i] - x[i]);
+        v->middle[i] = 0.5 * (lower[i] + upper[i]);
+        v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
+        r->margin = fmin(r->margin, width > 0.0 ? nearer / width : -1.0);
+        r->e[i] = fmax(r->e[i], fabs(x[i] - v->middle[i]) / v->half[i]);
+    }
+}
+
+static void start_wind(wind *v, const loop_setting *s)
+{
+    v->s = s;
+    v->random = s->seed;
+    unit_vector(&v->random, v->direction, s->n);
+    v->rate = exp(log(0.5) + uniform(&v->random) * log(40.0)); /* 0.5 to 20 rad/s */
+    v->phase = 6.283185307179586 * uniform(&v->random);
+    for (int i = 0; i < s->n; i++) v->middle[i] = s->start[i], v->half[i] = 1.0;
+}
+
+static double *write_row(double *row, double t, const double *x, const double *u, loop_tube tube, const double *w, int status, int n)
+{
+    double edges[2][MOST] = {{0}, {0}};
+    if (tube != NULL) tube(t, edges[0], edges[1]);
+    const double *parts[5] = {x, u, edges[0], edges[1], w};
+    *row++ = t;
+    for (int p = 0; p < 5; p++)
+        for (int i = 0; i < n; i++) *row++ = parts[p][i];
+    *row++ = status;
+    return row;
+}
+
+void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace)
+{
+    const int n = s->n;
+    wind v;
+    double x[MOST] = {0}, seen[MOST], u[MOST] = {0}, w[MOST] = {0};
+    int status = 0, lost = 0;
+    memset(r, 0, sizeof *r);
+    r->hit = -1, r->hit_at = r->left_at = r->outside_at = -1.0, r->margin = 0.5;
+    start_wind(&v, s);
+    memcpy(x, s->start, (size_t)n * sizeof *x);
+    judge(s, 0.0, x, tube, &v, r);
+    for (int k = 0; k < s->samples; k++) {
+        const double t = k * s->period, h = s->period / s->parts;
+        if (s->kind == RANDOM) { /* a new vector in the ball every period */
+            unit_vector(&v.random, v.direction, n);
+            const double size = pow(uniform(&v.random), 1.0 / n);
+            for (int i = 0; i < n; i++) v.direction[i] *= size;
+        }
+        lost = k > 0 && lost < s->lost && uniform(&v.random) < 0.5 ? lost + 1 : 0;
+        if (!lost) {
+            for (int i = 0; i < n; i++) seen[i] = x[i] + s->noise * (2.0 * uniform(&v.random) - 1.0);
+            status = step(t, seen, u);
+            if (status != 0 && r->outside++ == 0) r->outside_at = t;
+            for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));
+        }
+        if (trace != NULL) {
+            blow(&v, t, x, w);
+            trace = write_row(trace, t, x, u, tube, w, status, n);
+        }
+        for (int part = 0; part < s->parts; part++) {
+            const double now = t + part * h;
+            runge_kutta(&v, now, h, u, x);
+            if (advance != NULL) advance(now, h);
+            judge(s, now + h, x, tube, &v, r);
+        }
+    }
+    if (trace != NULL) write_row(trace, s->samples * s->period, x, u, tube, w, status, n);
+    r->reached = inside(s->target, x, n);
+    memcpy(r->last, x, (size_t)n * sizeof *x);
+}

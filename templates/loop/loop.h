@@ -1,0 +1,50 @@
+/* A closed loop: the emitted controller, held between samples, and a plant xdot = f(x) + g(x) u + w between them. */
+#ifndef LOOP_H
+#define LOOP_H
+
+#include <stdint.h>
+
+#define MOST 64 /* dimensions */
+
+/* u from the measured x at time t; not 0 when the controller says that x is outside its tube, or that its input is bad. */
+typedef int (*loop_step)(double t, const double *x, double *u);
+/* Edges of the tube at t as the controller has it now; to its next state, by steps of its own, over dt from t on. */
+typedef void (*loop_tube)(double t, double *lower, double *upper);
+typedef void (*loop_advance)(double t, double dt);
+
+typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD } disturbance;
+
+typedef struct {
+    int32_t n, boxes;      /* dimension; unsafe sets */
+    int32_t samples;       /* periods to run */
+    int32_t parts;         /* Runge-Kutta steps in each */
+    int32_t kind;          /* of disturbance */
+    int32_t lost;          /* samples that may be lost in a row, at random */
+    uint64_t seed;
+    double period;         /* seconds */
+    double strength;       /* |w| at most, its Euclidean norm */
+    double noise;          /* of every measured component, at most */
+    const double *start;   /* n */
+    const double *space;   /* lower, upper by dimension */
+    const double *target;
+    const double *unsafe;  /* boxes times n times (lower, upper) */
+} loop_setting;
+
+typedef struct {
+    int32_t hit;           /* unsafe set that was entered first, or -1 */
+    int32_t left;          /* whether x was ever outside the state space */
+    int32_t reached;       /* x in the target after the last period */
+    int32_t outside;       /* samples at which the controller said so */
+    double hit_at, left_at, outside_at; /* seconds; -1 where not */
+    double margin;         /* least distance to an edge over the width, all along */
+    double e[MOST], u[MOST]; /* largest |e_i|, |u_i| */
+    double last[MOST];     /* x then */
+} loop_result;
+
+/* Runs it. trace, where given, takes samples + 1 rows: t, x, u, lower, upper, w, status. tube and advance may be NULL. */
+void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace);
+
+/* The plant: f (n) and g (n by n, by columns) at x. */
+void loop_plant(const double *x, double *f, double *g);
+
+#endif
