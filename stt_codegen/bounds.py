@@ -19,7 +19,7 @@ from flint import arb
 from stt_codegen.certify.certificate import above, below
 from stt_codegen.certify.enclosure import Enclosed
 from stt_codegen.certify.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.certify.sampling import STATEMENTS, Period, law_of, longest, q, setting_of
+from stt_codegen.certify.sampling import STATEMENTS, Period, law_of, longest, proposal, q, setting_of
 from stt_codegen.certify.windows import Windows, enclosed_windows, refined_windows
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
@@ -102,29 +102,40 @@ class Analysis:
         return max(found, key=lambda p: p.seconds, default=None)
 
     def period_at(self, gain: float) -> Period | None:
-        """The longest period of the sharp and general statements at another |k|."""
-        found = [longest(statement, self.setting.with_gain(gain)) for statement in ("sharp", "general")]
-        return max((p for p in found if p is not None), key=lambda p: p.seconds, default=None)
+        """The longest period of the sharp statement at another |k|; of the general one where that has none."""
+        setting = self.setting.with_gain(gain)
+        return longest("sharp", setting) or longest("general", setting)
 
     @cached_property
-    def _gains(self) -> list[tuple[float, Period]]:
-        """(|k|, period) over a range of gains in short decimals, where there is one."""
+    def _gains(self) -> list[tuple[float, float]]:
+        """(|k|, period in seconds) over a range of gains in short decimals, as the search has it: a proposal, not yet proved."""
         s = self.setting
         natural = float(np.max(s.push * s.windows.wide / np.maximum(s.least, 1e-9)))  # keeps eps near 1
         natural = natural if 0 < natural < 1e6 else float(s.law.gain)
         gains = dict.fromkeys(float(f"{k * natural:.2g}") for k in GAINS)
-        found = [(k, longest("sharp", s.with_gain(k)) or longest("general", s.with_gain(k))) for k in gains]
-        return [(k, p) for k, p in found if p is not None]
+        found = [(k, proposal("sharp", s.with_gain(k)) or proposal("general", s.with_gain(k))) for k in gains]
+        return [(k, p[0]) for k, p in found if p is not None]
 
     @cached_property
     def best_gain(self) -> tuple[float, Period] | None:
-        """The |k| of the longest period, in two digits."""
-        return max(self._gains, key=lambda pair: pair[1].seconds, default=None)
+        """The |k| of the longest period, in two digits, and what is proved for it."""
+        for k, _ in sorted(self._gains, key=lambda pair: -pair[1]):
+            period = self.period_at(k)
+            if period is not None:
+                return k, period
+        return None
 
     def safe_gains(self, seconds: float) -> tuple[float, float] | None:
         """The least and the largest |k| tried for which a period of so many seconds is proved."""
-        good = [k for k, p in self._gains if p.seconds >= seconds]
+        enough = sorted(k for k, p in self._gains if p >= seconds)
+
+        def proved(k: float) -> bool:
+            period = self.period_at(k)
+            return period is not None and period.seconds >= seconds
+
+        least, largest = next(filter(proved, enough), None), next(filter(proved, reversed(enough)), None)
         own = self.period
+        good = [k for k in (least, largest) if k is not None]
         good += [self.setting.law.gain] if own is not None and own.seconds >= seconds else []
         return (min(good), max(good)) if good else None
 

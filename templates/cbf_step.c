@@ -26,6 +26,7 @@ typedef struct {
 } outcome;
 
 static double box[BOXES][N][2];
+static double wind; /* |w| that the filter allows for: xdot = u + w */
 
 /* h and its gradient: a smooth lower bound of the distance max_i(|x_i - centre_i| - radius_i), so h >= 0 is outside. */
 static double barrier(double edges[N][2], const double x[N], double gradient[N])
@@ -43,22 +44,24 @@ static double barrier(double edges[N][2], const double x[N], double gradient[N])
     return most + log(sum / N) / SHARPNESS;
 }
 
-/* The input nearest to the nominal one that keeps every barrier: min |u - nominal|^2, gradient . u >= -CLASS_K h. */
+/* The input nearest to the nominal one that keeps every barrier: min |u - nominal|^2, gradient . (u + w) >= -CLASS_K h for all w. */
 static int filter_step(double t, const double x[N], double u[N])
 {
     OSQPFloat q[N], rows[N * (BOXES + 1)], lower[ROWS], upper[ROWS]; /* rows: by column, the boxes and then the bound */
     (void)t;
     for (int j = 0; j < BOXES; j++) {
-        double gradient[N];
-        lower[j] = (OSQPFloat)(-CLASS_K * barrier(box[j], x, gradient));
+        double gradient[N], steep = 0.0;
+        const double h = barrier(box[j], x, gradient);
+        for (int i = 0; i < N; i++) steep += gradient[i] * gradient[i];
+        lower[j] = (OSQPFloat)(-CLASS_K * h + wind * sqrt(steep));
         upper[j] = OSQP_INFTY;
         for (int i = 0; i < N; i++) rows[i * (BOXES + 1) + j] = (OSQPFloat)gradient[i];
     }
     for (int i = 0; i < N; i++) { /* the walls of the state space are barriers too */
         rows[i * (BOXES + 1) + BOXES] = 1;
         q[i] = (OSQPFloat)-fmax(-SPEED, fmin(SPEED, GAIN * (SIDE - 0.5 * END - x[i])));
-        lower[BOXES + i] = (OSQPFloat)fmax(-SPEED, -CLASS_K * x[i]);
-        upper[BOXES + i] = (OSQPFloat)fmin(SPEED, CLASS_K * (SIDE - x[i]));
+        lower[BOXES + i] = (OSQPFloat)fmax(-SPEED, -CLASS_K * x[i] + wind);
+        upper[BOXES + i] = (OSQPFloat)fmin(SPEED, CLASS_K * (SIDE - x[i]) - wind);
     }
     osqp_update_data_mat(&cbf_solver, NULL, NULL, 0, rows, NULL, N * (BOXES + 1));
     osqp_update_data_vec(&cbf_solver, q, lower, upper);
@@ -79,6 +82,22 @@ static int own_step(double t, const double x[N], double u[N])
 }
 #endif
 
+#ifdef LIBRARY /* for the loops of templates/loop/ */
+void filter_boxes(const double *edges, double allowed);
+int filter_next(double t, const double *x, double *u);
+
+void filter_boxes(const double *edges, double allowed)
+{
+    wind = allowed;
+    for (int k = 0; k < BOXES * N * 2; k++) (&box[0][0][0])[k] = edges[k];
+    osqp_cold_start(&cbf_solver);
+}
+
+int filter_next(double t, const double *x, double *u)
+{
+    return filter_step(t, x, u);
+}
+#else
 static int inside(double edges[N][2], const double x[N])
 {
     for (int i = 0; i < N; i++)
@@ -130,3 +149,4 @@ int main(void)
 #endif
     return 0;
 }
+#endif

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -125,3 +126,37 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
     with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as bar:
         task = bar.add_task("arenas", total=total)
         yield lambda: bar.advance(task)
+
+
+def run_loop(
+    count: int,
+    rate: float,
+    w_max: float,
+    runs: int,
+    processes: int,
+    scheduler: str | None,
+    peers: bool,
+    out: Path | None,
+    as_json: bool,
+) -> bool:
+    """`stt-codegen bench loop`; the arguments are its options. True when no run of ours failed."""
+    from stt_codegen.bench import loop
+
+    if out is not None and not (out.parent.is_dir() and os.access(out.parent, os.W_OK)):
+        raise BadInput(f"--record {out}: {out.parent} is no folder that can be written to")
+    processes, begin = processes or os.cpu_count() or 1, time.perf_counter()
+    wanted, outcomes = loop.jobs(count, rate, w_max, runs, peers), []
+    with _progress(len(wanted)) as advance:
+        for outcome in spread(loop.run, wanted, processes, scheduler):
+            outcomes.append(outcome)
+            advance()
+    outcomes.sort(key=lambda o: o.job.seed)
+    rows, lines = loop.rows(outcomes), loop.lines(outcomes, time.perf_counter() - begin, processes)
+    if as_json:
+        print(json.dumps({"rows": [dict(zip(loop.HEADINGS, r, strict=True)) for r in rows], "lines": lines}, indent=2))
+    else:
+        print(table(loop.HEADINGS, rows) + "\n\n" + "\n".join(lines))
+    if out is not None:
+        head = f"## Closed loops\n\nMade by `{command()}`; {machine()}."
+        record(out, "loop", f"{head}\n\n{table(loop.HEADINGS, rows)}\n\n" + "\n\n".join(lines))
+    return all(r.good and r.kept for o in outcomes for r in o.runs.get("own", ()))

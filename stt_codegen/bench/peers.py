@@ -11,6 +11,7 @@ The peers are optional; a missing one raises `MissingTool`.
 
 from __future__ import annotations
 
+import ctypes
 import importlib
 import os
 import subprocess
@@ -264,6 +265,18 @@ def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz
 
 
 @cache
+def filter_library(count: int, dimension: int, side: float, hertz: int = 1000) -> ctypes.CDLL:
+    """The filter as a library for the loops of `stt_codegen.loop`: filter_boxes(edges), filter_next(t, x, u)."""
+    solver = _generated_solver(count, dimension).name
+    numbers = {"BOXES": count, "N": dimension, "SIDE": side, "END": BOX, "HERTZ": hertz, **FILTER}
+    defined = [f"-D{name}={value}" for name, value in numbers.items()]
+    with tempfile.TemporaryDirectory() as folder:
+        made, source = f"{folder}/filter.so", str(template_folder() / "cbf_step.c")
+        _compile(solver, made, *defined, "-DLIBRARY", "-shared", "-fPIC", source, f"{solver}/osqp.o", "-lm")
+        return ctypes.CDLL(made)
+
+
+@cache
 def _generated_solver(count: int, dimension: int) -> tempfile.TemporaryDirectory[str]:
     """OSQP's generated C for that many boxes, compiled to `osqp.o`; the folder lives as long as this process."""
     osqp, sparse, folder = need("osqp"), need("scipy.sparse"), tempfile.TemporaryDirectory()
@@ -274,7 +287,7 @@ def _generated_solver(count: int, dimension: int) -> tempfile.TemporaryDirectory
     problem.setup(*data, scaling=0, check_termination=1, adaptive_rho=False, verbose=False)
     problem.codegen(folder.name, parameters="matrices", extension_name=None, force_rewrite=True, prefix="cbf_")
     sources = (str(p) for p in Path(folder.name).glob("**/*.c") if p.name != "emosqp.c")  # that one is an example's main
-    _compile(folder.name, f"{folder.name}/osqp.o", "-r", "-nostdlib", *sorted(sources))
+    _compile(folder.name, f"{folder.name}/osqp.o", "-fPIC", "-r", "-nostdlib", *sorted(sources))
     return folder
 
 

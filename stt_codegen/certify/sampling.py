@@ -266,7 +266,7 @@ def _in_balls(s: Setting) -> Setting:
 
 def longest(statement: str, s: Setting) -> Period | None:
     """The longest period that is found and proved; None where none is, not even a short one."""
-    found = _search(statement, s)
+    found = proposal(statement, s)
     if found is None:
         return None
     tau, reach = found
@@ -280,8 +280,8 @@ def longest(statement: str, s: Setting) -> Period | None:
     return None
 
 
-def _search(statement: str, s: Setting) -> tuple[float, float] | None:
-    """(tau, E) in doubles: tau by bisection for many E at once, then once more around the best."""
+def proposal(statement: str, s: Setting) -> tuple[float, float] | None:
+    """(tau, E) in doubles, for `longest` to show in balls: tau by bisection for many E at once, then again around the best."""
     start = float(np.sqrt((s.start**2).sum())) if statement == "general" else float(s.start.max())
     low, high = max(start * 1.0001, 1e-3), s.law.farthest * 0.9999
     if not low < high:

@@ -38,6 +38,7 @@ class Setting(ctypes.Structure):
         ("parts", ctypes.c_int32),
         ("kind", ctypes.c_int32),
         ("lost", ctypes.c_int32),
+        ("constant", ctypes.c_int32),
         ("seed", ctypes.c_uint64),
         ("period", ctypes.c_double),
         ("strength", ctypes.c_double),
@@ -82,6 +83,12 @@ def driver(plant: Model, dimension: int) -> Any:
     """`loop_run` for a plant; compiled once a process for each."""
     function = model(plant, dimension)
     return _driver(f"{plant.name}: {function}", _plant_source(function))
+
+
+def is_constant(plant: Model, dimension: int) -> bool:
+    """Whether f and g are the same everywhere."""
+    function = model(plant, dimension)
+    return all(int(function.jac_sparsity(k, 0).nnz()) == 0 for k in (0, 1))
 
 
 @cache

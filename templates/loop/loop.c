@@ -1,9 +1,13 @@
-/* The loop: classical Runge-Kutta steps of fixed size between samples; every state on the way is judged. See loop.h. */
+/* The loop: classical Runge-Kutta steps between samples, halved until both halves agree with the whole; every state on the way
+ * is judged. See loop.h. */
 #include "loop.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
+
+#define TOLERANCE 1e-12 /* of 1 + |x|, the difference of a step and its halves, 15 times the error that is left */
+#define DEPTH 12
 
 typedef struct {
     const loop_setting *s;
@@ -119,6 +123,29 @@ static void runge_kutta(const wind *v, double t, double h, const double *u, doub
     for (int i = 0; i < n; i++) x[i] += h * sum[i];
 }
 
+/* A step of h, by halves where one step and two halves differ by more than rounding and TOLERANCE allow. */
+static void integrate(const wind *v, double t, double h, const double *u, double *x, int depth)
+{
+    const int n = v->s->n;
+    double whole[MOST], halves[MOST], worst = 0.0;
+    memcpy(whole, x, (size_t)n * sizeof *x);
+    runge_kutta(v, t, h, u, whole);
+    if (v->s->constant) { /* f and g do not change: one step is exact but for what w does */
+        memcpy(x, whole, (size_t)n * sizeof *x);
+        return;
+    }
+    memcpy(halves, x, (size_t)n * sizeof *x);
+    runge_kutta(v, t, 0.5 * h, u, halves);
+    runge_kutta(v, t + 0.5 * h, 0.5 * h, u, halves);
+    for (int i = 0; i < n; i++) worst = fmax(worst, fabs(halves[i] - whole[i]) / (1.0 + fabs(halves[i])));
+    if (depth == 0 || !(worst > TOLERANCE)) {
+        for (int i = 0; i < n; i++) x[i] = halves[i] + (halves[i] - whole[i]) / 15.0;
+        return;
+    }
+    integrate(v, t, 0.5 * h, u, x, depth - 1);
+    integrate(v, t + 0.5 * h, 0.5 * h, u, x, depth - 1);
+}
+
 static int inside(const double *box, const double *x, int n)
 {
     for (int i = 0; i < n; i++)
@@ -205,7 +232,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         for (int part = 0; part < s->parts; part++) {
             const double now = t + part * h;
-            runge_kutta(&v, now, h, u, x);
+            integrate(&v, now, h, u, x, DEPTH);
             if (advance != NULL) advance(now, h);
             judge(s, now + h, x, tube, &v, r);
         }

@@ -20,6 +20,7 @@ typedef struct {
     int32_t parts;         /* Runge-Kutta steps in each */
     int32_t kind;          /* of disturbance */
     int32_t lost;          /* samples that may be lost in a row, at random */
+    int32_t constant;      /* whether f and g are the same everywhere */
     uint64_t seed;
     double period;         /* seconds */
     double strength;       /* |w| at most, its Euclidean norm */

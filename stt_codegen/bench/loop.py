@@ -1,0 +1,193 @@
+"""Monte Carlo of closed loops: the C that ships drives xdot = u + w through the paper's random arenas, ten disturbances each.
+
+For every certified arena: the gain that the tool proposes (the longest proved sampling period), its C compiled, ten runs at the
+rate with |w| <= w_max from starts all over the initial set. With peers, in the same loops and runs: the barrier filter (OSQP's
+generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond the proved one, to see where tubes are
+left. One arena is one job, in this process, in processes, or on a Dask cluster, as in the arenas benchmark.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from stt_codegen.arenas import FAMILIES, arena_task, cubes
+from stt_codegen.bench.report import number
+from stt_codegen.bounds import Analysis
+from stt_codegen.errors import NotCertified
+from stt_codegen.loop.command import with_gain, with_wind
+from stt_codegen.loop.compiled import Own
+from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
+from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.plants import PLANTS
+
+DISTURBANCES = ("none", "constant", "constant", "sinusoidal", "sinusoidal", "random", "nearest", "nearest", "outward", "outward")
+LONGER = (1, 2, 3, 4, 6, 8, 16)  # times the proved period
+START = 0.9  # of the proved |e|: how far from the middle of gamma(0) runs begin
+
+
+@dataclass(frozen=True)
+class Job:
+    """One arena. rate in Hz; w_max: bound on |w|; peers, longer: whether these are run too."""
+
+    seed: int
+    rate: float = 1000.0
+    w_max: float = 0.3
+    runs: int = 10
+    peers: bool = False
+    longer: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Of one job: runs by controller; gain and proved period; for every LONGER whether some run left the tube; why there is no
+    tube; processor seconds."""
+
+    job: Job
+    runs: dict[str, tuple[Run, ...]]
+    gain: float = float("nan")
+    period: float = float("nan")
+    left: tuple[bool, ...] = ()
+    reason: str = ""
+    seconds: float = 0.0
+
+
+def run(job: Job) -> Outcome:
+    """Design, prove, compile and run one arena."""
+    begin = time.process_time()
+    task = arena_task(FAMILIES["paper"], job.seed)
+    plant = with_wind(PLANTS["integrator"], job.w_max)
+    try:
+        controller = build_task(task)
+    except NotCertified as error:
+        return Outcome(job, _peers(job, None, ()), reason=str(error), seconds=time.process_time() - begin)
+    best = Analysis(controller, plant).best_gain
+    if best is None:
+        return Outcome(job, {}, reason="no gain is proved at any period", seconds=time.process_time() - begin)
+    gain, period = best
+    controller = with_gain(controller, gain)
+    loop = Loop(controller, plant)
+    scenarios = scenarios_of(job, controller, START * period.e)
+    runs = {"own": tuple(map(loop.run, scenarios)), **_peers(job, controller, scenarios)}
+    left: tuple[bool, ...] = ()
+    if job.longer:
+        slow = [[replace(s, rate=1 / (period.seconds * times)) for s in scenarios] for times in LONGER]
+        left = tuple(any(not loop.run(s).kept for s in several) for several in slow)
+    return Outcome(job, runs, gain, period.seconds, left, seconds=time.process_time() - begin)
+
+
+def scenarios_of(job: Job, controller: Controller, e: float) -> tuple[Scenario, ...]:
+    """The runs of an arena: the first from the task's own start, the others from starts with |e| below a bound."""
+    found = []
+    for k in range(job.runs):
+        kind = DISTURBANCES[k % len(DISTURBANCES)]
+        start = starts(controller.task, controller.certificate.start, e, 1000 * job.seed + k) if k else None
+        strength = 0.0 if kind == "none" else job.w_max
+        found.append(Scenario(job.rate, kind, strength, 1000 * job.seed + k, start=start))
+    return tuple(found)
+
+
+def _peers(job: Job, controller: Controller | None, scenarios: Sequence[Scenario]) -> dict[str, tuple[Run, ...]]:
+    """The same scenarios for the barrier filter and the literal tube (where there is a tube to compare with)."""
+    if not job.peers or controller is None:
+        return {}
+    family, plant = FAMILIES["paper"], PLANTS["integrator"]
+    from stt_codegen.bench.peers import filter_library
+
+    library = filter_library(family.count, family.dimension, family.side)
+    edges = np.ascontiguousarray(cubes(family, job.seed))
+    filters = {}
+    for name, allowed in (("barrier filter", 0.0), ("barrier filter told w_max", job.w_max)):
+        refill = partial(library.filter_boxes, ctypes.c_void_p(edges.ctypes.data), ctypes.c_double(allowed))
+        filters[name] = tuple(map(Loop(controller, plant, Own(library.filter_next, None, None, refill, library)).run, scenarios))
+    literal = Loop(build_task(controller.task.with_options("literal"), uncertified=True), plant)
+    inside = [_moved(s, literal.controller) for s in scenarios]
+    return {**filters, "literal tube": tuple(map(literal.run, inside))}
+
+
+def _moved(scenario: Scenario, controller: Controller) -> Scenario:
+    """The start as near to the given one as the literal tube's gamma(0), narrower by the smooth maximum, allows."""
+    if scenario.start is None:
+        return scenario
+    held = [
+        min(max(x, float(a) + 0.05 * float(b - a)), float(b) - 0.05 * float(b - a))
+        for x, (a, b) in zip(scenario.start, controller.certificate.start, strict=True)
+    ]
+    return replace(scenario, start=tuple(held))
+
+
+# ------------------------------------------------------------------------------------------------ tables
+
+HEADINGS = (
+    "controller",
+    "arenas",
+    "runs",
+    "collisions",
+    "state space left",
+    "tube left",
+    "target reached",
+    "least margin",
+    "largest u",
+)
+
+
+def rows(outcomes: Iterable[Outcome]) -> list[list[str]]:
+    """One row a controller: how many runs failed in which way; medians over the runs."""
+    by_name: dict[str, list[tuple[Run, ...]]] = {}
+    for o in outcomes:
+        for name, runs in o.runs.items():
+            by_name.setdefault(name, []).append(runs)
+    found = []
+    for name, arenas in by_name.items():
+        all_runs = [r for several in arenas for r in several]
+        tube = not name.startswith("barrier")
+        found.append(
+            [
+                name, str(len(arenas)), str(len(all_runs)), str(sum(r.hit is not None for r in all_runs)),
+                str(sum(r.left_at is not None for r in all_runs)), str(sum(not r.kept for r in all_runs)) if tube else "-",
+                f"{100 * sum(r.reached for r in all_runs) / len(all_runs):.1f} %",
+                number(float(np.median([r.margin for r in all_runs]))) if tube else "-",
+                number(float(np.median([max(r.u) for r in all_runs]))),
+            ]
+        )  # fmt: skip
+    return found
+
+
+def lines(outcomes: Sequence[Outcome], seconds: float, processes: int) -> list[str]:
+    """What the table does not say: gains, periods, arenas without a tube, periods that are too long."""
+    good = [o for o in outcomes if o.runs.get("own")]
+    periods = np.array([o.period for o in good]) * 1e3
+    ran = sum(len(o.runs["own"]) for o in good)
+    found = [
+        f"{ran} runs of our controller, designs, proofs and compiling included, in {seconds:.0f} s on {processes} "
+        f"process{'es' if processes > 1 else ''}.",
+    ]
+    if good:
+        enough = sum(o.period >= 1 / o.job.rate for o in good)
+        asked = f"{good[0].job.rate:g} Hz and |w| <= {good[0].job.w_max:g}"
+        gains = f"{min(o.gain for o in good):.2g} to {max(o.gain for o in good):.2g}"
+        found.append(
+            f"Proved sampling period at the proposed gain: {periods.min():.2f} ms at least, {np.median(periods):.1f} ms in the "
+            f"median; {enough} of {len(good)} are proved at {asked}. Proposed gains: {gains}."
+        )
+    longer = [o.left for o in good if o.left]
+    if longer:
+        shares = (f"{100 * float(np.mean([row[k] for row in longer])):.0f} % at {times}" for k, times in enumerate(LONGER))
+        found.append(f"Of {len(longer)} arenas, share in which some run leaves its tube, by multiples of the proved period:")
+        found.append(", ".join(shares) + ".")
+    for o in outcomes:
+        if o.reason:
+            found.append(f"Arena {o.job.seed}: {o.reason}")
+        bad = [r for r in o.runs.get("own", ()) if not (r.good and r.kept)]
+        found += [f"Arena {o.job.seed}, gain {o.gain:g}, proved to {1e3 * o.period:.3g} ms: {r}" for r in bad]
+    return found
+
+
+def jobs(count: int, rate: float, w_max: float, runs: int, peers: bool) -> list[Job]:
+    """Longer periods for the first hundred arenas; peers, where asked for, in all."""
+    return [Job(seed, rate, w_max, runs, peers, seed < 100) for seed in range(count)]

@@ -1,0 +1,86 @@
+"""The emitted controller and plants as python-control systems: `control.nlsys`, joined by `control.interconnect`.
+
+    controller      inputs x1..xn, outputs u1..un, margin: the emitted Python, continuous in time; an adaptive tube's alpha are
+                    its states, moved by the emitted right side of (11)
+    plant           inputs u1..un, w1..wn, outputs x1..xn
+    closed loop     inputs w1..wn, outputs x1..xn, u1..un, margin
+
+A plant of your own is any `control.nlsys` with those names, or a `Plant` (plants.py). Importing python-control takes seconds, so
+import this late.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import control
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.backends import load_module
+from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model, model
+
+Array = npt.NDArray[Any]
+
+
+def names(letter: str, n: int) -> list[str]:
+    """letter1 .. lettern."""
+    return [f"{letter}{i + 1}" for i in range(n)]
+
+
+def controller_system(controller: Controller, name: str = "controller") -> Any:
+    """The emitted Python controller as a system: x1..xn in, u1..un and margin out (0.5 in the middle, 0 at an edge)."""
+    module: Any = load_module(controller.task.name, controller.files[f"{controller.task.name}.py"])
+    n = controller.task.dimension
+    signals = {"name": name, "inputs": names("x", n), "outputs": [*names("u", n), "margin"]}
+    if isinstance(controller.design, RefinedDesign):
+
+        def law(t: float, _: Array, x: Array, params: Any) -> Array:
+            return np.array([*module.control(t, x)[1], module.margin(t, x)])
+
+        return control.nlsys(None, law, **signals)
+
+    def rate(t: float, alpha: Array, x: Array, params: Any) -> Array:
+        return np.array(module.alpha_rate(t, alpha)[0])
+
+    def adaptive_law(t: float, alpha: Array, x: Array, params: Any) -> Array:
+        return np.array([*module.control(t, alpha, x)[1], module.margin(t, alpha, x)])
+
+    return control.nlsys(rate, adaptive_law, states=names("alpha", 2 * n), **signals)
+
+
+def plant_system(plant: Model, n: int, name: str = "plant") -> Any:
+    """A plant as a system: u1..un and w1..wn in, x1..xn out (its states)."""
+    evaluate = model(plant, n)
+
+    def rate(t: float, x: Array, inputs: Array, params: Any) -> Array:
+        f, g = (np.array(v) for v in evaluate(x))
+        return np.asarray(f.ravel() + g @ inputs[:n] + inputs[n:])
+
+    def output(t: float, x: Array, inputs: Array, params: Any) -> Array:
+        return x
+
+    signals = {"inputs": [*names("u", n), *names("w", n)], "outputs": names("x", n), "states": names("x", n)}
+    return control.nlsys(rate, output, name=name, **signals)
+
+
+def closed_loop(controller: Controller, plant: Any) -> Any:
+    """Controller and plant joined: w1..wn in; x1..xn, u1..un, margin out. `plant`: a `Model`, or a system with those signals."""
+    n = controller.task.dimension
+    system = plant if isinstance(plant, control.InputOutputSystem) else plant_system(plant, n)
+    return control.interconnect(
+        [controller_system(controller), system],
+        inputs=names("w", n),
+        outputs=[*names("x", n), *names("u", n), "margin"],
+        name="closed_loop",
+    )
+
+
+def start_of(controller: Controller, x0: Any = None) -> Array:
+    """The closed loop's initial state: alpha = 0 where there is one, then x(0)."""
+    n = controller.task.dimension
+    x = np.array([float(v) for v in controller.task.initial_state] if x0 is None else x0)
+    alpha = np.zeros(0 if isinstance(controller.design, RefinedDesign) else 2 * n)
+    return np.concatenate([alpha, x])
