@@ -19,7 +19,8 @@ demo: $(STAMP)
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --out demo
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen design $$task --picture demo || exit; done
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen compare $$task || exit; done
-	@echo "Look at demo/: pictures (.png), C (.h, .c), Python (.py) and certificates (.certificate.json)."
+	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen simulate $$task --gain best --disturbance nearest --w-max 0.3 --out demo || exit; done
+	@echo "Look at demo/: pictures (.png), C (.h, .c), Python (.py), certificates (.certificate.json), traces (.loop.csv)."
 
 test: $(STAMP) $(if $(CI),$(PEERS))
 	@.ci/tools test

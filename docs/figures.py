@@ -2,14 +2,44 @@
 
 from pathlib import Path
 
+from stt_codegen.bounds import Analysis
+from stt_codegen.loop.command import with_gain, with_wind
+from stt_codegen.loop.picture import draw_figure1, draw_figure3, draw_run
+from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
 from stt_codegen.picture import draw, draw_beside
-from stt_codegen.pipeline import build
+from stt_codegen.pipeline import Controller, build
+from stt_codegen.plants import PLANTS
 
 HERE = Path(__file__).parent
 TASKS = HERE.parent / "tasks"
 
 
+INTEGRATOR = PLANTS["integrator"]
+WIND = 0.3  # bound on |w|
+
+
+def driven(name: str) -> tuple[Controller, list[Run]]:
+    """A certified tube with the gain that the tool proposes, and runs from all over the initial set under every disturbance."""
+    controller = build(TASKS / f"{name}.toml")
+    best = Analysis(controller, with_wind(INTEGRATOR, WIND)).best_gain
+    assert best is not None
+    controller = with_gain(controller, best[0])
+    loop = Loop(controller, INTEGRATOR)
+    kinds = ("constant", "sinusoidal", "random", "nearest", "outward")
+    runs = []
+    for seed, kind in enumerate(2 * kinds):
+        start = starts(controller.task, controller.certificate.start, 0.8 * best[1].e, seed)
+        runs.append(loop.run(Scenario(1000.0, kind, WIND, seed, start=start), trace=True))
+    return controller, runs
+
+
 def main() -> None:
+    draw_figure3([driven(name) for name in ("omni_s1", "omni_s2", "omni_s3")], HERE / "figure3.png")
+    adaptive = build(TASKS / "omni_s2.toml", "adaptive")
+    run = Loop(adaptive, INTEGRATOR).run(Scenario(4000.0, "sinusoidal", WIND, 1), trace=True)
+    draw_figure1(adaptive, run, HERE / "figure1.png")
+    slow = build(TASKS / "omni_s2.toml")
+    draw_run(slow, Loop(slow, INTEGRATOR).run(Scenario(20.0, "outward", WIND), trace=True), HERE / "sampled_too_slowly.png")
     draw(build(TASKS / "omni_s2.toml"), HERE / "omni_s2.png")
     pair = [build(TASKS / "omni_s1.toml", design, uncertified=True) for design in ("literal", "refined")]
     draw_beside(pair, ["as printed: (5)-(11)", "as shipped: refined, certified"], HERE / "literal_beside_refined.png")

@@ -19,7 +19,7 @@ from flint import arb
 from stt_codegen.certify.certificate import above, below
 from stt_codegen.certify.enclosure import Enclosed
 from stt_codegen.certify.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.certify.sampling import STATEMENTS, Period, law_of, longest, proposal, q, setting_of
+from stt_codegen.certify.sampling import COARSE, STATEMENTS, Period, law_of, longest, proposal, q, setting_of
 from stt_codegen.certify.windows import Windows, enclosed_windows, refined_windows
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
@@ -113,7 +113,7 @@ class Analysis:
         natural = float(np.max(s.push * s.windows.wide / np.maximum(s.least, 1e-9)))  # keeps eps near 1
         natural = natural if 0 < natural < 1e6 else float(s.law.gain)
         gains = dict.fromkeys(float(f"{k * natural:.2g}") for k in GAINS)
-        found = [(k, proposal("sharp", s.with_gain(k)) or proposal("general", s.with_gain(k))) for k in gains]
+        found = [(k, proposal("sharp", s.with_gain(k), COARSE) or proposal("general", s.with_gain(k), COARSE)) for k in gains]
         return [(k, p[0]) for k, p in found if p is not None]
 
     @cached_property
@@ -127,7 +127,7 @@ class Analysis:
 
     def safe_gains(self, seconds: float) -> tuple[float, float] | None:
         """The least and the largest |k| tried for which a period of so many seconds is proved."""
-        enough = sorted(k for k, p in self._gains if p >= seconds)
+        enough = sorted(k for k, p in self._gains if p >= 0.9 * seconds)  # the search for it was coarse
 
         def proved(k: float) -> bool:
             period = self.period_at(k)

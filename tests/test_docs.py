@@ -74,3 +74,15 @@ def test_the_page_on_lemmas_shows_what_design_prints_and_a_plant_that_works(fold
         command, shell=True, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PATH": path}
     )
     assert ran.returncode == 0, ran.stdout + ran.stderr
+
+
+@pytest.mark.parametrize("page", ["docs/loop.md", "docs/loop_example.py"])
+def test_the_closed_loop_in_python_control_ends_in_the_target(page: str) -> None:
+    text = (ROOT / page).read_text()
+    source = text if page.endswith(".py") else re.findall(r"^```python\n(.*?)^```", text, re.M | re.S)[0]
+    source = source.replace("__file__", repr(str(ROOT / page)))
+    ran = subprocess.run([sys.executable, "-c", source], check=False, cwd=ROOT, capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr
+    x1, x2 = (float(v) for v in re.findall(r"\d\.\d+", ran.stdout)[:2])
+    assert 4.5 <= x1 <= 5.0
+    assert 4.5 <= x2 <= 5.0

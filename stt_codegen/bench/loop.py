@@ -23,8 +23,9 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.compiled import Own
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
 from stt_codegen.plants import PLANTS
+from stt_codegen.task import Task
 
 DISTURBANCES = ("none", "constant", "constant", "sinusoidal", "sinusoidal", "random", "nearest", "nearest", "outward", "outward")
 LONGER = (1, 2, 3, 4, 6, 8, 16)  # times the proved period
@@ -63,7 +64,7 @@ def run(job: Job) -> Outcome:
     task = arena_task(FAMILIES["paper"], job.seed)
     plant = with_wind(PLANTS["integrator"], job.w_max)
     try:
-        controller = build_task(task)
+        controller = _tube_of(task)
     except NotCertified as error:
         return Outcome(job, _peers(job, None, ()), reason=str(error), seconds=time.process_time() - begin)
     best = Analysis(controller, plant).best_gain
@@ -79,6 +80,16 @@ def run(job: Job) -> Outcome:
         slow = [[replace(s, rate=1 / (period.seconds * times)) for s in scenarios] for times in LONGER]
         left = tuple(any(not loop.run(s).kept for s in several) for several in slow)
     return Outcome(job, runs, gain, period.seconds, left, seconds=time.process_time() - begin)
+
+
+def _tube_of(task: Task) -> Controller:
+    """The certified tube of an arena; its files are made once the gain is known."""
+    design = design_tube(task)
+    program = build_program(task, design)
+    certificate = certify(task, design, program)
+    if not certificate.holds:
+        raise NotCertified(certificate.refusal())
+    return Controller(task, design, program, certificate, {})
 
 
 def scenarios_of(job: Job, controller: Controller, e: float) -> tuple[Scenario, ...]:

@@ -43,7 +43,6 @@ ROUNDING = {
     ("double", "libm"): 2.0**-46,
     ("double", "inline"): 2.0**-14,
 }
-REACHES, BISECTIONS = 24, 24  # values of E that are tried, twice; halvings of tau
 BACK_OFF = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # below the searched tau, until the balls agree
 
 
@@ -280,24 +279,36 @@ def longest(statement: str, s: Setting) -> Period | None:
     return None
 
 
-def proposal(statement: str, s: Setting) -> tuple[float, float] | None:
+@dataclass(frozen=True)
+class Search:
+    """How many values of E are tried, how often around the best of them, and how often tau is halved for each."""
+
+    reaches: int
+    rounds: int
+    halvings: int
+
+
+FINE, COARSE = Search(24, 2, 24), Search(14, 1, 10)  # what is proved; what gains are compared by
+
+
+def proposal(statement: str, s: Setting, search: Search = FINE) -> tuple[float, float] | None:
     """(tau, E) in doubles, for `longest` to show in balls: tau by bisection for many E at once, then again around the best."""
     start = float(np.sqrt((s.start**2).sum())) if statement == "general" else float(s.start.max())
     low, high = max(start * 1.0001, 1e-3), s.law.farthest * 0.9999
     if not low < high:
         return None
     best: tuple[float, float] | None = None
-    for _ in range(2):
-        grid = np.geomspace(low, high, REACHES)
-        taus = _longest_at(statement, s, grid)
+    for _ in range(search.rounds):
+        grid = np.geomspace(low, high, search.reaches)
+        taus = _longest_at(statement, s, grid, search.halvings)
         k = int(np.argmax(taus))
         if taus[k] > 0 and (best is None or taus[k] > best[0]):
             best = (float(taus[k]), float(grid[k]))
-        low, high = float(grid[max(k - 1, 0)]), float(grid[min(k + 1, REACHES - 1)])
+        low, high = float(grid[max(k - 1, 0)]), float(grid[min(k + 1, search.reaches - 1)])
     return best
 
 
-def _longest_at(statement: str, s: Setting, grid: Array) -> Array:
+def _longest_at(statement: str, s: Setting, grid: Array, halvings: int) -> Array:
     """The largest tau for every E, by bisection; 0 where none is."""
     inner = (1,) if statement == "general" else (1, 1)
     reach = grid.reshape(-1, *inner)
@@ -311,7 +322,7 @@ def _longest_at(statement: str, s: Setting, grid: Array) -> Array:
     low, high = np.zeros(len(grid)), np.full(len(grid), s.windows.shortest)
     possible = good(low)
     low = np.where(good(high), high, low)
-    for _ in range(BISECTIONS):
+    for _ in range(halvings):
         middle = (low + high) / 2
         fine = good(middle)
         low, high = np.where(fine, middle, low), np.where(fine, high, middle)

@@ -12,7 +12,7 @@ from stt_codegen.bounds import Analysis
 from stt_codegen.emit.manifest import write_files
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
-from stt_codegen.pipeline import Controller, build_task, require_supported
+from stt_codegen.pipeline import Controller, build_program, build_task, render_files, require_supported
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.task import load_task
 
@@ -75,10 +75,12 @@ def with_wind(plant: Model, strength: float) -> Plant:
 
 
 def with_gain(controller: Controller, gain: float) -> Controller:
-    """The controller made again with another gain, written as a short decimal."""
-    task = controller.task
-    control = task.control.model_copy(update={"gain": Fraction(f"{gain:.6g}")})
-    return build_task(task.model_copy(update={"control": control}), uncertified=True)
+    """The controller made again with another gain, a short decimal: of the same tube, which no gain changes."""
+    control = controller.task.control.model_copy(update={"gain": Fraction(f"{gain:.6g}")})
+    task = controller.task.model_copy(update={"control": control})
+    program = build_program(task, controller.design)
+    files = render_files(task, controller.design, program, controller.certificate)
+    return Controller(task, controller.design, program, controller.certificate, files)
 
 
 def _gain(text: str, controller: Controller, plant: Model, noise: float) -> float:

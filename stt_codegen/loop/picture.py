@@ -63,8 +63,9 @@ def _reason(run: Run) -> str:
 
 def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) -> None:
     """The paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
-    figure = plt.figure(figsize=(4.1 * (len(pairs) + 1), 4.3), constrained_layout=True)
-    axis = figure.add_subplot(1, len(pairs) + 1, 1)
+    down, across = (len(pairs) + 2) // 2, 2
+    figure = plt.figure(figsize=(10.5, 4.8 * down), constrained_layout=True)
+    axis = figure.add_subplot(down, across, 1)
     first = pairs[0][0]
     _sets(axis, first)
     for (controller, runs), colour in zip(pairs, LINES, strict=False):
@@ -75,7 +76,7 @@ def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) 
             axis.plot(run.trace[:, 1], run.trace[:, 2], color=colour, linewidth=0.8, alpha=0.8)
     axis.set_title(f"(a) {sum(len(runs) for _, runs in pairs)} runs under disturbance", fontsize=9)
     for k, ((controller, runs), colour) in enumerate(zip(pairs, LINES, strict=False)):
-        solid: Any = figure.add_subplot(1, len(pairs) + 1, k + 2, projection="3d")
+        solid: Any = figure.add_subplot(down, across, k + 2, projection="3d")
         _tube3(solid, controller, colour)
         for run in runs:
             assert run.trace is not None

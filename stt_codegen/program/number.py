@@ -9,6 +9,7 @@ import struct
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -19,22 +20,22 @@ class Format:
     least: int
     greatest: int
 
-    @property
+    @cached_property
     def roundoff(self) -> Fraction:
         """Half a unit in the last place of 1: the relative error of one rounding."""
         return Fraction(1, 1 << self.precision)
 
-    @property
+    @cached_property
     def tiny(self) -> Fraction:
         """Half the least subnormal: the absolute error of one rounding near zero."""
         return Fraction(2) ** (self.least - self.precision)
 
-    @property
+    @cached_property
     def least_mantissa(self) -> Fraction:
         """Where the nodes `exponent` and `mantissa` cut: 1/sqrt 2, rounded."""
         return round_to(Fraction("0.70710678118654752440"), "float" if self.precision == 24 else "double")
 
-    @property
+    @cached_property
     def largest(self) -> Fraction:
         return (2 - Fraction(2) ** (1 - self.precision)) * Fraction(2) ** self.greatest
 
