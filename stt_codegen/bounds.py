@@ -41,14 +41,15 @@ class Hypothesis:
 
 
 class Analysis:
-    """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured state."""
+    """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured
+    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too)."""
 
-    def __init__(self, controller: Controller, plant: Model | None = None, noise: float = 0.0) -> None:
-        self.controller, self.noise = controller, noise
+    def __init__(self, controller: Controller, plant: Model | None = None, noise: float = 0.0, latency: float = 0.0) -> None:
+        self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
         task = controller.task
         self.windows = self._windows()
-        law = law_of(task, controller.certificate.edge_error, noise)
+        law = law_of(task, controller.certificate.edge_error, noise, latency)
         self.bounds = list(self._bounds())
         self.setting = setting_of(self.windows, self.bounds, law, [float(v) for v in task.initial_state])
 
@@ -185,7 +186,7 @@ class Analysis:
             yield Hypothesis("saturation", "u_max leaves the law what the tube asks for", free)
         if task.emit.tick_period is not None:
             period = self.period
-            enough = period is not None and float(task.emit.tick_period) <= period.seconds
+            enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
             yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
         if isinstance(self.controller.design, AdaptiveDesign):
             yield from self._adaptive
@@ -246,6 +247,7 @@ class Analysis:
             "scalar": controller.program.scalar,
             "plant": self.name,
             "noise": self.noise,
+            "latency": self.latency,
             "hypotheses": [{"name": h.name, "statement": h.statement, "holds": h.holds} for h in hypotheses],
             "tube": {
                 "lower": _rounded(w.low.min(axis=0), below_float),

@@ -290,6 +290,7 @@ def simulate(
     w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
     noise: Annotated[float, typer.Option(min=0, help="bound on the error of every measured component")] = 0.0,
     lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
+    latency: Annotated[float, typer.Option(min=0, help="seconds from a sample to the input that it makes")] = 0.0,
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
     gain: Annotated[str | None, typer.Option(help='another control.gain, or "best": that with the longest proved period')] = None,
@@ -303,7 +304,7 @@ def simulate(
     from stt_codegen.loop.command import simulate_task
 
     with _patience(f"simulating {task}"):
-        options = (plant, rate, disturbance, w_max, noise, lost, start, seed, gain)
+        options = (plant, rate, disturbance, w_max, noise, lost, latency, start, seed, gain)
         report = simulate_task(task, design, scalar, uncertified, out, *options)
     if json:
         _print_json(report)
@@ -387,6 +388,7 @@ def prove(
     fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas, also those proved before with these sources")] = False,
     plant: PlantOption = None,
     noise: Annotated[float, typer.Option(min=0, help="bound on the error of a measured state, by component")] = 0.0,
+    latency: Annotated[float, typer.Option(min=0, help="seconds from a sample to the input that it makes")] = 0.0,
     design: DesignOption = None,
     scalar: ScalarOption = None,
     json: Json = False,
@@ -394,11 +396,12 @@ def prove(
     """Prove, or refute, what the controllers rest on, about the expressions that are printed; with a TASK, evaluate the
     hypotheses and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
     if task is None:
-        if plant is not None or noise or design is not None or scalar is not None:
-            raise BadInput("prove: --plant, --noise, --design and --scalar belong to a TASK; the book is about every task")
+        if plant is not None or noise or latency or design is not None or scalar is not None:
+            told = "--plant, --noise, --latency, --design and --scalar belong to a TASK"
+            raise BadInput(f"prove: {told}; the book is about every task")
         good = _prove_book(out or Path("generated/lemmas.md"), check, fresh, json)
     else:
-        good = _prove_task(_built(task, design, scalar), plant, noise, out or Path(), check, json)
+        good = _prove_task(_built(task, design, scalar), plant, (noise, latency), out or Path(), check, json)
     if not good:
         raise typer.Exit(1)
 
@@ -435,7 +438,9 @@ def _compared(check: bool, differs: bool) -> str:
     return "differs; run without --check to write it" if differs else "as it should be" if check else "written"
 
 
-def _prove_task(controller: Any, plant: str | None, noise: float, folder: Path, check: bool, as_json: bool) -> bool:
+def _prove_task(
+    controller: Any, plant: str | None, errors: tuple[float, float], folder: Path, check: bool, as_json: bool
+) -> bool:
     from stt_codegen.bounds import Analysis
     from stt_codegen.emit.manifest import write_files
     from stt_codegen.plants import plant_of
@@ -444,7 +449,7 @@ def _prove_task(controller: Any, plant: str | None, noise: float, folder: Path, 
     task = controller.task
     model = None if plant is None else plant_of(plant, task.dimension)
     with _patience(f"bounds of {task.name}"):
-        document = Analysis(controller, model, noise).document()
+        document = Analysis(controller, model, *errors).document()
     name = f"{task.name}.bounds.json"
     text = (json.dumps(document, indent=2) + "\n").encode()
     path = folder / name

@@ -85,6 +85,7 @@ def show_bounds(document: dict[str, Any]) -> None:
     """What `prove TASK` found: hypotheses, then bounds by dimension, then the sampled statements."""
     console = _console()
     noise = f", x measured to {document['noise']:g}" if document["noise"] else ""
+    noise += f", u {_time(document['latency'])} after its sample" if document["latency"] else ""
     console.print(f"[bold]{document['task']}[/bold], {document['design']}, with {document['plant']}{noise}")
     table = Table(box=None, header_style="bold")
     for heading in ("hypothesis", "statement", "holds"):
@@ -138,6 +139,8 @@ def show_run(report: dict[str, Any]) -> None:
     under += [f"{report['rate']:g} Hz", f"gain {report['gain']:g}"]
     if report["noise"]:
         under.append(f"x measured to {report['noise']:g}")
+    if report["latency"]:
+        under.append(f"u {_time(report['latency'])} late")
     if report["lost"]:
         under.append(f"up to {report['lost']} lost in a row")
     console.print(f"[bold]{report['task']}[/bold] ({report['design']}) drives {report['plant']}: {verdict}; {', '.join(under)}")

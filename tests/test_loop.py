@@ -123,6 +123,15 @@ def test_lost_samples_hold_the_input_and_never_more_in_a_row() -> None:
 # ------------------------------------------------------------------------------------------------ verdicts
 
 
+def test_latency_shifts_the_input_by_that_time() -> None:
+    """With a plant that integrates u alone the state shows when an input began to act."""
+    own = loop("omni_s2")
+    late = signals(own.run(Scenario(50.0, latency=0.005), trace=True), 2)
+    step = np.diff(late["x"][1:], axis=0)
+    wanted = 0.005 * late["u"][:-2] + 0.015 * late["u"][1:-1]
+    assert np.allclose(step, wanted, atol=1e-12)
+
+
 @pytest.mark.parametrize("design", ["refined", "literal"])
 def test_verdicts_agree_with_the_trace(design: str) -> None:
     """Judged again from the samples alone: what is met there must have been reported, at that time or before."""
@@ -159,19 +168,21 @@ def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind
         return
     gain, _ = best
     made = with_gain(controller(name), gain)
-    period = Analysis(made, windy, noise).period
-    assert period is not None
+    prompt = Analysis(made, windy, noise).period
+    assert prompt is not None
+    latency = 0.1 * prompt.seconds
+    late = Analysis(made, windy, noise, latency).period
+    assert late is not None
+    assert latency < late.seconds < prompt.seconds
     own = Loop(made, PLANTS[plant])
-    for seed in range(3):
-        start = starts(made.task, made.certificate.start, 0.9 * period.e, seed)
-        proved = period if seed else None
-        if proved is None:  # the proof is for starts with |eps(0)| < E: all of them here
-            proved = period
-        for lost in (0, 1):
-            run = own.run(Scenario((lost + 1) / proved.seconds, kind, strength, seed, noise, lost, start))
-            assert run.good
-            assert max(run.e) < proved.e
-            assert all(a <= b for a, b in zip(run.u, proved.u, strict=True))
+    for seed, lost, (proved, wait) in itertools.product(range(2), (0, 1), ((prompt, 0.0), (late, latency))):
+        start = starts(made.task, made.certificate.start, 0.9 * proved.e, seed)
+        scenario = Scenario((lost + 1) / (proved.seconds - wait), kind, strength, seed, noise, lost, start, wait)
+        assert scenario.age == pytest.approx(proved.seconds)
+        run = own.run(scenario)
+        assert run.good
+        assert max(run.e) < proved.e
+        assert all(a <= b for a, b in zip(run.u, proved.u, strict=True))
 
 
 def test_a_period_that_is_much_too_long_fails_and_was_not_proved() -> None:
@@ -224,6 +235,7 @@ def test_simulate_exits_with_1_when_the_task_is_missed() -> None:
         (["--rate", "0"], "--rate 0"),
         (["--rate", "nan"], "--rate nan"),
         (["--start", "1"], "--start"),
+        (["--latency", "0.002"], "--latency 0.002"),
         (["--start", "a,b"], "--start a,b"),
         (["--gain", "0"], "--gain 0"),
         (["--gain", "much"], "--gain much"),

@@ -30,7 +30,7 @@ from sampled import drawn, factor, violations
 def setting(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> Setting:
     c = controller_of(name)
     windows = refined_windows(c.design)
-    law = law_of(c.task, c.certificate.edge_error, noise, gain)
+    law = replace(law_of(c.task, c.certificate.edge_error, noise), gain=gain)
     return setting_of(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, [float(v) for v in c.task.initial_state])
 
 

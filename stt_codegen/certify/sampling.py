@@ -1,19 +1,19 @@
 """How slowly a control law may be sampled and still keep the state in its tube: three statements, evaluated.
 
-u is held; tau (the period, what a dropped sample and latency add included) is the greatest age of the sample it was made
-from; the first sample is taken at 0 and acts from then on. With q(E) = E cosh(E/2)^2, h(a, b) = (1/a + 1/b) ln(a/b), widths
+u is held; tau is the greatest age of the sample it was made from: the period, what lost samples add, and the latency l. The first
+sample is taken at 0 and acts from then on. With q(E) = E cosh(E/2)^2, h(a, b) = (1/a + 1/b) ln(a/b), widths
 d- <= gamma_d <= d+, P = |f + w| + |edge rate| and U a bound on |u|, all in one time window, |eps| < E at the start stays so if
 
-    sharp (by component; g may couple a little): P' = P + sum_j |g_ij| U_j over j != i,
-        (P' + g_ii U) tau < (d-/2) tanh(E/2), and for d = d- and d = d+, a = d/(1 + e^-E) - P' tau, b = d/(1 + e^E) + P' tau:
+    sharp (by component; g may couple a little): P' = P + sum_j |g_ij| U_j over j != i, c = P' tau + g_ii U l,
+        (P' + g_ii U) tau < (d-/2) tanh(E/2), and for d = d- and d = d+, a = d/(1 + e^-E) - c, b = d/(1 + e^E) + c:
         a > b and k g_min h(a, b) > P'
     diagonal (by component, g diagonal):  P/g_min + R tau < 4 k q(E)/d+
     general (eps a vector, |.| its norm): P + G R tau < 4 k g_min q_n(E)/d+,  q_n(E) = E cosh(E/(2 sqrt n))^2
     with R = 16 k q'(E) cosh(E/2)^2 (F + G U + S)/d-^2 + 4 k q(E) D/d-^2.
 
-`lemmas/sampled.py` proves them. A sample in a window may stem from the window before it, so P, U and d- of R take the worse
-of both. Two kinds of error are allowed for: `shift`, by which what the law sees of x and of the edges is wrong (measurement
-noise; P7), and the law's own rounding, relative and in eps.
+`lemmas/sampled.py` proves them. A sample in a window may stem from the window before it, so P, U and d- of R take the worse of
+both; tau is at most a window, half of one where there is latency. Two kinds of error are allowed for: `shift`, by which what the
+law sees of x and of the edges is wrong (noise, P7, x rounded to the scalar), and the law's own rounding, relative and in eps.
 
 The formulas are written once. Searched for are E and tau in doubles; what is returned has been shown in balls (Arb).
 """
@@ -31,6 +31,7 @@ from flint import arb
 
 from stt_codegen.certify.plant import Bounds
 from stt_codegen.certify.windows import Windows
+from stt_codegen.program.number import FORMATS
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -55,6 +56,7 @@ class Law:
     shift: Array
     u_max: Array
     rounding: float
+    latency: float = 0.0  # seconds from a sample to the input that it makes
 
     @property
     def farthest(self) -> float:
@@ -95,20 +97,28 @@ class Setting:
     push_norm: Array  # back (W + 1): F + S
     start: Array  # |eps(0)|, (n)
 
+    @property
+    def longest_age(self) -> float:
+        """Of a sample, so that it and what acted before it stem from this window or the one before."""
+        return self.windows.shortest / (2 if self.law.latency else 1)
+
     def with_gain(self, gain: float) -> Setting:
         return replace(self, law=replace(self.law, gain=gain))
 
 
-def law_of(task: Task, edge_error: Sequence[Fraction], noise: float = 0.0, gain: float | None = None) -> Law:
-    """The law of a task; `noise` bounds the error of a measured x, by component, in the task's units."""
+def law_of(task: Task, edge_error: Sequence[Fraction], noise: float = 0.0, latency: float = 0.0) -> Law:
+    """The law of a task; `noise` bounds the error of a measured x, by component, in the task's units; latency in seconds."""
     n = task.dimension
     limits = task.control.u_max
+    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
+    rounded = float(FORMATS[task.emit.scalar].roundoff * size) * (1 + 1e-12)
     return Law(
-        abs(float(task.control.gain)) if gain is None else gain,
+        abs(float(task.control.gain)),
         float(task.control.e_max),
-        np.array([2 * float(e) * (1 + 1e-12) + noise for e in edge_error]),
+        np.array([2 * float(e) * (1 + 1e-12) + rounded + noise for e in edge_error]),
         np.full(n, np.inf) if limits is None else np.array([float(v) for v in limits]),
         ROUNDING[task.emit.scalar, task.emit.math],
+        latency,
     )
 
 
@@ -188,7 +198,7 @@ def sharp(s: Setting, reach: Any, tau: Any) -> list[Any]:
     """What must be positive."""
     u = input_bound(s, reach)
     push = _sharp_push(s, u)
-    drift = push * tau + s.law.shift
+    drift = push * tau + s.most * u * s.law.latency + s.law.shift
     narrow = s.windows.narrow
     conditions = [narrow / 2 * (np.tanh(reach / 2) - s.law.rounding) - (push + s.most * u) * tau - s.law.shift]
     for d in (narrow, s.windows.wide):
@@ -201,11 +211,22 @@ def sharp(s: Setting, reach: Any, tau: Any) -> list[Any]:
     return conditions
 
 
-def _stale(s: Setting, reach: Any, tau: Any, push: Any, u: Any, widening: Any, d: Any, shift: Any) -> Any:
-    """|u held - u now|: R tau, and what shift and rounding add at the law's steepest, 16 k q' cosh^2/d-^2."""
-    steep = 16 * s.law.gain * q_rate(reach) * np.cosh(reach / 2) ** 2 / d**2
-    rate = steep * (push + u) + 4 * s.law.gain * q(reach) * widening / d**2
-    return rate * tau + 2 * steep * shift + s.law.rounding * (u_of(s, reach, d) + 4 * s.law.gain * np.cosh(reach / 2) ** 2 / d)
+def _seen_reach(s: Setting, reach: Any, d: Any, shift: Any) -> tuple[Any, Any]:
+    """E of what the law may see at width d while |eps| < reach, and by how much its nearer distance stays above 0."""
+    near = d / (1 + np.exp(reach)) - shift
+    far = d / (1 + np.exp(-reach)) + shift
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.log(far / near), near
+
+
+def _stale(s: Setting, reach: Any, seen: Any, tau: Any, push: Any, g: Any, widening: Any, d: Any, shift: Any) -> tuple[Any, Any]:
+    """U = 4 k q(E')/d-, E' of what is seen; and |u held - u now|: R tau, then what `shift` adds, at the law's steepest
+    (16 k q' cosh^2/d-^2 at E'), and rounding."""
+    u = u_of(s, seen, d) * (1 + 2 * s.law.rounding)
+    rate = 16 * s.law.gain * q_rate(reach) * np.cosh(reach / 2) ** 2 / d**2 * (push + g * u)
+    rate = rate + 4 * s.law.gain * q(reach) * widening / d**2
+    steep = 16 * s.law.gain * q_rate(seen) * np.cosh(seen / 2) ** 2 / d**2
+    return u, rate * tau + steep * shift + s.law.rounding * (u + 4 * s.law.gain * np.cosh(seen / 2) ** 2 / d)
 
 
 def u_of(s: Setting, reach: Any, d: Any) -> Any:
@@ -214,13 +235,14 @@ def u_of(s: Setting, reach: Any, d: Any) -> Any:
 
 
 def diagonal(s: Setting, reach: Any, tau: Any) -> list[Any]:
-    u = u_of(s, reach, s.narrow)
+    seen, near = _seen_reach(s, reach, s.narrow, s.law.shift)
     widening = _back(s.windows.widening, np.maximum)
-    stale = _stale(s, reach, tau, s.push, s.most * u, widening, s.narrow, s.law.shift)
+    u, stale = _stale(s, reach, seen, tau, s.push, s.most, widening, s.narrow, s.law.shift)
     return [
         4 * s.law.gain * q(reach) / s.windows.wide - stale - s.push / np.maximum(s.least, 1e-300),
         s.law.u_max - np.asarray(u, dtype=float) + 0 * reach,
         s.least + 0 * reach,
+        near,
         1e-300 - s.cross.sum(axis=-1) + 0 * reach,
     ]
 
@@ -228,16 +250,18 @@ def diagonal(s: Setting, reach: Any, tau: Any) -> list[Any]:
 def general(s: Setting, reach: Any, tau: Any) -> list[Any]:
     n = s.narrow.shape[1]
     d, wide = s.narrow.min(axis=1), s.windows.wide.max(axis=1)
-    u = u_of(s, reach, d)
     widening = _back(s.windows.widening.max(axis=1), np.maximum)
-    shift = float(np.sqrt((s.law.shift**2).sum())) * (1 + 1e-12)
-    stale = _stale(s, reach, tau, s.push_norm, s.norm * u, widening, d, shift)
+    each = float(s.law.shift.max())
+    seen, near = _seen_reach(s, reach, d, each)
     root = np.sqrt(float(n)) * (1 + 1e-12)
+    seen = reach + root * (seen - reach)  # a bound on the norm of what is seen, and on every component
+    u, stale = _stale(s, reach, seen, tau, s.push_norm, s.norm, widening, d, each * root)
     q_n = reach * np.cosh(reach / (2 * root)) ** 2
     return [
         s.law.gain * s.definite * 4 / wide * q_n - s.push_norm - s.norm * stale,
         s.law.u_max.min() - np.asarray(u, dtype=float) + 0 * reach,
         s.definite + 0 * reach,
+        near,
     ]
 
 
@@ -250,7 +274,9 @@ FORMULAS: dict[str, Callable[[Setting, Any, Any], list[Any]]] = {"sharp": sharp,
 def holds(statement: str, s: Setting, reach: float, tau: float) -> bool:
     """Shown in balls: with |eps(0)| < reach and samples no older than tau the state stays in the tube."""
     start = float(np.sqrt((s.start**2).sum())) if statement == "general" else float(s.start.max())
-    if not (start * (1 + 1e-12) < reach <= s.law.farthest * (1 - 1e-12) and 0 <= tau <= s.windows.shortest):
+    if not (
+        start * (1 + 1e-12) < reach <= s.law.farthest * (1 - 1e-12) and s.law.latency <= tau <= s.windows.shortest - s.law.latency
+    ):
         return False
     return all(bool(np.all(c > 0)) for c in FORMULAS[statement](_in_balls(s), arb(reach), arb(tau)))
 
@@ -319,7 +345,7 @@ def _longest_at(statement: str, s: Setting, grid: Array, halvings: int) -> Array
         each = [np.all(c > 0, axis=tuple(range(-len(inner), 0))) for c in conditions]
         return np.asarray(np.logical_and.reduce(each))
 
-    low, high = np.zeros(len(grid)), np.full(len(grid), s.windows.shortest)
+    low, high = np.zeros(len(grid)), np.full(len(grid), s.longest_age)
     possible = good(low)
     low = np.where(good(high), high, low)
     for _ in range(halvings):

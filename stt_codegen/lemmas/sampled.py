@@ -135,12 +135,15 @@ def _pull_monotone() -> Outcome:
 
 def _displacement() -> Outcome:
     """While g u <= 0 (u of a sample above the middle): a rises and b falls no faster than P."""
-    f, w, u, low, high, F, S = sp.symbols("f w u gammadot_L gammadot_U F S", real=True)
+    f, w, u, low, high, F, S, most = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
     return identity(
         {
             "P - adot - [(F - f - w) + (S + gammadot_L) - g u]": (F + S)
             - (f + w + g * u - low)
             - ((F - f - w) + (S + low) - g * u),
+            "P + G U - adot - [(F - f - w) + (S + gammadot_L) + (G U - g u)]": (F + S + most)
+            - (f + w + g * u - low)
+            - ((F - f - w) + (S + low) + (most - g * u)),
             "P + bdot - [(F - f - w) + (S + gammadot_U) - g u]": (F + S)
             + (high - f - w - g * u)
             - ((F - f - w) + (S + high) - g * u),
@@ -174,20 +177,31 @@ def _ends() -> Outcome:
     claimed = f(at) + (at - e0) * sp.diff(f(e), e).subs(e, at)
     s = f(e) / sp.diff(f(e), e) + e - e0
     convex = sp.diff(1 / f(e), e, 2)
-    inverse = 1 / (E * sp.cosh(E / 2) ** 2)  # 4/phi in eps = 2 atanh e
+    left = sp.Symbol("left", positive=True)  # eps - zeta
     de = 2 * sp.cosh(E / 2) ** 2
-    second = de * sp.diff(de * sp.diff(inverse, E), E)
-    wanted = de * 2 / E**3 * (2 + E * sp.tanh(E / 2) - E**2 / (2 * sp.cosh(E / 2) ** 2))
+    inverse = 1 / (left * sp.cosh(E / 2) ** 2)  # 4/phi in eps = 2 atanh e; left moves as eps does
+
+    def slope_of(expression: Any) -> Any:
+        return de * (sp.diff(expression, E) + sp.diff(expression, left))
+
+    second = slope_of(slope_of(inverse))
+    wanted = de * 2 / left**3 * (2 + left * sp.tanh(E / 2) - left**2 / (2 * sp.cosh(E / 2) ** 2))
     return all_of(
         identity({"d(y phi)/dy - (phi + (e - e0) phi')": sp.simplify((slope - claimed).doit())}),
         identity({"ds/de - (phi^3/phi'^2) (1/phi)''": sp.simplify(sp.diff(s, e) - f(e) ** 3 / sp.diff(f(e), e) ** 2 * convex)}),
-        identity({"(4/phi)'' in eps - 2 cosh^2 (2/eps^3) (2 + eps tanh - eps^2 sech^2/2)": _exponentials(second - wanted)}),
+        identity(
+            {
+                "(4/phi)'' in eps - 2 cosh^2 (2/l^3) (2 + l tanh - l^2 sech^2/2), l = eps - zeta <= eps": _exponentials(
+                    second - wanted
+                )
+            }
+        ),
         positive("1 - (eps/2)^2 sech(eps/2)^2", lambda v: 1 - (v / v.cosh()) ** 2, [(0.0, 30.0)]),
     )
 
 
 def _sharp() -> Outcome:
-    """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - P tau, b + P tau)."""
+    """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c)."""
     s, held = sp.symbols("s h", positive=True)
     return identity({"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * held).subs(held, (P + s) / (k * g)) + s)})
 
@@ -299,9 +313,10 @@ LEMMAS = (
     ),
     Lemma(
         "sampled.displacement",
-        "Since a sample taken above the middle a has risen, and b fallen, by at most P tau: a_s >= a - P tau, b_s <= b + P tau.",
-        r"\dot a \le P,\quad \dot b \ge -P \quad\text{while } g u \le 0",
-        ("|f + w| <= F, |edge rates| <= S, P = F + S",),
+        "Since a sample taken above the middle a has risen, and b fallen, by at most c = P tau + G U l: P tau, and G U l while the "
+        "u before still acted, for the latency l. So a_s >= a - c, b_s <= b + c.",
+        r"\dot a \le P,\ \dot b \ge -P \text{ while } g u \le 0;\quad \dot a \le P + GU,\ \dot b \ge -P - GU \text{ always}",
+        ("|f + w| <= F, |edge rates| <= S, P = F + S", "|g u| <= G U"),
         "ours",
         _displacement,
     ),
@@ -315,16 +330,17 @@ LEMMAS = (
     ),
     Lemma(
         "sampled.ends",
-        "For a = d/(1 + e^-E) - c, b = d/(1 + e^E) + c the least h over d- <= d <= d+ is at d- or d+.",
+        "For a = d/(1 + e^-E) - c, b = d/(1 + e^E) + c the least h over d- <= d <= d+ is at d- or d+; also with eps - zeta in "
+        "the place of eps = ln(a/b), which is what rounding may leave of it.",
         r"\min_{d_-\le d\le d_+} h = \min\bigl(h|_{d_-}, h|_{d_+}\bigr)",
-        ("a > b at both ends", "c >= 0"),
+        ("a > b at both ends", "c >= 0", "0 <= zeta < eps"),
         "ours",
         _ends,
     ),
     Lemma(
         "sampled.sharp",
-        "For diagonal g, by component: same side, and k g_min h(a - P tau, b + P tau) > P at d- and d+; then |eps_i| < E stays.",
-        r"k\,g_{\min}\,h\bigl(\tfrac{d}{1+e^{-E}}-P\tau,\ \tfrac{d}{1+e^{E}}+P\tau\bigr) > P"
+        "For diagonal g, by component: same side, and k g_min h(a - c, b + c) > P at d- and d+; then |eps_i| < E stays.",
+        r"k\,g_{\min}\,h\bigl(\tfrac{d}{1+e^{-E}}-c,\ \tfrac{d}{1+e^{E}}+c\bigr) > P,\ c = P\tau+GUl"
         r" \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
         ("|eps_i(0)| < E", "samples no older than tau, the first at 0", "sampled.same_side, .displacement, .pull, .ends"),
         "ours",
@@ -340,7 +356,7 @@ LEMMAS = (
     ),
     Lemma(
         "sampled.shift",
-        "What the law sees of a and b may be wrong by eta (noise; twice P7's bound, which the clamp needs): eta joins P tau, and "
+        "What the law sees of a and b may be wrong by eta (noise; twice P7's bound, which the clamp needs): eta joins c, and "
         "U is k h(a + eta, b - eta) at d-.",
         r"h(\alpha d+\eta,\ \beta d-\eta) \text{ falls with } d",
         ("eta below the nearer distance at |eps| = E", "E <= eps(e_max): what is clamped pulls no less than what is used"),

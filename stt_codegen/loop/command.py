@@ -29,6 +29,7 @@ def simulate_task(
     w_max: float | None,
     noise: float,
     lost: int,
+    latency: float,
     start: str | None,
     seed: int,
     gain: str | None,
@@ -44,8 +45,8 @@ def simulate_task(
     strength = 0.0 if disturbance == "none" else strength
     windy = with_wind(plant, strength)
     if gain is not None:
-        controller = with_gain(controller, _gain(gain, controller, windy, noise))
-    scenario = Scenario(rate, disturbance, strength, seed, noise, lost, _numbers(start))
+        controller = with_gain(controller, _gain(gain, Analysis(controller, windy, noise, latency)))
+    scenario = Scenario(rate, disturbance, strength, seed, noise, lost, _numbers(start), latency)
     run = Loop(controller, plant).run(scenario, trace=out is not None)
     report = {
         "task": task.name,
@@ -57,6 +58,7 @@ def simulate_task(
         "w_max": strength,
         "noise": noise,
         "lost": lost,
+        "latency": latency,
         "seed": seed,
         "fulfilled": run.good,
         "kept": run.kept,
@@ -83,9 +85,10 @@ def with_gain(controller: Controller, gain: float) -> Controller:
     return Controller(task, controller.design, program, controller.certificate, files)
 
 
-def _gain(text: str, controller: Controller, plant: Model, noise: float) -> float:
+def _gain(text: str, analysis: Analysis) -> float:
+    controller = analysis.controller
     if text == "best":
-        best = Analysis(controller, plant, noise).best_gain if controller.certificate.holds else None
+        best = analysis.best_gain if controller.certificate.holds else None
         if best is None:
             raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
         return math.copysign(best[0], float(controller.task.control.gain))
@@ -111,12 +114,12 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     """What `prove TASK` says of this loop before it is run."""
     if not controller.certificate.holds:
         return ["the tube is not certified: nothing is proved"]
-    analysis = Analysis(controller, plant, scenario.noise)
+    analysis = Analysis(controller, plant, scenario.noise, scenario.latency)
     if scenario.start is not None:
         analysis.setting = replace(analysis.setting, start=analysis.start_at(scenario.start))
     failed = [h.statement for h in analysis.hypotheses() if not h.holds]
     lines = [f"does not hold: {statement}" for statement in failed]
-    age, period = (scenario.lost + 1) / scenario.rate, analysis.period
+    age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
     most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {period.e:.3g}"

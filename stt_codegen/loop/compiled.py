@@ -43,6 +43,7 @@ class Setting(ctypes.Structure):
         ("period", ctypes.c_double),
         ("strength", ctypes.c_double),
         ("noise", ctypes.c_double),
+        ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
         ("space", ctypes.c_void_p),
         ("target", ctypes.c_void_p),

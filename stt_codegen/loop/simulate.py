@@ -40,7 +40,8 @@ PARTS = 4  # of a period, at least
 @dataclass(frozen=True)
 class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise: bound on the error of every measured
-    component; lost: samples that may be lost in a row; start: x(0), the task's own where None."""
+    component; lost: samples that may be lost in a row; start: x(0), the task's own where None; latency: seconds from a sample to
+    its input, less than a period."""
 
     rate: float = 1000.0
     disturbance: str = "none"
@@ -49,13 +50,24 @@ class Scenario:
     noise: float = 0.0
     lost: int = 0
     start: tuple[float, ...] | None = None
+    latency: float = 0.0
 
     def __post_init__(self) -> None:
         if self.disturbance not in KINDS:
             raise BadInput(f"--disturbance {self.disturbance}: is none of {', '.join(KINDS)}")
-        for name, value in (("--rate", self.rate), ("--w-max", self.strength), ("--noise", self.noise)):
+        for name, value in self._numbers():
             if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
+        if self.latency >= 1 / self.rate:
+            raise BadInput(f"--latency {self.latency:g}: must be below a period, {1 / self.rate:g} s")
+
+    def _numbers(self) -> tuple[tuple[str, float], ...]:
+        return ("--rate", self.rate), ("--w-max", self.strength), ("--noise", self.noise), ("--latency", self.latency)
+
+    @property
+    def age(self) -> float:
+        """The greatest age of a sample whose input still acts, seconds."""
+        return (self.lost + 1) / self.rate + self.latency
 
 
 @dataclass(frozen=True)
@@ -116,6 +128,7 @@ class Loop:
             period=period,
             strength=scenario.strength,
             noise=scenario.noise,
+            latency=scenario.latency,
             start=start.ctypes.data,
             space=field_.space.ctypes.data,
             target=field_.target.ctypes.data,

@@ -205,7 +205,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
 {
     const int n = s->n;
     wind v;
-    double x[MOST] = {0}, seen[MOST], u[MOST] = {0}, w[MOST] = {0};
+    double x[MOST] = {0}, seen[MOST], u[MOST] = {0}, before[MOST] = {0}, w[MOST] = {0};
     int status = 0, lost = 0;
     memset(r, 0, sizeof *r);
     r->hit = -1, r->hit_at = r->left_at = r->outside_at = -1.0, r->margin = 0.5;
@@ -230,12 +230,15 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
             blow(&v, t, x, w);
             trace = write_row(trace, t, x, u, tube, w, status, n);
         }
+        if (k == 0) memcpy(before, u, (size_t)n * sizeof *u);
         for (int part = 0; part < s->parts; part++) {
-            const double now = t + part * h;
-            integrate(&v, now, h, u, x, DEPTH);
+            const double now = t + part * h, waits = fmax(0.0, fmin(h, t + s->latency - now));
+            if (waits > 0.0) integrate(&v, now, waits, before, x, DEPTH);
+            if (waits < h) integrate(&v, now + waits, h - waits, u, x, DEPTH);
             if (advance != NULL) advance(now, h);
             judge(s, now + h, x, tube, &v, r);
         }
+        memcpy(before, u, (size_t)n * sizeof *u);
     }
     if (trace != NULL) write_row(trace, s->samples * s->period, x, u, tube, w, status, n);
     r->reached = inside(s->target, x, n);

@@ -25,6 +25,7 @@ typedef struct {
     double period;         /* seconds */
     double strength;       /* |w| at most, its Euclidean norm */
     double noise;          /* of every measured component, at most */
+    double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
     const double *start;   /* n */
     const double *space;   /* lower, upper by dimension */
     const double *target;
