@@ -4,13 +4,15 @@ again.
     python benchmarks/lemma_mutants.py [COUNT]
 
 A mutant counts when it changes an output at some of many inputs by more than rounding; it is found when a lemma about that kernel
-or function is no longer proved. Deterministic. The mutants that are missed are listed.
+or function is no longer proved, be it that the proof takes longer than PATIENCE. Deterministic. The mutants that are missed are
+listed.
 """
 
 from __future__ import annotations
 
 import math
 import random
+import signal
 import sys
 import warnings
 from collections import Counter
@@ -47,6 +49,7 @@ OTHER = {
     "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",
     "neg": "fabs", "iadd": "isub", "isub": "iadd", "imul": "iadd", "and": "or", "or": "and",
 }  # fmt: skip
+PATIENCE = 30  # seconds for the lemmas of a mutant; a formula gone wild is not proved either
 SMALL_KERNELS = {
     "basis": refined, "basis_rate": refined, "blend": refined, "normalized_error": transform, "transformed_error": transform,
     "law": transform,
@@ -264,8 +267,13 @@ FRAME_KERNELS: Mapping[str, tuple[str, ...]] = {
 }
 
 
+def give_up(*_: Any) -> None:
+    raise TimeoutError("a proof takes too long")
+
+
 def main(count: int) -> None:
     warnings.simplefilter("ignore")
+    signal.signal(signal.SIGALRM, give_up)
     draw = random.Random(1)
     everything = subjects()
     tally: Counter[str] = Counter()
@@ -280,7 +288,10 @@ def main(count: int) -> None:
         if after == subject.thing or not subject.differs(after, draw):
             continue
         tally["changed"] += 1
-        if all(v in (Verdict.PROVED, Verdict.REFUTED) for v in subject.verdicts(after)):
+        signal.alarm(PATIENCE)
+        verdicts = subject.verdicts(after)
+        signal.alarm(0)
+        if all(v in (Verdict.PROVED, Verdict.REFUTED) for v in verdicts):
             before = {repr(s) for s in _flat(subject.thing.body)}
             missed.append(f"{subject.name}: {[s for s in map(repr, _flat(after.body)) if s not in before]}"[:300])
         else:

@@ -94,6 +94,17 @@ def _patience(what: str) -> Iterator[None]:
         thread.join()
 
 
+def _tell_slow_ticks(controller: Any) -> None:
+    """A note on stderr when emit.tick_period is longer than what is proved for the plant that the task states."""
+    if controller.task.emit.tick_period is None or not controller.certificate.holds:
+        return
+    from stt_codegen.bounds import Analysis
+
+    for h in Analysis(controller).hypotheses():
+        if h.name == "sampling" and not h.holds:
+            _say(f"note: {controller.task.name}: not so: {h.statement}; see `stt-codegen design`")
+
+
 def _built(task: Path, design: str | None, scalar: str | None) -> Any:
     from stt_codegen.pipeline import build
 
@@ -189,6 +200,7 @@ def generate(
         for _, controller in made:
             _keep_certified(out or Path(), controller)
     for task, controller in made:
+        _tell_slow_ticks(controller)
         if record is not None:
             folder = record_controller(record, task, controller, uncertified)
         else:

@@ -7,8 +7,12 @@
     certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else enclosures
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
 
-Each stage is a plain function from frozen data to frozen data; none reaches back. `reference.py` writes the same
-equations once more in plain NumPy, and `compare.py` holds every backend against it.
+Each stage is a plain function from frozen data to frozen data; none reaches back. What stands beside it:
+
+    reference.py, compare.py    the same equations once more in plain NumPy, and every backend held against them
+    lemmas/                     the lemma book: what all of this rests on, proved about the Program
+    plants.py, bounds.py        what the theorem and the sampled statements give for one controller and one plant
+    loop/, board/, bench/       the emitted C driving a plant, run on emulated boards, measured by the hundred
 """
 
 from __future__ import annotations

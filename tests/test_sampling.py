@@ -239,3 +239,13 @@ def test_a_period_says_where_it_is_tight() -> None:
     assert isinstance(period, Period)
     assert 0 <= period.tight[0] <= period.tight[1] <= 9
     assert period.tight[2] in (1, 2)
+
+
+def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
+    text = (ROOT / "tasks" / "omni_board.toml").read_text()
+    assert "tick_period = 0.001" in text
+    for period, told in (("0.001", False), ("0.02", True)):
+        (tmp_path / "task.toml").write_text(text.replace("tick_period = 0.001", f"tick_period = {period}"))
+        result = CliRunner().invoke(app, ["generate", str(tmp_path / "task.toml"), "--out", str(tmp_path)])
+        assert result.exit_code == 0, result.output
+        assert ("proved short enough" in result.output) == told

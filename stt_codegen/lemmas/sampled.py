@@ -313,8 +313,8 @@ LEMMAS = (
     ),
     Lemma(
         "sampled.displacement",
-        "Since a sample taken above the middle a has risen, and b fallen, by at most c = P tau + G U l: P tau, and G U l while the "
-        "u before still acted, for the latency l. So a_s >= a - c, b_s <= b + c.",
+        "Since a sample taken above the middle a has risen, and b fallen, by at most c = P tau + G U l: P tau, and G U l while "
+        "the u before still acted, for the latency l. So a_s >= a - c, b_s <= b + c.",
         r"\dot a \le P,\ \dot b \ge -P \text{ while } g u \le 0;\quad \dot a \le P + GU,\ \dot b \ge -P - GU \text{ always}",
         ("|f + w| <= F, |edge rates| <= S, P = F + S", "|g u| <= G U"),
         "ours",
