@@ -35,6 +35,9 @@ generate: $(STAMP)
 	@for scalar in float double; do $(BIN)/stt-codegen generate $(TASKS) --record generated --scalar $$scalar || exit; done
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design adaptive
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design literal --uncertified
+	@for task in $(TASKS); do name=$$(basename $$task .toml); \
+	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/float >/dev/null || exit; done
+	@$(BIN)/stt-codegen prove
 
 check: $(STAMP)
 	@$(BIN)/stt-codegen check generated

@@ -18,6 +18,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 from stt_codegen.lemmas import examples, functions, kernels, refined, transform
@@ -25,6 +26,7 @@ from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
 from stt_codegen.program.program import (
+    REAL,
     Assign,
     Call,
     Const,
@@ -73,7 +75,12 @@ def changed(operand: Operand, known: list[Var], draw: random.Random) -> Operand:
     if isinstance(operand, Const) and isinstance(operand.value, bool):
         return replace(operand, value=not operand.value)
     if isinstance(operand, Const) and operand.value is not None and not hasattr(operand.value, "name"):
-        return replace(operand, value=operand.value + draw.choice((1, -1)))
+        if operand.type is REAL and operand.value and draw.random() < 0.7:
+            return replace(operand, value=operand.value * draw.choice((Fraction(101, 100), 2, Fraction(1, 2))))
+        return replace(
+            operand,
+            value=operand.value + (draw.choice((1, -1, Fraction(1, 8))) if operand.type is REAL else draw.choice((1, -1))),
+        )
     others = [v for v in known if v.type is operand.type and v != operand]
     return draw.choice(others) if others else operand
 

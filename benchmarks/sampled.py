@@ -57,9 +57,10 @@ class Loop:
     def setting(self, start: float) -> Setting:
         """What the statements read, for a run that begins at eps = start in every component."""
         n, ones = self.n, np.ones((2, self.n))
-        windows = Windows(
-            np.array([0.0, 1e3]), self.narrow * ones, self.wide * ones, self.speed * ones, 2 * self.speed * ones, 0 * ones, ones
-        )
+        speeds = (self.speed * ones, 2 * self.speed * ones)
+        start_box = np.array([[-self.narrow / 2, self.narrow / 2]] * n)
+        times = np.array([0.0, 1e3])
+        windows = Windows(times, self.narrow * ones, self.wide * ones, *speeds, -ones, ones, start_box)
         law = Law(self.gain, E_MAX, np.zeros(n), np.full(n, np.inf), 2.0**-46)
         cosine, sine = math.cos(self.turn), math.sin(self.turn)
         cross = self.most * sine * (np.ones((n, n)) - np.eye(n)) * np.ones((2, 1, 1))

@@ -19,10 +19,11 @@ from flint import arb
 from stt_codegen.certify.certificate import above, below
 from stt_codegen.certify.enclosure import Enclosed
 from stt_codegen.certify.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.certify.sampling import COARSE, STATEMENTS, Period, law_of, longest, proposal, q, setting_of
+from stt_codegen.certify.sampling import COARSE, STATEMENTS, Period, Setting, law_of, longest, proposal, q, setting_of
 from stt_codegen.certify.windows import Windows, enclosed_windows, refined_windows
 from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 
@@ -45,6 +46,9 @@ class Analysis:
     state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too)."""
 
     def __init__(self, controller: Controller, plant: Model | None = None, noise: float = 0.0, latency: float = 0.0) -> None:
+        for name, value in (("--noise", noise), ("--latency", latency)):
+            if not (math.isfinite(value) and value >= 0):
+                raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
         task = controller.task
@@ -94,7 +98,29 @@ class Analysis:
     @cached_property
     def periods(self) -> dict[str, Period | None]:
         """By statement, the longest period proved for the task's gain."""
-        return {statement: longest(statement, self.setting) for statement in STATEMENTS}
+        return {statement: self._longest(statement, self.setting) for statement in STATEMENTS}
+
+    def _longest(self, statement: str, setting: Setting) -> Period | None:
+        """`longest`; none below what the certificate of an adaptive tube allows `alpha_step`."""
+        period = longest(statement, setting)
+        return None if period is None or period.seconds < self.shortest else period
+
+    @property
+    def shortest(self) -> float:
+        """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified."""
+        steps = self.controller.certificate.steps
+        return 0.0 if steps is None else float(steps[0])
+
+    def assumptions(self) -> list[str]:
+        """What the periods rest on and nothing here can show."""
+        task, found = self.controller.task, []
+        if self.plant is None and task.plant.model_dump(exclude_none=True):
+            found.append("inputs are decoupled (g diagonal); `prove TASK --plant` takes any g")
+            if task.plant.g_min is None:
+                found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
+        if self.shortest:
+            found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
+        return found
 
     @cached_property
     def period(self) -> Period | None:
@@ -105,7 +131,7 @@ class Analysis:
     def period_at(self, gain: float) -> Period | None:
         """The longest period of the sharp statement at another |k|; of the general one where that has none."""
         setting = self.setting.with_gain(gain)
-        return longest("sharp", setting) or longest("general", setting)
+        return self._longest("sharp", setting) or self._longest("general", setting)
 
     @cached_property
     def _gains(self) -> list[tuple[float, float]]:
@@ -176,7 +202,8 @@ class Analysis:
         yield Hypothesis("tube", "the certificate holds: P1 to P7", c.holds)
         yield Hypothesis("start", "x(0) strictly inside gamma(0)", bool(np.isfinite(s.start).all()))
         least = float(s.definite.min())
-        yield Hypothesis("Assumption 2", f"g_s >= {below_float(least):g} over the tube", least > 0)
+        known = f"g_s >= {below_float(least):g} over the tube" if math.isfinite(least) else "g is finite over the tube"
+        yield Hypothesis("Assumption 2", known, least > 0)
         clamp = s.law.farthest
         inside = bool((self.reach < clamp).all()) or self.reach_norm < clamp
         told = f"eps* <= eps(e_max) = {clamp:.4g}, so the clamp never acts (continuous control)"
@@ -197,6 +224,8 @@ class Analysis:
         numbers = self.update_function
         least, needed = numbers["least_gap"], numbers["ln4_over_nu"]
         star = numbers["s_star"]
+        if None in (least, needed, star):
+            return [Hypothesis("update function", "psi + alpha is bounded away from 0", False)]
         return [
             Hypothesis("update function", f"psi + alpha >= s* = {star:g} > 0", star > 0),
             Hypothesis("four gaps", f"the least gap, {least:g}, is above ln 4/nu = {needed:g}", least > needed),
@@ -230,6 +259,8 @@ class Analysis:
         sign = 1 if task.control.gain > 0 else -1
         return {
             "plant": self.name,
+            "assumes": self.assumptions(),
+            "shortest": above_float(self.shortest),
             "gain": float(task.control.gain),
             "at_this_gain": _period(self.period),
             "longest": None if best is None else {"gain": sign * best[0], **_period(best[1])},

@@ -53,7 +53,7 @@ def _say(text: str) -> None:
 
 
 def _print_json(document: Any) -> None:
-    print(json.dumps(document, indent=2))
+    print(json.dumps(document, indent=2, allow_nan=False))
 
 
 def _keep_certified(folder: Path, controller: Any) -> None:
@@ -413,6 +413,8 @@ def prove(
             raise BadInput(f"prove: {told}; the book is about every task")
         good = _prove_book(out or Path("generated/lemmas.md"), check, fresh, json)
     else:
+        if fresh:
+            raise BadInput("prove: --fresh is for the lemma book; bounds of a TASK are always made anew")
         good = _prove_task(_built(task, design, scalar), plant, (noise, latency), out or Path(), check, json)
     if not good:
         raise typer.Exit(1)

@@ -19,7 +19,9 @@ CasADi is imported only where a plant is evaluated.
 
 from __future__ import annotations
 
+import contextlib
 import runpy
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -137,15 +139,16 @@ def plant_of(name: str, dimension: int) -> Model:
 
 def _from_file(path: Path) -> Plant:
     try:
-        names = runpy.run_path(str(path))
-    except Exception as error:  # the user's own code may raise anything
+        with contextlib.redirect_stdout(sys.stderr):  # what it prints is no result of ours
+            names = runpy.run_path(str(path))
+    except (Exception, SystemExit) as error:  # the user's own code may raise anything
         raise BadInput(f"--plant {path}: cannot be run ({type(error).__name__}: {error})") from None
     for wanted in ("f", "g"):
         if not callable(names.get(wanted)):
             raise BadInput(f"--plant {path}: has no function {wanted}(x); see `stt_codegen/plants.py` for an example")
     try:
         w_max = Fraction(str(names.get("w_max", 0)))
-    except ValueError:
+    except (ValueError, ZeroDivisionError):
         w_max = Fraction(-1)
     if w_max < 0:
         raise BadInput(f"--plant {path}: w_max is {names['w_max']!r}; a number that is 0 or greater is needed")
@@ -156,16 +159,26 @@ def model(plant: Model, dimension: int) -> Any:
     """The plant as a CasADi function of x (n) with outputs f (n) and g (n by n, dense). Raises `BadInput` for wrong shapes."""
     import casadi as ca
 
+    from stt_codegen.program.lower import UnknownOpcode, lower
+
     x = ca.SX.sym("x", dimension)
     try:
-        f = ca.densify(_matrix(plant.f(x)))
-        g = ca.densify(_matrix(plant.g(x)))
-    except Exception as error:  # the user's own code may raise anything
+        with contextlib.redirect_stdout(sys.stderr):
+            f = ca.densify(_matrix(plant.f(x)))
+            g = ca.densify(_matrix(plant.g(x)))
+    except (Exception, SystemExit) as error:  # the user's own code may raise anything
         raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({type(error).__name__}: {error})") from None
     for name, value, shape in (("f", f, (dimension, 1)), ("g", g, (dimension, dimension))):
         if value.shape != shape:
             raise BadInput(f"--plant {plant.name}: {name}(x) has shape {value.shape}; {shape} is needed")
-    return ca.Function("plant", [x], [f, g], ["x"], ["f", "g"])
+    function = ca.Function("plant", [x], [f, g], ["x"], ["f", "g"])
+    try:
+        lower(function)
+    except (UnknownOpcode, ValueError) as error:
+        raise BadInput(
+            f"--plant {plant.name}: f(x) or g(x) has something that cannot be enclosed and printed ({error})"
+        ) from None
+    return function
 
 
 def _matrix(value: Any) -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 
@@ -60,19 +61,22 @@ def show_design(report: dict[str, Any]) -> None:
 
 def _sampling_lines(sampling: dict[str, Any], tick_period: float | None) -> Iterator[str]:
     """What `Analysis.sampling` says, for people."""
-    own, best, plant = sampling["at_this_gain"], sampling["longest"], f"for {sampling['plant']}"
+    own, best, plant = sampling["at_this_gain"], sampling["longest"], f"for {escape(sampling['plant'])}"
     if own is None:
         yield f"[yellow]note[/yellow]: gain {sampling['gain']:g} is proved at no sampling period {plant}"
     else:
         u = f"|u| below {', '.join(f'{v:.3g}' for v in own['u'])}"
-        yield f"sample every {_time(own['period'])} or faster, proved {plant}: |e| stays below {own['e']:.3g}, {u}"
+        least = f", but not below {_time(sampling['shortest'])} (alpha_step)" if sampling["shortest"] else " or faster"
+        yield f"sample every {_time(own['period'])}{least}, proved {plant}: |e| stays below {own['e']:.3g}, {u}"
     if best is not None and (own is None or best["period"] > 1.1 * own["period"]):
         yield f"gain {best['gain']:g} would allow {_time(best['period'])}, with |e| up to {best['e']:.3g}"
     period, gains = sampling["gains_at"]["period"], sampling["gains_at"]["gains"]
     if gains is None:
         yield f"[yellow]note[/yellow]: no gain is proved for a period of {_time(period)}"
     else:
-        yield f"gains from {gains[0]:g} to {gains[1]:g} are proved for a period of {_time(period)}"
+        yield f"least and largest gain proved for a period of {_time(period)}: {gains[0]:g} and {gains[1]:g}"
+    for line in sampling["assumes"]:
+        yield f"assumed: {escape(line)}"
     if tick_period is not None and (own is None or tick_period > own["period"]):
         yield f"[yellow]note[/yellow]: emit.tick_period {_time(tick_period)} is longer than what is proved at this gain"
 
@@ -86,7 +90,7 @@ def show_bounds(document: dict[str, Any]) -> None:
     console = _console()
     noise = f", x measured to {document['noise']:g}" if document["noise"] else ""
     noise += f", u {_time(document['latency'])} after its sample" if document["latency"] else ""
-    console.print(f"[bold]{document['task']}[/bold], {document['design']}, with {document['plant']}{noise}")
+    console.print(f"[bold]{document['task']}[/bold], {document['design']}, with {escape(document['plant'])}{noise}")
     table = Table(box=None, header_style="bold")
     for heading in ("hypothesis", "statement", "holds"):
         table.add_column(heading)

@@ -28,7 +28,7 @@ from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube
 from stt_codegen.plants import Plant
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
-from stt_codegen.program.program import INT, Assign, For, Load, Return, Select, Status, Var, integer
+from stt_codegen.program.program import INT, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
 from stt_codegen.program.python import PythonPrinter
 
 REFUTED = {
@@ -238,9 +238,25 @@ def swapped_alpha(s: Any) -> Any:
     return replace(s, value=Load("alpha", Var("i", INT))) if wrong else s
 
 
+def threshold(name: str, k: int, value: Fraction) -> Callable[[Any], Any]:
+    """Argument k of the comparison of that name becomes another constant."""
+
+    def change(s: Any) -> Any:
+        if not (isinstance(s, Assign) and s.var.name == name):
+            return s
+        assert isinstance(s.value, Op)
+        return replace(s, value=Op(s.value.name, tuple(real(value) if i == k else a for i, a in enumerate(s.value.args))))
+
+    return change
+
+
 @pytest.mark.parametrize(
     ("name", "function", "change"),
     [
+        ("wide_tube_rate", "tube_rate", threshold("moving", 1, Fraction("8.95"))),
+        ("wide_control", "control", threshold("within", 0, Fraction("0.0001"))),
+        ("transform", "transform", threshold("wide", 0, Fraction(1, 1 << 10))),
+        ("transform", "transform", threshold("filled", 0, Fraction(1, 1 << 23))),
         ("wide_control", "control", not_outside),
         ("wide_control", "control", first_limit),
         ("narrow_tube", "tube", other_entry),

@@ -1,15 +1,14 @@
 """Monte Carlo of closed loops: the C that ships drives xdot = u + w through the paper's random arenas, ten disturbances each.
 
 For every certified arena: the gain that the tool proposes (the longest proved sampling period), its C compiled, ten runs at the
-rate with |w| <= w_max from starts all over the initial set. With peers, in the same loops and runs: the barrier filter (OSQP's
-generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond the proved one, to see where tubes are
-left. One arena is one job, in this process, in processes, or on a Dask cluster, as in the arenas benchmark.
+rate with |w| <= w_max from starts with |e| up to START of what is proved. With peers, in the same loops and runs: the barrier
+filter (OSQP's generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond the proved one, to see where
+tubes are left. One arena is one job, in this process, in processes, or on a Dask cluster, as in the arenas benchmark.
 """
 
 from __future__ import annotations
 
 import ctypes
-import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -47,7 +46,7 @@ class Job:
 @dataclass(frozen=True)
 class Outcome:
     """Of one job: runs by controller; gain and proved period; for every LONGER whether some run left the tube; why there is no
-    tube; processor seconds."""
+    tube."""
 
     job: Job
     runs: dict[str, tuple[Run, ...]]
@@ -55,31 +54,29 @@ class Outcome:
     period: float = float("nan")
     left: tuple[bool, ...] = ()
     reason: str = ""
-    seconds: float = 0.0
 
 
 def run(job: Job) -> Outcome:
     """Design, prove, compile and run one arena."""
-    begin = time.process_time()
     task = arena_task(FAMILIES["paper"], job.seed)
     plant = with_wind(PLANTS["integrator"], job.w_max)
     try:
         controller = _tube_of(task)
     except NotCertified as error:
-        return Outcome(job, _peers(job, None, ()), reason=str(error), seconds=time.process_time() - begin)
+        return Outcome(job, {}, reason=str(error))
     best = Analysis(controller, plant).best_gain
     if best is None:
-        return Outcome(job, {}, reason="no gain is proved at any period", seconds=time.process_time() - begin)
+        return Outcome(job, {}, reason="no gain is proved at any period")
     gain, period = best
     controller = with_gain(controller, gain)
     loop = Loop(controller, plant)
     scenarios = scenarios_of(job, controller, START * period.e)
-    runs = {"own": tuple(map(loop.run, scenarios)), **_peers(job, controller, scenarios)}
+    runs = {"own": tuple(map(loop.run, scenarios)), **_peers(job, loop, scenarios)}
     left: tuple[bool, ...] = ()
     if job.longer:
         slow = [[replace(s, rate=1 / (period.seconds * times)) for s in scenarios] for times in LONGER]
         left = tuple(any(not loop.run(s).kept for s in several) for several in slow)
-    return Outcome(job, runs, gain, period.seconds, left, seconds=time.process_time() - begin)
+    return Outcome(job, runs, gain, period.seconds, left)
 
 
 def _tube_of(task: Task) -> Controller:
@@ -103,10 +100,12 @@ def scenarios_of(job: Job, controller: Controller, e: float) -> tuple[Scenario, 
     return tuple(found)
 
 
-def _peers(job: Job, controller: Controller | None, scenarios: Sequence[Scenario]) -> dict[str, tuple[Run, ...]]:
-    """The same scenarios for the barrier filter and the literal tube (where there is a tube to compare with)."""
-    if not job.peers or controller is None:
+def _peers(job: Job, ours: Loop, scenarios: Sequence[Scenario]) -> dict[str, tuple[Run, ...]]:
+    """The same scenarios for the barrier filter and the literal tube (with our gain). Wind toward the nearest edge of a tube: for
+    the filter, of ours."""
+    if not job.peers:
         return {}
+    controller = ours.controller
     family, plant = FAMILIES["paper"], PLANTS["integrator"]
     from stt_codegen.bench.peers import filter_library
 
@@ -115,7 +114,9 @@ def _peers(job: Job, controller: Controller | None, scenarios: Sequence[Scenario
     filters = {}
     for name, allowed in (("barrier filter", 0.0), ("barrier filter told w_max", job.w_max)):
         refill = partial(library.filter_boxes, ctypes.c_void_p(edges.ctypes.data), ctypes.c_double(allowed))
-        filters[name] = tuple(map(Loop(controller, plant, Own(library.filter_next, None, None, refill, library)).run, scenarios))
+        filters[name] = tuple(
+            map(Loop(controller, plant, Own(library.filter_next, ours.own.tube, None, refill, library)).run, scenarios)
+        )
     literal = Loop(build_task(controller.task.with_options("literal"), uncertified=True), plant)
     inside = [_moved(s, literal.controller) for s in scenarios]
     return {**filters, "literal tube": tuple(map(literal.run, inside))}

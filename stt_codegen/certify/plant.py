@@ -18,10 +18,9 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from stt_codegen.errors import BadInput
 from stt_codegen.plants import Model, model
 from stt_codegen.program.arb import Ball, Enclosure, hull
-from stt_codegen.program.lower import UnknownOpcode, lower
+from stt_codegen.program.lower import lower
 from stt_codegen.program.program import Program, Var, operands
 from stt_codegen.task import Task
 
@@ -69,14 +68,11 @@ def _double(value: Fraction, toward: float) -> float:
 
 
 class PlantEnclosure:
-    """A plant of n dimensions in balls. Raises `BadInput` where f or g has an operation that cannot be enclosed."""
+    """A plant of n dimensions in balls. Raises `BadInput` as `model` does."""
 
     def __init__(self, plant: Model, dimension: int, sign: int) -> None:
         self.dimension, self.sign, self.w_max = dimension, sign, _double(plant.w_max, math.inf)
-        try:
-            kernel = lower(model(plant, dimension))
-        except UnknownOpcode as error:
-            raise BadInput(f"--plant {plant.name}: cannot be enclosed, {error}") from None
+        kernel = lower(model(plant, dimension))
         read = {o.name for a in kernel.body for o in operands(a.value) if isinstance(o, Var)} | {
             o.name for o in kernel.outputs if isinstance(o, Var)
         }

@@ -20,6 +20,7 @@ The formulas are written once. Searched for are E and tau in doubles; what is re
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -116,7 +117,7 @@ def law_of(task: Task, edge_error: Sequence[Fraction], noise: float = 0.0, laten
         abs(float(task.control.gain)),
         float(task.control.e_max),
         np.array([2 * float(e) * (1 + 1e-12) + rounded + noise for e in edge_error]),
-        np.full(n, np.inf) if limits is None else np.array([float(v) for v in limits]),
+        np.full(n, np.inf) if limits is None else np.array([float(v) * (1 - 2.0**-23) for v in limits]),
         ROUNDING[task.emit.scalar, task.emit.math],
         latency,
     )
@@ -126,8 +127,9 @@ def setting_of(windows: Windows, plant: Sequence[Bounds], law: Law, x0: Sequence
     """`plant`: bounds for every window, over it and the one before it. x0: where the run begins, strictly inside."""
     push = np.array([p.push for p in plant])
     speed = _back(windows.speed, np.maximum)
-    low, high = windows.low[0], windows.high[0]
-    a, b = np.array(x0) - low, high - np.array(x0)
+    x = np.array(x0)
+    a, b = x - windows.start[:, 0], windows.start[:, 1] - x
+    a, b = a - 1e-15 * np.abs(x), b - 1e-15 * np.abs(x)  # more than the differences are rounded by
     with np.errstate(divide="ignore", invalid="ignore"):
         start = np.where((a > 0) & (b > 0), np.abs(np.log(a / b)) * (1 + 1e-9), np.inf)
     total = np.sqrt((speed**2).sum(axis=1)) * (1 + 1e-12)
@@ -141,7 +143,7 @@ def setting_of(windows: Windows, plant: Sequence[Bounds], law: Law, x0: Sequence
         _back(windows.narrow, np.minimum),
         np.array([p.definite for p in plant]),
         np.array([p.norm for p in plant]),
-        np.array([p.push_norm for p in plant]) + total,
+        (np.array([p.push_norm for p in plant]) + total) * (1 + 1e-12),
         start,
     )
 
@@ -180,7 +182,9 @@ def input_bound(s: Setting, reach: Any) -> Any:
     far, near = _seen(s, reach)
     c = (1 - s.law.e_max) / 2
     width = s.narrow - 2 * s.law.shift
-    clamped = s.law.gain * pull((1 - c) * width, c * width) * (1 + s.law.rounding) + 0 * reach
+    known = np.asarray(width, dtype=float) > 0  # else the law may see any width, and no bound is known
+    held = np.where(known, width, 1 + 0 * width)
+    clamped = np.where(known, s.law.gain * pull((1 - c) * held, c * held) * (1 + s.law.rounding), np.inf) + 0 * reach
     free = np.asarray(near, dtype=float) > np.asarray(far + near, dtype=float) * c
     with np.errstate(invalid="ignore", divide="ignore"):
         safe_far, safe_near = np.where(free, far, 2 + 0 * reach), np.where(free, near, 1 + 0 * reach)
@@ -274,9 +278,9 @@ FORMULAS: dict[str, Callable[[Setting, Any, Any], list[Any]]] = {"sharp": sharp,
 def holds(statement: str, s: Setting, reach: float, tau: float) -> bool:
     """Shown in balls: with |eps(0)| < reach and samples no older than tau the state stays in the tube."""
     start = float(np.sqrt((s.start**2).sum())) if statement == "general" else float(s.start.max())
-    if not (
-        start * (1 + 1e-12) < reach <= s.law.farthest * (1 - 1e-12) and s.law.latency <= tau <= s.windows.shortest - s.law.latency
-    ):
+    if not (math.isfinite(start) and start * (1 + 1e-12) < reach <= s.law.farthest * (1 - 1e-12)):
+        return False
+    if not s.law.latency <= tau <= s.longest_age:
         return False
     return all(bool(np.all(c > 0)) for c in FORMULAS[statement](_in_balls(s), arb(reach), arb(tau)))
 

@@ -25,8 +25,8 @@ CELLS = 64  # windows of an enclosed tube
 
 @dataclass(frozen=True)
 class Windows:
-    """W time windows and last the one from t_c on. times: (W + 1) boundaries, seconds; the rest (W + 1, n): narrow <= gamma_d
-    <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high."""
+    """W time windows and last the one from t_c on. times: (W + 1) boundaries, seconds. start: gamma(0), (n, 2). The rest is
+    (W + 1, n): narrow <= gamma_d <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high."""
 
     times: Array
     narrow: Array
@@ -35,6 +35,7 @@ class Windows:
     widening: Array
     low: Array
     high: Array
+    start: Array  # gamma(0), lower and upper, rounded inward: (n, 2)
 
     @property
     def shortest(self) -> float:
@@ -60,6 +61,7 @@ def refined_windows(design: RefinedDesign) -> Windows:
         np.abs(np.diff(width, axis=-1)).max(axis=-1) * per_second,
         bezier[:, :, LOWER].min(axis=-1) * unit,
         bezier[:, :, UPPER].max(axis=-1) * unit,
+        bezier[0, :, :, 0] * unit,
     )
 
 
@@ -71,7 +73,6 @@ def enclosed_windows(tube: Enclosed) -> Windows:
     groups = [slice(a, b) for a, b in itertools.pairwise(cuts)] + [slice(count, count + 1)]
     low, high = gamma[:, :, LOWER], gamma[:, :, UPPER]  # (N + 1, n, 2 ends)
     speed = np.tile([float(v) * OUT for v in tube.certificate.speed], (len(groups), 1))
-    speed[-1] = 0.0
     return Windows(
         times[cuts],
         np.array([np.nextafter(high[g, :, 0] - low[g, :, 1], -np.inf).min(axis=0) for g in groups]),
@@ -80,4 +81,5 @@ def enclosed_windows(tube: Enclosed) -> Windows:
         2 * speed,
         np.array([low[g, :, 0].min(axis=0) for g in groups]),
         np.array([high[g, :, 1].max(axis=0) for g in groups]),
+        np.stack([low[0, :, 1], high[0, :, 0]], axis=-1),
     )

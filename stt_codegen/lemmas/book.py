@@ -89,9 +89,9 @@ def markdown(entries: list[Entry]) -> str:
     lines = [
         "# Lemmas",
         "",
-        f"{_counts(entries)}; made by `stt-codegen prove`,",
-        'which computes every verdict anew. Source "Program": the statement is about the expression that is printed. Refuted are',
-        "statements as the paper prints them or as one might hope; their repairs stand beside them.",
+        f"{_counts(entries)}; made by `stt-codegen prove`, which computes verdicts from these very",
+        'sources. Source "Program": the statement is about the expression that is printed. Refuted are statements as the paper prints',
+        "them or as one might hope; their repairs stand beside them.",
     ]
     for title, members in _by_family(entries):
         lines += ["", f"## {title}"]
@@ -122,7 +122,9 @@ LATEX_HEAD = r"""\documentclass[10pt,a4paper]{article}
 
 def latex(entries: list[Entry]) -> str:
     """The same as a LaTeX document that needs amsmath and nothing else."""
-    lines = [LATEX_HEAD + _plain(f"{_counts(entries)}; made by stt-codegen prove, which computes every verdict anew.")]
+    lines = [
+        LATEX_HEAD + _plain(f"{_counts(entries)}; made by stt-codegen prove, which computes verdicts from these very sources.")
+    ]
     for title, members in _by_family(entries):
         lines.append(rf"\section{{{_plain(title)}}}")
         for e in members:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import platform
 import tempfile
 from importlib.metadata import version
 from pathlib import Path
 
 from stt_codegen.lemmas.lemma import Outcome, Verdict
 
-PROVERS = ("sympy", "python-flint", "casadi", "numpy")
+PROVERS = ("sympy", "mpmath", "python-flint", "casadi", "numpy")
 
 
 def folder() -> Path:
@@ -29,6 +30,7 @@ def key() -> str:
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
         digest.update(f"{path.relative_to(root)}\0".encode() + path.read_bytes() + b"\0")
+    digest.update(f"Python {platform.python_version()}\n".encode())
     digest.update("".join(f"{name} {version(name)}\n" for name in PROVERS).encode())
     return digest.hexdigest()
 
@@ -47,7 +49,7 @@ class Cache:
             kept = json.loads(self.path.read_bytes())
             if kept["key"] == self.key:
                 self.known = {name: Outcome(Verdict(v), m, tuple(lines)) for name, (v, m, lines) in kept["outcomes"].items()}
-        except (OSError, ValueError, KeyError, TypeError):
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
             self.known = {}
 
     def get(self, name: str) -> Outcome | None:

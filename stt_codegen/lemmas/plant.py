@@ -165,7 +165,7 @@ LEMMAS = (
     ),
     Lemma(
         "plant.spacecraft",
-        "For attitude rates g is constant and definite, and the drift does no work.",
+        "For attitude rates g is constant and definite, and the drift does no work, up to the rounding of the inertias.",
         r"x^\top J f(x) = 0,\quad g = J^{-1}",
         (),
         "Euler's equations",
@@ -174,7 +174,8 @@ LEMMAS = (
     Lemma("plant.arm", "For the two-link arm with unknown gains g_s >= 0.6 at all angles.", r"g_s \ge 0.6", (), "ours", _arm),
     Lemma(
         "plant.weyl",
-        "The eigenvalue bound over a box: that of the middle matrix less the norm of what the balls leave.",
+        "The eigenvalue bound over a box: that of the middle matrix less the norm of what the balls leave (for 2 "
+        "by 2 checked here; for n by n Weyl's inequality).",
         r"\lambda_{\min}(A+D) \ge \lambda_{\min}(A) - \|D\|_F",
         ("A, D symmetric",),
         "Weyl",

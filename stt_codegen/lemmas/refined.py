@@ -71,8 +71,15 @@ def _hull() -> Outcome:
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
     return all_of(
         identity({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
+        identity(
+            {
+                f"s^{j} (1 - s)^{3 - j} at 0 and 1, but for the 1": (s**j * (1 - s) ** (3 - j)).subs(s, e)
+                for j in (1, 2)
+                for e in (0, 1)
+            }
+        ),
         *(
-            positive(f"s^{j} (1 - s)^{3 - j} inside", lambda v, j=j: v**j * (1 - v) ** (3 - j), [(2.0**-6, 1 - 2.0**-6)])
+            positive(f"s^{j} (1 - s)^{3 - j} inside", lambda v, j=j: v**j * (1 - v) ** (3 - j), [(2.0**-20, 1 - 2.0**-20)])
             for j in range(4)
         ),
     )
@@ -208,7 +215,8 @@ LEMMAS = (
     ),
     Lemma(
         "refined.integers",
-        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing.",
+        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing. (Over a grid of "
+        "whole parts and rests; n >= v is n >= ceil(v) for every whole n.)",
         r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
         ("n whole",),
         "certificate",

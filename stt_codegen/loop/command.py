@@ -40,6 +40,7 @@ def simulate_task(
     controller = build_task(task, uncertified)
     plant = plant_of(plant_name, task.dimension)
     strength = w_max if w_max is not None else float(plant.w_max or task.plant.w_max or 0)
+    Scenario(rate, disturbance, strength, seed, noise, lost, None, latency)  # refuses what is no number or no name
     if disturbance != "none" and strength == 0:
         raise BadInput(f"--disturbance {disturbance}: of which size? give --w-max, its greatest norm in units per second")
     strength = 0.0 if disturbance == "none" else strength
@@ -123,6 +124,8 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     if period is None:
         return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
     most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {period.e:.3g}"
+    if 1 / scenario.rate < analysis.shortest:
+        return [*lines, f"not proved: alpha may not be stepped more often than every {1e3 * analysis.shortest:.4g} ms"]
     if age <= period.seconds:
         return [*lines, f"proved: {e}, with samples up to {most} old (here {here})"]
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved"]

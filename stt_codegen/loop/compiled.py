@@ -41,6 +41,7 @@ class Setting(ctypes.Structure):
         ("constant", ctypes.c_int32),
         ("seed", ctypes.c_uint64),
         ("period", ctypes.c_double),
+        ("end", ctypes.c_double),
         ("strength", ctypes.c_double),
         ("noise", ctypes.c_double),
         ("latency", ctypes.c_double),

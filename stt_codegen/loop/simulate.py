@@ -35,6 +35,7 @@ DISTURBANCES = {
 }
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
+MOST_SAMPLES = 10_000_000  # of a run
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,8 @@ class Scenario:
         for name, value in self._numbers():
             if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
+        if not 0 <= self.lost <= MOST_SAMPLES:
+            raise BadInput(f"--lost {self.lost}: use 0 to {MOST_SAMPLES}")
         if self.latency >= 1 / self.rate:
             raise BadInput(f"--latency {self.latency:g}: must be below a period, {1 / self.rate:g} s")
 
@@ -114,8 +117,14 @@ class Loop:
         start = np.array(scenario.start or [float(v) for v in task.initial_state])
         if start.shape != (task.dimension,):
             raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed")
+        if not np.isfinite(start).all():
+            raise BadInput("--start: every number must be finite")
         period = 1 / scenario.rate
-        samples = math.ceil(float(task.prescribed_time) / period - 1e-9)
+        samples = max(1, math.ceil(float(task.prescribed_time) / period - 1e-9))
+        if samples > MOST_SAMPLES:
+            raise BadInput(
+                f"--rate {scenario.rate:g}: makes {samples} samples in {float(task.prescribed_time):g} s; at most {MOST_SAMPLES}"
+            )
         setting = Setting(
             n=task.dimension,
             boxes=len(field_.names),
@@ -126,6 +135,7 @@ class Loop:
             constant=self.constant,
             seed=scenario.seed,
             period=period,
+            end=float(task.prescribed_time),
             strength=scenario.strength,
             noise=scenario.noise,
             latency=scenario.latency,

@@ -38,7 +38,7 @@ from stt_codegen.program.program import (
     Trunc,
     Var,
 )
-from stt_codegen.program.symbols import COMPARISONS, NEGATED, OPERATIONS
+from stt_codegen.program.symbols import OPERATIONS
 
 Value = Any
 _NUMBERS: dict[str, Callable[..., Value]] = {
@@ -85,12 +85,11 @@ _TRUTHS: dict[str, Callable[..., bool]] = {
 @dataclass(frozen=True)
 class Path:
     """What a function returns on one path: `outputs` by array, `result` a Status, a real or None; `decisions` of every
-    comparison on the way, and as SymPy `conditions` (those of symbols)."""
+    comparison on the way."""
 
     outputs: Mapping[str, tuple[Value, ...]]
     result: Value
     decisions: tuple[bool, ...]
-    conditions: tuple[Any, ...] = ()
 
 
 def follow(program: Program, function: str, given: Mapping[str, Value], opaque: frozenset[str] = frozenset()) -> Path:
@@ -135,7 +134,6 @@ class _Walk:
     known: dict[str, Value] = field(default_factory=dict)
     arrays: dict[str, list[Value]] = field(default_factory=dict)
     decisions: list[bool] = field(default_factory=list)
-    conditions: list[Any] = field(default_factory=list)
 
     @property
     def symbolic(self) -> bool:
@@ -153,7 +151,7 @@ class _Walk:
         except _Left as left:
             result = left.result
         outputs = {p.name: tuple(self.arrays[p.name]) for p in function.outputs}
-        return Path(outputs, result, tuple(self.decisions), tuple(self.conditions))
+        return Path(outputs, result, tuple(self.decisions))
 
     def statements(self, body: Sequence[Statement]) -> None:
         for statement in body:
@@ -208,7 +206,7 @@ class _Walk:
             case Select(condition=condition, then=then, other=other):
                 return self.operand(then) if self.operand(condition) else self.operand(other)
             case IsFinite(arg=arg):
-                return self.decide(math.isfinite, None, None, self.operand(arg))
+                return self.decide(math.isfinite, self.operand(arg))
             case Trunc(arg=arg):
                 number = self.operand(arg)
                 return sp.floor(number) if self.symbolic else math.trunc(number)
@@ -222,20 +220,15 @@ class _Walk:
         if name in _TRUTHS:
             return _TRUTHS[name](*args)
         if name in _TESTS:
-            return self.decide(_TESTS[name], COMPARISONS[name], NEGATED[name], *args)
+            return self.decide(_TESTS[name], *args)
         if name in _INTEGERS:
             if self.symbolic and name == "idiv" and not all(isinstance(a, int) for a in args):
                 return sp.floor(sp.Rational(1, args[1]) * args[0])
             return _INTEGERS[name](*args)
         return (OPERATIONS if self.symbolic else _NUMBERS)[name](*args)
 
-    def decide(self, test: Callable[..., bool], holds: Any, fails: Any, *args: Value) -> bool:
-        if self.taken is None:
-            outcome = bool(test(*args))
-        else:
-            outcome = self.taken.pop(0)
-            if holds is not None:
-                self.conditions.append((holds if outcome else fails)(*args))
+    def decide(self, test: Callable[..., bool], *args: Value) -> bool:
+        outcome = bool(test(*args)) if self.taken is None else self.taken.pop(0)
         self.decisions.append(outcome)
         return outcome
 

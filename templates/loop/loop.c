@@ -174,8 +174,9 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
         const double width = upper[i] - lower[i], nearer = fmin(x[i] - lower[i], upper[i] - x[i]);
         v->middle[i] = 0.5 * (lower[i] + upper[i]);
         v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
-        r->margin = fmin(r->margin, width > 0.0 ? nearer / width : -1.0);
-        r->e[i] = fmax(r->e[i], fabs(x[i] - v->middle[i]) / v->half[i]);
+        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(x[i] - v->middle[i]) / v->half[i];
+        r->margin = share >= r->margin ? r->margin : share == share ? share : -1.0; /* what is no number is outside */
+        r->e[i] = e <= r->e[i] ? r->e[i] : e == e ? e : HUGE_VAL;
     }
 }
 
@@ -213,7 +214,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
     memcpy(x, s->start, (size_t)n * sizeof *x);
     judge(s, 0.0, x, tube, &v, r);
     for (int k = 0; k < s->samples; k++) {
-        const double t = k * s->period, h = s->period / s->parts;
+        const double t = k * s->period, h = fmin(s->period, s->end - t) / s->parts;
         if (s->kind == RANDOM) { /* a new vector in the ball every period */
             unit_vector(&v.random, v.direction, n);
             const double size = pow(uniform(&v.random), 1.0 / n);
@@ -240,7 +241,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         memcpy(before, u, (size_t)n * sizeof *u);
     }
-    if (trace != NULL) write_row(trace, s->samples * s->period, x, u, tube, w, status, n);
+    if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n);
     r->reached = inside(s->target, x, n);
     memcpy(r->last, x, (size_t)n * sizeof *x);
 }

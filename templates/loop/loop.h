@@ -22,7 +22,7 @@ typedef struct {
     int32_t lost;          /* samples that may be lost in a row, at random */
     int32_t constant;      /* whether f and g are the same everywhere */
     uint64_t seed;
-    double period;         /* seconds */
+    double period, end;    /* seconds; the last period is cut at the end */
     double strength;       /* |w| at most, its Euclidean norm */
     double noise;          /* of every measured component, at most */
     double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
@@ -35,7 +35,7 @@ typedef struct {
 typedef struct {
     int32_t hit;           /* unsafe set that was entered first, or -1 */
     int32_t left;          /* whether x was ever outside the state space */
-    int32_t reached;       /* x in the target after the last period */
+    int32_t reached;       /* x in the target at the end */
     int32_t outside;       /* samples at which the controller said so */
     double hit_at, left_at, outside_at; /* seconds; -1 where not */
     double margin;         /* least distance to an edge over the width, all along */
