@@ -11,7 +11,9 @@ listed.
 from __future__ import annotations
 
 import math
+import os
 import random
+import resource
 import signal
 import sys
 import warnings
@@ -51,6 +53,7 @@ OTHER = {
     "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",
     "neg": "fabs", "iadd": "isub", "isub": "iadd", "imul": "iadd", "and": "or", "or": "and",
 }  # fmt: skip
+MEMORY = 4 << 30  # bytes
 PATIENCE = 30  # seconds for the lemmas of a mutant; a formula gone wild is not proved either
 SMALL_KERNELS = {
     "basis": refined, "basis_rate": refined, "blend": refined, "normalized_error": transform, "transformed_error": transform,
@@ -274,13 +277,18 @@ FRAME_KERNELS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def give_up(*_: Any) -> None:
-    raise TimeoutError("a proof takes too long")
+def still_proved(subject: Subject, after: Any) -> bool:
+    """Whether every lemma about it is still proved, in a process of its own: a wild formula may take all time or memory."""
+    child = os.fork()
+    if child == 0:
+        resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+        signal.alarm(PATIENCE)
+        os._exit(0 if all(v in (Verdict.PROVED, Verdict.REFUTED) for v in subject.verdicts(after)) else 1)
+    return os.waitpid(child, 0)[1] == 0
 
 
 def main(count: int) -> None:
     warnings.simplefilter("ignore")
-    signal.signal(signal.SIGALRM, give_up)
     draw = random.Random(1)
     everything = subjects()
     tally: Counter[str] = Counter()
@@ -295,10 +303,7 @@ def main(count: int) -> None:
         if after == subject.thing or not subject.differs(after, draw):
             continue
         tally["changed"] += 1
-        signal.alarm(PATIENCE)
-        verdicts = subject.verdicts(after)
-        signal.alarm(0)
-        if all(v in (Verdict.PROVED, Verdict.REFUTED) for v in verdicts):
+        if still_proved(subject, after):
             before = {repr(s) for s in _flat(subject.thing.body)}
             missed.append(f"{subject.name}: {[s for s in map(repr, _flat(after.body)) if s not in before]}"[:300])
         else:

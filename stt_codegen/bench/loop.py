@@ -2,8 +2,8 @@
 
 For every certified arena: the gain that the tool proposes (the longest proved sampling period), its C compiled, ten runs at the
 rate with |w| <= w_max from starts with |e| up to START of what is proved. With peers, in the same loops and runs: the barrier
-filter (OSQP's generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond the proved one, to see where
-tubes are left. One arena is one job, in this process, in processes, or on a Dask cluster, as in the arenas benchmark.
+filter (OSQP's generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond the proved one, to see
+where tubes are left. One arena is one job, in this process, in processes or on a Dask cluster, as in the arenas benchmark.
 """
 
 from __future__ import annotations

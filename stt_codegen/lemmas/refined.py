@@ -215,8 +215,8 @@ LEMMAS = (
     ),
     Lemma(
         "refined.integers",
-        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing. (Over a grid of "
-        "whole parts and rests; n >= v is n >= ceil(v) for every whole n.)",
+        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing. (Over a "
+        "grid of whole parts and rests; n >= v is n >= ceil(v) for every whole n.)",
         r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
         ("n whole",),
         "certificate",
