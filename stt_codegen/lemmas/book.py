@@ -90,8 +90,8 @@ def markdown(entries: list[Entry]) -> str:
         "# Lemmas",
         "",
         f"{_counts(entries)}; made by `stt-codegen prove`, which computes verdicts from these very sources.",
-        'Source "Program": the statement is about the expression that is printed. Refuted are statements as the paper prints them,',
-        "or as one might hope; their repairs stand beside them.",
+        'Source "Program": the statement is about the expression that is printed. Refuted are statements as the paper prints',
+        "them, or as one might hope; their repairs stand beside them.",
     ]
     for title, members in _by_family(entries):
         lines += ["", f"## {title}"]
