@@ -91,7 +91,7 @@ class Analysis:
         if self.plant is not None:
             return self.plant.name
         told = self.controller.task.plant.model_dump(exclude_none=True)
-        return "[plant] of the task" if told else "xdot = u"
+        return "[plant] of the task" if told else "xdot = u" if self.controller.task.control.gain > 0 else "xdot = -u"
 
     # ------------------------------------------------------------------------------------ sampled control
 
@@ -202,11 +202,12 @@ class Analysis:
         yield Hypothesis("tube", "the certificate holds: P1 to P7", c.holds)
         yield Hypothesis("start", "x(0) strictly inside gamma(0)", bool(np.isfinite(s.start).all()))
         least = float(s.definite.min())
-        known = f"g_s >= {below_float(least):g} over the tube" if math.isfinite(least) else "g is finite over the tube"
+        sign = "" if task.control.gain > 0 else "-"
+        known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
         yield Hypothesis("Assumption 2", known, least > 0)
         clamp = s.law.farthest
-        inside = bool((self.reach < clamp).all()) or self.reach_norm < clamp
-        told = f"eps* <= eps(e_max) = {clamp:.4g}, so the clamp never acts (continuous control)"
+        inside = bool((self.reach < clamp).all()) or self.reach_norm < clamp or self.period is not None
+        told = f"eps* <= eps(e_max) = {clamp:.4g} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, inside)
         if task.control.u_max is not None:
             free = self.period is not None or bool((self.effort <= s.law.u_max).all())
@@ -255,10 +256,11 @@ class Analysis:
         """What a user chooses from: the proved period at his gain, the gain with the longest, the gains for a period."""
         task, best = self.controller.task, self.best_gain
         wanted = float(task.emit.tick_period or USUAL_PERIOD)
-        gains = self.safe_gains(wanted)
+        gains = self.safe_gains(wanted + self.latency)
         sign = 1 if task.control.gain > 0 else -1
         return {
             "plant": self.name,
+            "latency": self.latency,
             "assumes": self.assumptions(),
             "shortest": above_float(self.shortest),
             "gain": float(task.control.gain),

@@ -102,7 +102,7 @@ def _tell_slow_ticks(controller: Any) -> None:
 
     for h in Analysis(controller).hypotheses():
         if h.name == "sampling" and not h.holds:
-            _say(f"note: {controller.task.name}: not so: {h.statement}; see `stt-codegen design`")
+            _say(f"note: {controller.task.name}: does not hold: {h.statement}; see `stt-codegen design`")
 
 
 def _built(task: Path, design: str | None, scalar: str | None) -> Any:
@@ -297,7 +297,9 @@ def compare(
 def simulate(
     task: TaskFile,
     plant: Annotated[str, typer.Option(metavar="PLANT", help="integrator, robot, spacecraft, arm, or a file .py")] = "integrator",
-    rate: Annotated[float, typer.Option(metavar="HZ", help="samples a second; u is held between them")] = 1000.0,
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="samples a second (default: 1/emit.tick_period, or 1000)")
+    ] = None,
     disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
     w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
     noise: Annotated[float, typer.Option(min=0, help="bound on the error of every measured component")] = 0.0,

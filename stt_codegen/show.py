@@ -65,11 +65,14 @@ def _sampling_lines(sampling: dict[str, Any], tick_period: float | None) -> Iter
     if own is None:
         yield f"[yellow]note[/yellow]: gain {sampling['gain']:g} is proved at no sampling period {plant}"
     else:
-        u = f"|u| below {', '.join(f'{v:.3g}' for v in own['u'])}"
+        u = f"|u| below {', '.join(f'{v:.4g}' for v in own['u'])}"
         least = f", but not below {_time(sampling['shortest'])} (alpha_step)" if sampling["shortest"] else " or faster"
-        yield f"sample every {_time(own['period'])}{least}, proved {plant}: |e| stays below {own['e']:.3g}, {u}"
+        most = f"sample every {_time(own['period'])}{least}"
+        if sampling["latency"]:
+            most = f"let no u act that is from a sample older than {_time(own['period'])} (latency in it){least}"
+        yield f"{most}, proved {plant}: |e| stays below {own['e']:.4g}, {u}"
     if best is not None and (own is None or best["period"] > 1.1 * own["period"]):
-        yield f"gain {best['gain']:g} would allow {_time(best['period'])}, with |e| up to {best['e']:.3g}"
+        yield f"gain {best['gain']:g} would allow {_time(best['period'])}, with |e| up to {best['e']:.4g}"
     period, gains = sampling["gains_at"]["period"], sampling["gains_at"]["gains"]
     if gains is None:
         yield f"[yellow]note[/yellow]: no gain is proved for a period of {_time(period)}"
@@ -126,7 +129,7 @@ def show_bounds(document: dict[str, Any]) -> None:
         where = f"tightest at {a:.4g} to {b:.4g} s" + (
             f", x{p['tight']['dimension']}" if p["tight"]["dimension"] != "all" else ""
         )
-        console.print(f"  sampled, {name}: {_time(p['period'])}, |e| below {p['e']:.3g}; {where}")
+        console.print(f"  sampled, {name}: {_time(p['period'])}, |e| below {p['e']:.4g}; {where}")
     for line in _sampling_lines(document["sampling"], None):
         console.print(f"  {line}")
 
@@ -160,8 +163,8 @@ def show_run(report: dict[str, Any]) -> None:
         console.print(f"  {path}")
 
 
-def _numbers(values: list[float]) -> str:
-    return ", ".join(f"{v:.4g}" for v in values)
+def _numbers(values: list[float | None]) -> str:
+    return ", ".join("beyond numbers" if v is None else f"{v:.4g}" for v in values)
 
 
 def show_rows(title: str, rows: list[Any]) -> None:

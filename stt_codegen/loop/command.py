@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.bounds import Analysis
+from stt_codegen.bounds import Analysis, above_float
 from stt_codegen.emit.manifest import write_files
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
@@ -24,7 +24,7 @@ def simulate_task(
     uncertified: bool,
     out: Path | None,
     plant_name: str,
-    rate: float,
+    rate: float | None,
     disturbance: str,
     w_max: float | None,
     noise: float,
@@ -39,6 +39,7 @@ def simulate_task(
     require_supported(task)
     controller = build_task(task, uncertified)
     plant = plant_of(plant_name, task.dimension)
+    rate = rate if rate is not None else float(1 / (task.emit.tick_period or Fraction(1, 1000)))
     strength = w_max if w_max is not None else float(plant.w_max or task.plant.w_max or 0)
     Scenario(rate, disturbance, strength, seed, noise, lost, None, latency)  # refuses what is no number or no name
     if disturbance != "none" and strength == 0:
@@ -63,13 +64,20 @@ def simulate_task(
         "seed": seed,
         "fulfilled": run.good,
         "kept": run.kept,
-        **{name: value for name, value in asdict(run).items() if name != "trace"},
+        **{name: _numbers_or_null(value) for name, value in asdict(run).items() if name != "trace"},
         "foretold": foretold(controller, windy, scenario),
         "files": [],
     }
     if out is not None:
         report["files"] = write_run(controller, run, out)
     return report
+
+
+def _numbers_or_null(value: Any) -> Any:
+    """JSON has no infinity and no NaN: null in their place."""
+    if isinstance(value, list | tuple):
+        return [_numbers_or_null(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def with_wind(plant: Model, strength: float) -> Plant:
@@ -123,7 +131,7 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
-    most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {period.e:.3g}"
+    most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {above_float(period.e):g}"
     if 1 / scenario.rate < analysis.shortest:
         return [*lines, f"not proved: alpha may not be stepped more often than every {1e3 * analysis.shortest:.4g} ms"]
     if age <= period.seconds:
