@@ -13,9 +13,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stt_codegen import reference
-from stt_codegen.certify.sampled import parameters_of, step_alpha
-from stt_codegen.design.adapted import AdaptiveDesign
 from stt_codegen.design.adaptive import adaptive
+from stt_codegen.designs import AdaptiveDesign
+from stt_codegen.designs.grid import parameters_of, step_alpha
 from stt_codegen.task import load_task
 
 STEPS = (0.001, 0.005, 0.02)

@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from stt_codegen import reference
-from stt_codegen.backends import CompiledC
 from stt_codegen.bench.report import command, record, table
+from stt_codegen.compare.backends import CompiledC
 from stt_codegen.controller.arithmetic import rate_error
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import build
 
 TASKS = sorted(Path(__file__).parent.parent.glob("tasks/*.toml"))

@@ -16,7 +16,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from stt_codegen.backends import STRICT
+from stt_codegen.compare.toolchain import STRICT
 from stt_codegen.pipeline import build
 
 TASKS = sorted(Path(__file__).parent.parent.glob("tasks/*.toml"))

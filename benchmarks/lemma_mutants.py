@@ -25,9 +25,7 @@ from typing import Any
 
 from stt_codegen.lemmas import examples, functions, kernels, refined, transform
 from stt_codegen.lemmas.lemma import Verdict
-from stt_codegen.program.lower import lower
-from stt_codegen.program.paths import follow
-from stt_codegen.program.program import (
+from stt_codegen.program import (
     REAL,
     Assign,
     Call,
@@ -47,7 +45,9 @@ from stt_codegen.program.program import (
     Trunc,
     Var,
 )
-from stt_codegen.program.python import PythonPrinter
+from stt_codegen.program.lower import lower
+from stt_codegen.program.paths import follow
+from stt_codegen.program.print.python import PythonPrinter
 
 OTHER = {
     "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",

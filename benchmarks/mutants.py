@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from truth import deepest, signed_edges, signed_faces
 
-from stt_codegen.arenas import FAMILIES, arena_task
-from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.bench.families import FAMILIES, arena_task
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task import Task, UnsafeSet, load_task

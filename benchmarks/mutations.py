@@ -33,7 +33,7 @@ from truth import Fault, Undecided, first_fault
 
 from stt_codegen.bench.report import command, machine, record
 from stt_codegen.certify import checker
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import Box, Task
 

@@ -21,8 +21,9 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.bench.report import command, record, table
-from stt_codegen.certify.sampling import STATEMENTS, Law, Period, Setting, longest
-from stt_codegen.certify.windows import Windows
+from stt_codegen.sampling import Law, Period, Setting, longest
+from stt_codegen.sampling.statements import STATEMENTS
+from stt_codegen.sampling.windows import Windows
 
 STEPS, PARTS, TRIES = 150, 6, 40  # samples of a run, parts of a period, doublings of it by a quarter
 E_MAX = 0.999

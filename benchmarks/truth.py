@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import fmpq, fmpz_poly
 
-from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.task import Box, Task
 
 Integers = npt.NDArray[np.int64]

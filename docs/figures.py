@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from stt_codegen.bounds import Analysis
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.picture import draw_figure1, draw_figure3, draw_run
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
-from stt_codegen.picture import draw, draw_beside
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.report.picture import draw, draw_beside
 
 HERE = Path(__file__).parent
 TASKS = HERE.parent / "tasks"

@@ -11,11 +11,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from stt_codegen.backends import STRICT, load_module
-from stt_codegen.program.c import CPrinter
+from stt_codegen.compare.toolchain import STRICT, load_module
+from stt_codegen.program import Block, Function, Kernel, Load, Operand, Param, Program, integer
 from stt_codegen.program.lower import lower
-from stt_codegen.program.program import Block, Function, Kernel, Load, Operand, Param, Program, integer
-from stt_codegen.program.python import PythonPrinter
+from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program.print.python import PythonPrinter
 
 
 def one_function_program(kernel: Kernel, scalar: str) -> Program:

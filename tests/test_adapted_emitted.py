@@ -16,14 +16,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_emitted import BITS, CORTEX_M4F, symbols
 
-from stt_codegen.backends import STRICT, CompiledC, GeneratedPython
-from stt_codegen.certify.sampled import sample_tube
-from stt_codegen.compare import compare
-from stt_codegen.controller.adapted import adapted_program
+from stt_codegen.compare.backends import CompiledC, GeneratedPython
+from stt_codegen.compare.comparison import compare
+from stt_codegen.compare.toolchain import STRICT
+from stt_codegen.controller.adaptive import adaptive_program
 from stt_codegen.design.adaptive import adaptive
+from stt_codegen.designs.grid import grid_tube
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import Controller, build, build_task
-from stt_codegen.program.c import CPrinter
+from stt_codegen.program.print.c import CPrinter
 from stt_codegen.task import load_task, parse_task
 
 OK, OUTSIDE, BAD = 0, 1, 2
@@ -187,7 +188,7 @@ def test_the_emitted_python_follows_the_sampled_tube() -> None:
     """alpha stepped on the target's side, over the whole mission, gives the tube that was checked: same rule, same step."""
     controller = made("omni_s1", "adaptive", "double")
     module = GeneratedPython(controller).module
-    t, _, gamma, _ = sample_tube(controller.design, 1800)
+    t, _, gamma, _ = grid_tube(controller.design, 1800)
     now = module.alpha_init()
     worst = 0.0
     for k in range(1800):
@@ -233,7 +234,7 @@ def test_a_thousand_circumvent_functions_add_rows_and_no_code() -> None:
     lines = []
     for count in (2, 1000):
         many = replace(design, bumps=design.bumps[:1] * count)
-        program = adapted_program(task, many)
+        program = adaptive_program(task, many)
         printer = CPrinter(program)
         lines.append(
             sum(len(printer.function(f)) for f in program.functions) + sum(len(printer.kernel(k)) for k in program.kernels)

@@ -11,10 +11,11 @@ import pytest
 from conftest import controller_of
 from test_certificate import exact_edges
 
-from stt_codegen.certify.certificate import above, below
-from stt_codegen.certify.exact import certify_refined, units_above, units_below
+from stt_codegen.certify.exact import certify_refined
+from stt_codegen.certify.slack import units_above
 from stt_codegen.controller.arithmetic import edge_error, time_error
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.decimals import above, below
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import load_task
 
@@ -90,10 +91,9 @@ def load_task_of(design: RefinedDesign):
 def test_bounds_of_the_task_are_rounded_to_the_safe_side_of_the_grid() -> None:
     unit = Fraction(1, 8)
     for value in (Fraction("0.3"), Fraction("-0.3"), Fraction("0.25")):
-        assert units_below(value, unit) * unit <= value <= units_above(value, unit) * unit
-        assert (units_above(value, unit) - units_below(value, unit)) * unit < 2 * unit
-    assert units_below(Fraction("0.3"), unit) == 2
+        assert value <= units_above(value, unit) * unit < value + unit
     assert units_above(Fraction("0.3"), unit) == 3
+    assert units_above(Fraction("-0.3"), unit) == -2
 
 
 def test_a_state_space_less_than_a_unit_too_small_is_refused() -> None:

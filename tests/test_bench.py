@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from stt_codegen.arenas import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.bench.arenas import EVERYTHING, Job, Part, Result, run, spread, summary
 from stt_codegen.bench.command import parts_of
+from stt_codegen.bench.families import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.bench.report import record, table
-from stt_codegen.cli import app
+from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 
 JOBS = [Job("paper", seed, "refined") for seed in (0, 25, 3)] + [Job("space3", 1, "refined"), Job("paper", 1, "adaptive")]

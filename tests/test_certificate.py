@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.exact import certify_refined
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import Controller, build_program, build_task, certify
 from stt_codegen.task import Task, UnsafeSet, load_task
@@ -53,7 +53,7 @@ def oracle(task: Task, design: RefinedDesign, margin: Fraction) -> dict[str, boo
             room = task.tube.clearance + margin
             holds["P4"] &= all(
                 any(edges[i][1] + room <= s.lower[i] or edges[i][0] - room >= s.upper[i] for i in range(n))
-                for s in task.grown_unsafe
+                for s in task.obstacles
             )
     start, end = exact_edges(design, 0, Fraction(0)), exact_edges(design, design.segments - 1, Fraction(1))
     for i in range(n):

@@ -24,7 +24,7 @@ def test_help_imports_none_of_the_heavy_packages() -> None:
     """Help within 0.3 s is a matter of imports, which is what can be tested exactly."""
     code = (
         "import sys; sys.argv = ['stt-codegen', '--help']\n"
-        "from stt_codegen.cli import main\n"
+        "from stt_codegen.cli.main import main\n"
         "try: main()\nexcept SystemExit: pass\n"
         "heavy = {'casadi', 'numpy', 'matplotlib', 'highspy', 'sympy', 'control', 'pydantic', 'jinja2', 'scipy'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
@@ -79,7 +79,7 @@ def test_an_unknown_option_is_exit_code_2() -> None:
 
 
 def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
-    from stt_codegen import cli
+    from stt_codegen.cli import main as cli
 
     def broken() -> None:
         raise RuntimeError("boom")

@@ -11,8 +11,9 @@ import pytest
 from conftest import NAMES, controller_of
 
 from stt_codegen import reference
-from stt_codegen.backends import CompiledC, GeneratedPython
-from stt_codegen.compare import compare, compare_backend, sample_states, sample_times, with_trajectory
+from stt_codegen.compare.backends import CompiledC, GeneratedPython
+from stt_codegen.compare.comparison import compare, compare_backend
+from stt_codegen.compare.points import random_states, random_times, with_trajectory
 from stt_codegen.pipeline import Controller
 
 QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "margin", "u", "status"]
@@ -78,9 +79,9 @@ def test_one_changed_coefficient_is_found() -> None:
 def test_points_are_of_the_backends_type_and_include_the_edges() -> None:
     controller = controller_of("omni_s1")
     design = controller.design
-    t = sample_times(controller.task, np.linspace(0, 9, 33), 10_000, "float")
+    t = random_times(controller.task, np.linspace(0, 9, 33), 10_000, "float")
     low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
-    x = sample_states(controller.task, low, high, "float")
+    x = random_states(controller.task, low, high, "float")
     assert t.dtype == x.dtype == np.float32
     assert len(t) >= 10_000
     assert {0.0, 9.0, float(np.nextafter(np.float32(9), np.float32(10)))} <= {float(v) for v in t}
@@ -139,7 +140,7 @@ def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:
 def test_among_the_points_is_a_closed_loop_that_keeps_the_tube_and_arrives(name: str) -> None:
     controller = controller_of(name)
     task, design = controller.task, controller.design
-    t = sample_times(task, np.linspace(0, float(task.prescribed_time), 33), 3000, "float")
+    t = random_times(task, np.linspace(0, float(task.prescribed_time), 33), 3000, "float")
     low, high = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
     others = np.full(low.shape, np.nan)
     x = with_trajectory(task, t, low, high, others)

@@ -14,10 +14,10 @@ import pytest
 from conftest import ROOT
 from test_runtime_errors import FOLDERS
 
-from stt_codegen.backends import CompiledC
-from stt_codegen.compare import compare_backend
-from stt_codegen.emit.manifest import read_manifest
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.pipeline import Controller, build
+from stt_codegen.record.manifest import read_manifest
 
 ODD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
 

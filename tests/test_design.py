@@ -13,12 +13,12 @@ from conftest import NAMES, ROOT, controller_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stt_codegen.arenas import FAMILIES, arena_task, cubes, feasible
+from stt_codegen.bench.families import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.design import route
 from stt_codegen.design.arena import arena_of, starting_box
 from stt_codegen.design.cells import way_through_cells
-from stt_codegen.design.refine import SPEED_ROOM
 from stt_codegen.design.route import find_route, shortest_route
+from stt_codegen.design.shape import SPEED_ROOM
 from stt_codegen.design.sides import _common_changes
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task, design_tube

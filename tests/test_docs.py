@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from stt_codegen.backends import STRICT
+from stt_codegen.compare.toolchain import STRICT
 
 PAGE = (ROOT / "docs" / "board.md").read_text()
 LEMMAS = (ROOT / "docs" / "lemmas.md").read_text()

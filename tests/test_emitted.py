@@ -17,11 +17,12 @@ from conftest import NAMES, ROOT, controller_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stt_codegen.backends import STRICT, CompiledC, GeneratedPython
-from stt_codegen.controller.component import LEAST_WIDTH
+from stt_codegen.compare.backends import CompiledC, GeneratedPython
+from stt_codegen.compare.toolchain import STRICT
+from stt_codegen.designs import LEAST_WIDTH
 from stt_codegen.emit.naming import check_names
 from stt_codegen.pipeline import Controller, build_program, build_task
-from stt_codegen.program.program import Assign, Kernel, Op, Program, Var
+from stt_codegen.program import Assign, Kernel, Op, Program, Var
 from stt_codegen.task import load_task, parse_task
 
 OK, OUTSIDE, BAD = 0, 1, 2

@@ -18,29 +18,18 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from test_program import BANK, points_of
 
-from stt_codegen.backends import CompiledC
-from stt_codegen.certify.enclosure import (
-    HIGH,
-    LOW,
-    Lines,
-    certify_enclosed,
-    edge_rounding,
-    enclose_alpha,
-    enclose_edges,
-    enclose_lines,
-    speed_bound,
-    steepest_slope,
-    steps_of,
-)
-from stt_codegen.certify.sampled import certify_sampled, sample_tube
+from stt_codegen.certify.enclosure import certify_enclosed, edge_rounding, enclose_alpha, enclose_edges, enclose_lines, steps_of
+from stt_codegen.certify.falsification import falsify
+from stt_codegen.certify.lines import HIGH, LOW, Lines
+from stt_codegen.certify.slopes import speed_bound, steepest_slope
 from stt_codegen.certify.update import _root
-from stt_codegen.controller.adapted import lines_program
-from stt_codegen.design.adapted import AdaptiveDesign
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.controller.probes import lines_program
+from stt_codegen.designs import AdaptiveDesign
+from stt_codegen.designs.grid import grid_tube
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import Controller, build, build_task
-from stt_codegen.program.arb import Enclosure, _Span, ball, hull
-from stt_codegen.program.number import FORMATS
-from stt_codegen.program.program import (
+from stt_codegen.program import (
     REAL,
     STATUS,
     Block,
@@ -55,6 +44,9 @@ from stt_codegen.program.program import (
     integer,
     real,
 )
+from stt_codegen.program.ball_arithmetic import _Span, ball, hull
+from stt_codegen.program.balls import Enclosure
+from stt_codegen.program.number import FORMATS
 from stt_codegen.task import Task, load_task, parse_task
 
 RANDOM = np.random.default_rng(4)
@@ -214,7 +206,7 @@ def test_the_speed_bound_is_above_the_speed(name: str) -> None:
     task, design = controller.task, controller.design
     assert isinstance(design, AdaptiveDesign)
     exact = Enclosure(lines_program(task, design), rounding=False)
-    speed = np.abs(sample_tube(design, 20000)[3]).max(axis=(0, 2))
+    speed = np.abs(grid_tube(design, 20000)[3]).max(axis=(0, 2))
     assert (speed <= speed_bound(task, design, exact, lines, alpha)).all()
     for bump in design.bumps:
         t = np.linspace(0.0, float(bump.radius) * 0.9999, 5000)
@@ -288,7 +280,7 @@ def test_what_fails_at_samples_is_never_proved(name: str, which: int, how: str, 
     controller = made(name, "adaptive")
     assert isinstance(controller.design, AdaptiveDesign)
     design = bent(controller.design, which, how, amount)
-    failing = {f.code for f in certify_sampled(controller.task, design).failures}
+    failing = {f.code for f in falsify(controller.task, design).failures}
     assume(failing)
     assert failing <= {f.code for f in certify_enclosed(controller.task, design).failures}
 
@@ -298,7 +290,7 @@ def test_margins_are_below_those_at_samples() -> None:
         controller = made(name, "adaptive")
         task, design = controller.task, controller.design
         assert isinstance(design, AdaptiveDesign)
-        at_samples = {(f.code, f.statement[:9]): f.margin for f in certify_sampled(task, design).findings if f.code <= "P5"}
+        at_samples = {(f.code, f.statement[:9]): f.margin for f in falsify(task, design).findings if f.code <= "P5"}
         for f in controller.certificate.findings:
             if f.code <= "P5":
                 assert f.margin <= at_samples[f.code, f.statement[:9]] + Fraction(1, 10**6), f

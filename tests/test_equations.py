@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stt_codegen.paper import control_law, refined_tube
+from stt_codegen.program import Kernel
 from stt_codegen.program.lower import lower
-from stt_codegen.program.program import Kernel
 from stt_codegen.program.symbols import formulas
 
 

@@ -10,9 +10,10 @@ from conftest import ROOT, controller_of
 from flint import arb
 from test_runtime_errors import any_value_text
 
-from stt_codegen.controller.component import LEAST_WIDTH
+from stt_codegen.designs import LEAST_WIDTH
 from stt_codegen.pipeline import Controller
-from stt_codegen.program.arb import Enclosure, ball
+from stt_codegen.program.ball_arithmetic import ball
+from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.number import FORMATS
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -11,14 +12,15 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
+import numpy as np
 import pytest
 import sympy as sp
 from conftest import ROOT
 from flint import arb
 from typer.testing import CliRunner
 
-from stt_codegen.certify import exact
-from stt_codegen.cli import app
+from stt_codegen.certify import slack
+from stt_codegen.cli.main import app
 from stt_codegen.controller import logarithm
 from stt_codegen.lemmas import bumps, examples, functions, kernels, plant, reach, sampled, theorem, update
 from stt_codegen.lemmas import cache as cache_module
@@ -26,10 +28,11 @@ from stt_codegen.lemmas.book import FAMILIES, Entry, page, prove_all
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube, smooth
 from stt_codegen.plants import Plant
+from stt_codegen.program import INT, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
-from stt_codegen.program.program import INT, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
-from stt_codegen.program.python import PythonPrinter
+from stt_codegen.program.print.python import PythonPrinter
+from stt_codegen.sampling import statements
 
 REFUTED = {
     "smooth.plain_max",
@@ -155,8 +158,15 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (plant, "ARM", upside_down, "plant.arm"),
         (sampled, "PULL", (1 / sampled.a - 1 / sampled.b) * sp.log(sampled.a / sampled.b), "sampled.pull"),
         (sampled, "Q", sampled.E * sp.cosh(sampled.E / 2), "sampled.law"),
-        (exact, "halves", lambda piece: (piece, piece), "refined.halves"),
-        (exact, "units_above", exact.units_below, "refined.integers"),
+        (statements, "pull", lambda a, b: (1 / a - 1 / b) * np.log(a / b), "sampled.sharp_evaluated"),
+        (statements, "_sharp_push", lambda s, u: s.push, "sampled.sharp_evaluated"),
+        (statements, "input_bound", lambda s, reach: 0 * s.push, "sampled.sharp_evaluated"),
+        (statements, "q", lambda e: e * np.cosh(e / 2), "sampled.diagonal_evaluated"),
+        (statements, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.diagonal_evaluated"),
+        (statements, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.general_evaluated"),
+        (statements, "u_of", lambda s, reach, d: 0 * reach / d, "sampled.general_evaluated"),
+        (slack, "halves", lambda piece: (piece, piece), "refined.halves"),
+        (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
         (logarithm, "C", Fraction(2, 3), "transform.logarithm"),
         (theorem, "E", 2 * theorem.E, "theorem.edot"),  # no kernel of its own: the definition itself made wrong
     ],

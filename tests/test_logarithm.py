@@ -11,7 +11,7 @@ import pytest
 from conftest import ROOT
 from flint import arb
 
-from stt_codegen.backends import CompiledC, GeneratedPython
+from stt_codegen.compare.backends import CompiledC, GeneratedPython
 from stt_codegen.controller.logarithm import C, approximation_error, relative_error, without_library
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law

@@ -17,13 +17,13 @@ from typer.testing import CliRunner
 
 from stt_codegen.bench.loop import LONGER, Job, jobs, lines, rows
 from stt_codegen.bench.loop import run as run_job
-from stt_codegen.bounds import Analysis
-from stt_codegen.cli import app
+from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, starts
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS, Plant
+from stt_codegen.report.analysis import Analysis
 
 PAIRS = [("omni_s2", "integrator"), ("omni_heading", "robot"), ("spacecraft", "spacecraft"), ("omni_s3", "arm")]
 
@@ -93,10 +93,14 @@ def test_a_disturbance_keeps_its_bound_and_uses_it(kind: str) -> None:
         assert np.ptp(s["w"][:-1], axis=0).max() == 0
 
 
+def boxes_of(own: Loop) -> list[np.ndarray]:
+    return [np.array([[float(v) for v in s.span(i)] for i in range(s.dimension)]) for s in own.controller.task.obstacles]
+
+
 def test_nearest_points_at_what_is_nearest() -> None:
     own = loop("omni_s2")
     s = signals(own.run(Scenario(100.0, "nearest", 0.2, 1), trace=True), 2)
-    boxes, space = own.field.unsafe, own.field.space
+    boxes, space = boxes_of(own), own.field.space
     for x, w in zip(s["x"][:-1:40], s["w"][:-1:40], strict=True):
         ways = [np.clip(x, box[:, 0], box[:, 1]) - x for box in boxes]
         ways += [sign * np.eye(2)[i] * abs(space[i, side] - x[i]) for i in range(2) for side, sign in ((0, -1), (1, 1))]
@@ -138,7 +142,7 @@ def test_verdicts_agree_with_the_trace(design: str) -> None:
     own = loop("omni_s1", design=design)
     run = own.run(Scenario(1000.0, "nearest", 0.3, 1), trace=True)
     s = signals(run, 2)
-    inside = [((box[:, 0] < s["x"]) & (s["x"] < box[:, 1])).all(axis=1) for box in own.field.unsafe]
+    inside = [((box[:, 0] < s["x"]) & (s["x"] < box[:, 1])).all(axis=1) for box in boxes_of(own)]
     hits = [s["t"][np.argmax(v)] for v in inside if v.any()]
     assert (run.hit is not None) or not hits
     assert not hits or (run.hit_at is not None and run.hit_at <= min(hits))

@@ -11,10 +11,10 @@ import pytest
 from conftest import controller_of
 from typer.testing import CliRunner
 
-from stt_codegen.backends import CompiledC
 from stt_codegen.bench import mcu, rivals
 from stt_codegen.board.emulated import BOARDS, Emulated
-from stt_codegen.cli import app
+from stt_codegen.cli.main import app
+from stt_codegen.compare.backends import CompiledC
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ def test_an_installed_wheel_generates_the_same_bytes_far_from_the_checkout(wheel
     (tmp_path / "task.toml").write_bytes((ROOT / "tasks" / "omni_s3.toml").read_bytes())
     code = (
         "import sys, stt_codegen; assert stt_codegen.__file__.startswith(sys.path[0]), stt_codegen.__file__\n"
-        "from stt_codegen.cli import main; sys.argv = ['stt-codegen', 'generate', 'task.toml']; main()"
+        "from stt_codegen.cli.main import main; sys.argv = ['stt-codegen', 'generate', 'task.toml']; main()"
     )
     env = {**os.environ, "PYTHONPATH": str(site)}
     code = code.replace("sys.path[0]", repr(str(site)))
@@ -41,7 +41,7 @@ def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         entry = next(n for n in names if n.endswith("entry_points.txt"))
-        assert "stt-codegen = stt_codegen.cli:main" in archive.read(entry).decode()
+        assert "stt-codegen = stt_codegen.cli.main:main" in archive.read(entry).decode()
     assert {f"stt_codegen/templates/controller.{kind}.j2" for kind in ("h", "c", "py")} <= set(names)
     assert not [n for n in names if n.startswith(("tests/", "generated/", "benchmarks/"))]
 

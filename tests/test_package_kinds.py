@@ -12,10 +12,10 @@ import pytest
 from conftest import ROOT
 from typer.testing import CliRunner
 
-from stt_codegen.cli import app
-from stt_codegen.emit.manifest import write_files
-from stt_codegen.emit.package import KINDS, package
+from stt_codegen.cli.main import app
 from stt_codegen.pipeline import Controller, build
+from stt_codegen.record.manifest import write_files
+from stt_codegen.record.package import KINDS, package
 
 MAIN = """#include <stdio.h>
 #include "omni_s2.h"

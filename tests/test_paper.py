@@ -15,11 +15,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from stt_codegen import reference
-from stt_codegen.certify.sampled import certify_sampled, parameters_of, sample_tube
+from stt_codegen.certify.falsification import falsify
 from stt_codegen.design.adaptive import adaptive
+from stt_codegen.design.conflict import conflict_in_sigma, time_of_sigma
 from stt_codegen.design.literal import literal
-from stt_codegen.design.tube import LOWER, UPPER
-from stt_codegen.design.windows import conflict_in_sigma, time_of_sigma
+from stt_codegen.designs import LOWER, UPPER
+from stt_codegen.designs.grid import grid_tube, parameters_of
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube
 from stt_codegen.task import load_task, parse_task
 
@@ -427,7 +428,7 @@ def test_the_laws_jacobians_are_its_derivatives(
 def test_the_papers_rule_collides_in_its_own_case_study_whichever_sides_are_drawn(name: str, seed: int) -> None:
     task = task_of(name)
     task = task.model_copy(update={"tube": task.tube.model_copy(update={"seed": seed, "clearance": Fraction(0)})})
-    certificate = certify_sampled(task, literal(task))
+    certificate = falsify(task, literal(task))
     assert "P4" in {f.code for f in certificate.failures}
     assert 0.012 < certificate.least_width < 0.075
     assert 90 < max(certificate.speed) < 300
@@ -443,7 +444,7 @@ def test_rule_6_picks_the_direction_of_travel(name: str, unsafe: str, dimension:
 @given(st.integers(0, 200))
 def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
     """Of the dimension whose window opens last and the one whose window closes first, the one with the shorter window."""
-    from stt_codegen.arenas import FAMILIES, arena_task
+    from stt_codegen.bench.families import FAMILIES, arena_task
 
     task = arena_task(FAMILIES["paper"], seed)
     start, target = (tuple(zip(b.lower, b.upper, strict=True)) for b in (task.initial_set, task.target_set))
@@ -463,7 +464,7 @@ def test_the_literal_dimension_is_that_of_6(seed: int) -> None:
 
 def test_the_literal_target_is_lost_where_it_touches_a_wall() -> None:
     """Row 8 of what breaks: gamma_L(t_c) = 4.485 < 4.5, because the conflict with the wall never ends."""
-    _, _, gamma, _ = sample_tube(literal(task_of("omni_s2")))
+    _, _, gamma, _ = grid_tube(literal(task_of("omni_s2")))
     assert abs(gamma[-1, :, 0].min() - 4.485) < 0.001
 
 
@@ -484,7 +485,7 @@ def test_the_sides_are_drawn_by_the_recorded_seed_and_walls_decide() -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_adaptive_design_meets_p1_to_p6_at_samples_of_every_example_task(name: str) -> None:
     task = task_of(name)
-    certificate = certify_sampled(task, adaptive(task))
+    certificate = falsify(task, adaptive(task))
     assert not certificate.failures
     assert not certificate.holds  # samples prove nothing
 
@@ -503,7 +504,7 @@ def test_adaptive_parameters_are_exact_in_float_and_bumps_end_within_the_prescri
 
 @pytest.mark.parametrize("seed", range(20))
 def test_an_adaptive_arena_is_sound_at_samples_or_refused(seed: int) -> None:
-    from stt_codegen.arenas import FAMILIES, arena_task
+    from stt_codegen.bench.families import FAMILIES, arena_task
     from stt_codegen.errors import NotCertified
 
     task = arena_task(FAMILIES["paper"], seed)
@@ -512,7 +513,7 @@ def test_an_adaptive_arena_is_sound_at_samples_or_refused(seed: int) -> None:
     except NotCertified:
         assert seed in (11, 23, 25, 29)  # 94 of the first 100 are found
         return
-    assert not certify_sampled(task, design).failures
+    assert not falsify(task, design).failures
 
 
 def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> None:
@@ -523,7 +524,7 @@ def test_an_s_bend_between_two_walls_is_passed_by_holding_a_dimension_back() -> 
     task = parse_task(head + sets + tail)
     design = adaptive(task)
     assert len({b.dimension for b in design.bumps}) == 2
-    assert not certify_sampled(task, design).failures
+    assert not falsify(task, design).failures
 
 
 def test_the_tasks_own_parameters_replace_the_searchs() -> None:

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from stt_codegen.arenas import FAMILIES, cubes, feasible
 from stt_codegen.bench import peers
+from stt_codegen.bench.families import FAMILIES, cubes, feasible
 from stt_codegen.errors import BadInput, MissingTool
 
 PAPER = FAMILIES["paper"]

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 from flint import arb
 
-from stt_codegen.certify.plant import Bounds, PlantEnclosure, bounds_of_task, least_eigenvalue
 from stt_codegen.errors import BadInput
 from stt_codegen.plants import PLANTS, Plant, model, plant_of
-from stt_codegen.task import PlantBounds, load_task
+from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, least_eigenvalue
+from stt_codegen.task import load_task
+from stt_codegen.task.schema import PlantBounds
 
 ROOT = Path(__file__).parent.parent
 BOXES = {"integrator": 2, "robot": 3, "spacecraft": 3, "arm": 2}

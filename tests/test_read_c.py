@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from test_program import BANK
 
 from stt_codegen.pipeline import Controller, build
-from stt_codegen.program.c import CPrinter
-from stt_codegen.program.program import Program
-from stt_codegen.program.read_c import differences
+from stt_codegen.program import Program
+from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program.read.c import differences
 
 
 @cache

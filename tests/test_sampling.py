@@ -15,13 +15,17 @@ import pytest
 from conftest import ROOT, controller_of
 from typer.testing import CliRunner
 
-from stt_codegen.bounds import Analysis
-from stt_codegen.certify.plant import bounds_of_task
-from stt_codegen.certify.sampling import STATEMENTS, Period, Setting, holds, input_bound, law_of, longest, pull, q, setting_of
-from stt_codegen.certify.windows import enclosed_windows, refined_windows
-from stt_codegen.cli import app
+from stt_codegen.certify.enclosure import enclosed_windows
+from stt_codegen.cli.main import app
+from stt_codegen.lemmas.book import FAMILIES
+from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.pipeline import build
 from stt_codegen.plants import PLANTS
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.sampling import Period, Setting, holds, law_of, longest, setting_of
+from stt_codegen.sampling.plant import bounds_of_task
+from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
+from stt_codegen.sampling.windows import refined_windows
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from sampled import drawn, factor, violations
@@ -296,3 +300,13 @@ def test_errors_that_are_no_numbers_are_refused(value: str) -> None:
         result = CliRunner().invoke(app, ["prove", task, option, value, "--out", "/nonexistent"])
         assert result.exit_code != 0
         assert option in str(result.exception) or option in result.output
+
+
+def test_every_condition_names_a_lemma_that_is_proved() -> None:
+    """And every evaluated statement is compared with the lemmas by one of its own."""
+    lemmas = {lemma.name: lemma for _, family in FAMILIES.values() for lemma in family}
+    s = Analysis(controller_of("omni_s2")).setting
+    for name, statement in STATEMENTS.items():
+        for condition in statement(s, 1.0, 1e-4):
+            assert lemmas[condition.lemma].run().verdict is Verdict.PROVED
+        assert lemmas[f"sampled.{name}_evaluated"].run().verdict is Verdict.PROVED

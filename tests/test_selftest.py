@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from stt_codegen.backends import CompiledC
-from stt_codegen.compare import compare_backend
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.task import parse_task
 

@@ -206,8 +206,8 @@ def test_the_body_grows_unsafe_sets_and_shrinks_the_space() -> None:
     task = parse_task(text)
     assert task.free_space.lower == (Fraction("0.1"), Fraction("0.2"))
     assert task.free_space.upper == (Fraction("4.9"), Fraction("4.8"))
-    assert task.grown_unsafe[0].lower == (Fraction("0.9"), Fraction("3.8"))
-    assert task.grown_unsafe[0].upper == (Fraction("2.1"), Fraction("5.2"))
+    assert task.obstacles[0].lower == (Fraction("0.9"), Fraction("3.8"))
+    assert task.obstacles[0].upper == (Fraction("2.1"), Fraction("5.2"))
 
 
 def test_the_committed_schema_is_the_exported_one_and_accepts_the_example_tasks() -> None:

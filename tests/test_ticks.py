@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stt_codegen import reference
-from stt_codegen.backends import CompiledC, GeneratedPython
+from stt_codegen.compare.backends import CompiledC, GeneratedPython
 from stt_codegen.controller.ticks import MOST, ticks_of
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.task import parse_task

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from test_certificate import bend, exact_edges, oracle
 
 from stt_codegen.certify import checker
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.task import Box, Task, UnsafeSet, parse_task
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -119,7 +119,7 @@ def really_broken(task: Task, design, fault: Fault) -> bool:
     edges = exact_edges(design, k, u - k)
     i, tube = fault.dimension, task.tube
     if fault.code == "P4":
-        box = task.grown_unsafe[fault.unsafe]
+        box = task.obstacles[fault.unsafe]
         return all(
             b + tube.clearance > low and a - tube.clearance < high
             for (a, b), low, high in zip(edges, box.lower, box.upper, strict=True)
@@ -241,7 +241,7 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
     for number in range(40):
         _, _, base, (task, design) = draw(Random(f"files {number}"), BASES)
         read = checker.Task(toml(task).encode())
-        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper))) for s in task.grown_unsafe]
+        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper))) for s in task.obstacles]
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
         for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
             assert theirs == (list(ours.lower), list(ours.upper))

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.arenas import BOX, FAMILIES, arena_task, feasible
+from stt_codegen.bench.families import BOX, FAMILIES, arena_task, feasible
 from stt_codegen.bench.report import number
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 
-from stt_codegen.arenas import FAMILIES
 from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, row, run, run_peers, spread, summary
+from stt_codegen.bench.families import FAMILIES
 from stt_codegen.bench.report import command, machine, record, table
 from stt_codegen.errors import BadInput
 

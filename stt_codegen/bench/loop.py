@@ -15,15 +15,15 @@ from functools import partial
 
 import numpy as np
 
-from stt_codegen.arenas import FAMILIES, arena_task, cubes
+from stt_codegen.bench.families import FAMILIES, arena_task, cubes
 from stt_codegen.bench.report import number
-from stt_codegen.bounds import Analysis
 from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.compiled import Own
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
 from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
 from stt_codegen.plants import PLANTS
+from stt_codegen.report.analysis import Analysis
 from stt_codegen.task import Task
 
 DISTURBANCES = ("none", "constant", "constant", "sinusoidal", "sinusoidal", "random", "nearest", "nearest", "outward", "outward")

@@ -15,11 +15,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.arenas import FAMILIES, Family, arena_task
+from stt_codegen.bench.families import FAMILIES, Family, arena_task
 from stt_codegen.bench.report import command, record, table
 from stt_codegen.bench.rivals import casadi_text, floor_text, hand_text
 from stt_codegen.board.emulated import BOARDS, CFLAGS, Board, Counts, Emulated
-from stt_codegen.compare import compare_backend
+from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.errors import BadInput, MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_task
 
@@ -75,9 +75,9 @@ def measured(controller: Controller, board: Board, label: str, points: int) -> t
 def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None) -> Line:
     seen = counts.summary()
     code, tables, ram = sizes(controller, board)
-    place = ", ".join(f"{name} = {_short(v)}" for name, v in zip(_arguments(controller), seen["worst_at"], strict=True))
-    steps = (seen["least"], seen["median"], seen["most"])
-    return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen["stack"], within)
+    place = ", ".join(f"{name} = {_short(v)}" for name, v in zip(_arguments(controller), seen.worst_at, strict=True))
+    steps = (seen.least, seen.median, seen.most)
+    return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen.stack, within)
 
 
 def _arguments(controller: Controller) -> list[str]:

@@ -7,6 +7,8 @@ Every peer gets settings that are good for it, on one thread: OMPL an exact chec
 in place of samples along them, hj-reachability its quickest scheme, OSQP no scaling and a test of convergence at every
 iteration (a sixth of the time its defaults take). Imports, compilation and a first problem are not timed.
 The peers are optional; a missing one raises `MissingTool`.
+
+Long because every peer is set up in full, so that a reader can check that it was treated fairly.
 """
 
 from __future__ import annotations
@@ -27,8 +29,8 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.arenas import BOX, FAMILIES, Array, Family, arena_task, cubes
-from stt_codegen.backends import find_compiler, run_compiler
+from stt_codegen.bench.families import BOX, FAMILIES, Array, Family, arena_task, cubes
+from stt_codegen.compare.toolchain import find_compiler, run_compiler
 from stt_codegen.emit.render import template_folder
 from stt_codegen.errors import BadInput, MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_task

@@ -11,12 +11,11 @@ from typing import Any
 
 import casadi as ca
 
-from stt_codegen.design.adapted import AdaptiveDesign
-from stt_codegen.design.tube import LOWER, RefinedDesign
+from stt_codegen.designs import LOWER, AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.render import template
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube
 from stt_codegen.pipeline import Controller
-from stt_codegen.program.c import CPrinter
+from stt_codegen.program.print.c import CPrinter
 
 _CALLS = re.compile(r"\b(exp|expm1|log|log1p|tanh|sqrt|fabs|fmin|fmax|floor|sinh|cosh|pow)\(")
 _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+|\.\d+(?:e[+-]?\d+)?)(?![\w.])")
@@ -25,13 +24,13 @@ _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+|\.\d+(?:e
 def casadi_text(controller: Controller, single: bool) -> str:
     """CasADi's own C (casadi_real=float) of (t, [alpha,] x) -> u; `single`: every call and literal made single precision."""
     design = controller.design
-    function = _refined(controller, design) if isinstance(design, RefinedDesign) else _adapted(controller, design)
+    function = _refined(controller, design) if isinstance(design, RefinedDesign) else _adaptive(controller, design)
     generator = ca.CodeGenerator("law", {"casadi_real": "float", "casadi_int": "int"})
     generator.add(function)
     body = generator.dump()
     if single:
         body = _LITERAL.sub(r"\1f", _CALLS.sub(r"\1f(", body))
-    p, adapted = controller.task.name, not isinstance(design, RefinedDesign)
+    p, adapted = controller.task.name, design.stateful
     ok = f"{p.upper()}_OK"
     takes = f"{p}_real t, " + (f"const {p}_real *alpha, " if adapted else "") + f"const {p}_real *x, {p}_real *u"
     given = "&t, alpha, x" if adapted else "&t, x"
@@ -71,7 +70,7 @@ def _refined(controller: Controller, design: RefinedDesign) -> ca.Function:
     return ca.Function("law", [t, x], [ca.vertcat(*result)])
 
 
-def _adapted(controller: Controller, design: AdaptiveDesign) -> ca.Function:
+def _adaptive(controller: Controller, design: AdaptiveDesign) -> ca.Function:
     n, t_c, nu = design.dimension, float(design.prescribed_time), float(design.nu)
     t, alpha, x = ca.SX.sym("t"), ca.SX.sym("alpha", 2 * n), ca.SX.sym("x", n)
     held = ca.fmin(ca.fmax(t, 0), t_c)

@@ -18,12 +18,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.backends import Backend, run_compiler
-from stt_codegen.compare import Row, compare_backend
+from stt_codegen.compare.backends import Backend
+from stt_codegen.compare.comparison import Row, compare_backend
+from stt_codegen.compare.toolchain import run_compiler
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
-from stt_codegen.program.program import TICK, Function, Param
+from stt_codegen.program import TICK, Function, Param
 
 Array = npt.NDArray[Any]
 LONGEST_RUN = 300.0  # seconds
@@ -123,6 +124,17 @@ BOARDS = {
 CFLAGS = ("-O2", "-std=c99", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 
 
+@dataclass(frozen=True)
+class CallCost:
+    """What the calls of one function took in the board's unit, at which point most, and bytes of stack."""
+
+    least: int
+    median: int
+    most: int
+    worst_at: list[Any]
+    stack: int
+
+
 @dataclass
 class Counts:
     """What the calls of one function took, in the board's unit, and how many bytes of stack they used, by point."""
@@ -131,11 +143,11 @@ class Counts:
     stack: Array
     inputs: tuple[Array, ...]
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> CallCost:
         worst = int(np.argmax(self.taken))
         at = [np.asarray(v)[worst].tolist() for v in self.inputs]
         least, median, most = (round(float(v)) for v in (self.taken.min(), np.median(self.taken), self.taken.max()))
-        return {"least": least, "median": median, "most": most, "worst_at": at, "stack": int(self.stack.max())}
+        return CallCost(least, median, most, at, int(self.stack.max()))
 
 
 class Emulated(Backend):
@@ -248,7 +260,7 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
     )  # fmt: skip
 
 
-def run_on_board(controller: Controller, board: Board, points: int) -> tuple[list[Row], dict[str, dict[str, Any]]]:
+def run_on_board(controller: Controller, board: Board, points: int) -> tuple[list[Row], dict[str, CallCost]]:
     """The comparison with the reference on so many random points and the edges; and for each public function what its calls
     took: least, median and most in the board's unit, the inputs of the longest, and the most stack."""
     made: list[Emulated] = []

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.wording import decimal
+from stt_codegen.decimals import decimal
 
 TITLES = {
     "P1": "width",
@@ -101,20 +99,3 @@ class Certificate:
     @property
     def failures(self) -> tuple[Finding, ...]:
         return tuple(f for f in self.findings if not f.holds)
-
-
-def below(value: Fraction, digits: int = 6) -> float:
-    """The largest decimal of so many digits that is not above `value`."""
-    return _toward(value, digits, math.floor)
-
-
-def above(value: Fraction, digits: int = 6) -> float:
-    """The smallest decimal of so many digits that is not below `value`."""
-    return _toward(value, digits, math.ceil)
-
-
-def _toward(value: Fraction, digits: int, direction: Callable[[Fraction], int]) -> float:
-    if value == 0:
-        return 0.0
-    power = digits - 1 - math.floor(math.log10(abs(value)))
-    return float(Fraction(direction(value * Fraction(10) ** power)) / Fraction(10) ** power)

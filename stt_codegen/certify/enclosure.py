@@ -12,10 +12,8 @@ for the emitted arithmetic, in C and in Python.
 
 from __future__ import annotations
 
-import heapq
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -26,20 +24,23 @@ import numpy.typing as npt
 from flint import arb
 
 from stt_codegen import reference
-from stt_codegen.certify.certificate import Certificate, Finding, above
-from stt_codegen.certify.sampled import parameters_of
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.finder import Finder, double_above, gap, lower_bound
+from stt_codegen.certify.lines import HIGH, LOW, Lines, ends
+from stt_codegen.certify.slopes import speed_bound
 from stt_codegen.certify.update import Steps, ahead, lower_curve, upper_curve
-from stt_codegen.controller.adapted import lines_program
-from stt_codegen.controller.component import LEAST_WIDTH
-from stt_codegen.controller.pieces import alpha_cap
-from stt_codegen.design.adapted import AdaptiveDesign, Bump
-from stt_codegen.design.tube import LOWER, UPPER
-from stt_codegen.paper.circumvent import CUT
-from stt_codegen.program.arb import Ball, Enclosure, ball, hull
+from stt_codegen.controller.adaptive_parts import alpha_cap
+from stt_codegen.controller.probes import lines_program
+from stt_codegen.decimals import above, decimal
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
+from stt_codegen.designs.grid import parameters_of
+from stt_codegen.program.ball_arithmetic import ball, hull
+from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.number import FORMATS, round_to
 from stt_codegen.program.rounding import Inexact, rounding_error
-from stt_codegen.task import Box, Task
-from stt_codegen.wording import decimal
+from stt_codegen.rows import least_width, reach_rows, start_rows, state_rows, stay_rows
+from stt_codegen.sampling import Windows
+from stt_codegen.task import Task
 
 MOVE = 0.02  # of the narrowest start or target: how far an edge may move in one cell
 CELLS = 300  # at least, however slow the tube is
@@ -48,23 +49,11 @@ STEP_RANGE = 16  # longest over shortest step
 THETA_ROUNDINGS = 256  # relative, of the emitted theta: 2 * 2 * 40 of the held exponent, those of exp, sum, quotient, and room
 
 Array = npt.NDArray[Any]
+WINDOWS = 64  # of an enclosed tube, for the sampled statements
+OUT = 1 + 2.0**-48  # more than the few roundings of a product of doubles
 COARSE, HALVINGS = 3, 3  # how many times wider than MOVE a ball of psi may be, and how often its cell is halved for that
 NAMES = ("rho", "beta", "psi")
 TINY = 2.0**-100
-LOW, HIGH = 0, 1  # ends of an enclosure
-SIGMA_RATE = 1.83489  # above the maximum of t_c sigmadot (design of (4))
-SHARP, PIECES = 1.05, 400  # how near the bound on a slope comes to the steepest slope, and pieces at most
-SETTINGS = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
-
-
-@dataclass(frozen=True)
-class Lines:
-    """Bounds over each cell, last those for all times from t_c on: arrays of shape (N + 1, n, 2 sides, 2 ends)."""
-
-    times: Array  # (N + 1,) boundaries
-    rho: Array
-    beta: Array
-    psi: Array
 
 
 @dataclass(frozen=True)
@@ -144,12 +133,12 @@ def _lines_in(printed: Enclosure, begin: float, end: float, coarse: float, depth
     """Ends of rho, beta and psi over one cell, shape (3 * 2n, 2); halved where the balls are wider than `coarse`, as where
     bumps are joined."""
     found = printed.run("lines", t=hull(begin, end))[0]
-    ends = np.array([_ends(value) for name in NAMES for value in found[name]])
-    if depth < HALVINGS and not (ends[:, HIGH] - ends[:, LOW]).max() < coarse:
+    bounds = np.array([ends(value) for name in NAMES for value in found[name]])
+    if depth < HALVINGS and not (bounds[:, HIGH] - bounds[:, LOW]).max() < coarse:
         middle = (begin + end) / 2
         halves = _lines_in(printed, begin, middle, coarse, depth + 1), _lines_in(printed, middle, end, coarse, depth + 1)
         return np.stack([np.minimum(*halves)[:, LOW], np.maximum(*halves)[:, HIGH]], axis=1)
-    return ends
+    return bounds
 
 
 def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps: Steps) -> Array:
@@ -166,7 +155,7 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
     def theta(psi: float) -> tuple[float, float]:
         if not math.isfinite(psi):
             return (0.0, 2 * float(design.theta0) * (1 + spread))
-        return _ends(exact.kernel("theta", ball(psi), *constants)[0])
+        return ends(exact.kernel("theta", ball(psi), *constants)[0])
 
     for i, side in np.ndindex(*result.shape[1:3]):
         low_psi, high_psi = least[:, i, side].tolist(), most[:, i, side].tolist()
@@ -178,13 +167,6 @@ def enclose_alpha(design: AdaptiveDesign, exact: Enclosure, lines: Lines, steps:
             np.array(lower_curve(times, high_psi, weak, kappa, steps)) - TINY * _narrowest(design), 0
         )
     return result
-
-
-def _ends(value: Ball) -> tuple[float, float]:
-    """Doubles that enclose a ball; infinite where the ball is not finite."""
-    if not value.is_finite():
-        return -math.inf, math.inf
-    return math.nextafter(float(value.lower()), -math.inf), math.nextafter(float(value.upper()), math.inf)
 
 
 # --------------------------------------------------------------------------------------------------- gamma
@@ -203,7 +185,7 @@ def enclose_edges(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: L
         for end, widen in ((LOW, -1), (HIGH, 1)):
             a = alpha[:, :, side, HIGH - end if side == LOWER else end]
             rows = zip(lines.rho[:, :, side, end].flat, a.flat, lines.beta[:, :, side, end].flat, strict=True)
-            values = [_ends(exact.kernel(name, arb(r), arb(v), arb(b), nu)[0])[end] for r, v, b in rows]
+            values = [ends(exact.kernel(name, arb(r), arb(v), arb(b), nu)[0])[end] for r, v, b in rows]
             result[:, :, side, end] = np.nextafter(np.reshape(values, a.shape) + widen * spread, widen * np.inf)
     return np.where(np.isnan(result), np.array([-np.inf, np.inf]), result), error
 
@@ -219,68 +201,6 @@ def edge_rounding(task: Task, design: AdaptiveDesign, exact: Enclosure) -> Fract
     return max(rounding_error(kernel, inputs, task.emit.scalar)[0].error for kernel in kernels)
 
 
-def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array) -> Array:
-    """A bound on |gammadot| along (11) by dimension, shape (n,).
-
-    gamma's weights lie in [0, 1], so |gammadot| <= max(|rhodot| + |alphadot|, |betadot|). With a = alphadot,
-    adot = F_psi psidot + F_alpha a and both derivatives negative: |a| <= max(|a(0)|, sup |F_psi / F_alpha| sup |psidot|).
-    It holds where P1 does, which keeps psi + alpha above LEAST_WIDTH, and so above the floors of the emitted divisions.
-    """
-    t_c, kappa = float(design.prescribed_time), float(design.kappa)
-    theta0, sharp, mu = float(design.theta0), float(design.varsigma), float(design.mu)
-    bounds = []
-    for i in range(design.dimension):
-        reach = [abs(float(design.target[i][s] - design.start[i][s])) * SIGMA_RATE / t_c for s in (LOWER, UPPER)]
-        rise = [_beta_rate(task, design, exact, i, s) for s in (LOWER, UPPER)]
-        fastest = 0.0
-        for side in (LOWER, UPPER):
-            psi, a = lines.psi[:, i, side], alpha[:, i, side]
-            least, most = np.maximum(psi[:, LOW] + a[:, LOW], 1e-9), psi[:, HIGH] + a[:, HIGH]  # of z = psi + alpha
-            # theta/(2 theta0) at most, and at most how far from 1 it is
-            share, rest = (
-                1 / (1 + np.exp(np.clip(s * 2 * sharp * (psi[:, e] - mu), -700, 700))) for s, e in ((1, LOW), (-1, HIGH))
-            )
-            force = 2 * theta0 * share
-            # |F_psi| z^3 = 2 theta + |theta'| z, |theta'| = 2 varsigma theta (1 - share); |F_alpha| z^3 = 2 theta + kappa z^3;
-            # the quotient rises with theta
-            ratio = (2 * force + 2 * sharp * force * rest * most) / (2 * force + kappa * least**3)
-            first = force[0] / least[0] ** 2
-            moving = np.max([first, ratio.max() * (reach[side] + rise[1 - side])])  # NumPy's: a NaN stays
-            fastest = float(np.max([fastest, reach[side] + moving, rise[side]]))
-        bounds.append(fastest * (1 + 1e-9))
-    return np.array(bounds)
-
-
-def _beta_rate(task: Task, design: AdaptiveDesign, exact: Enclosure, i: int, side: int) -> float:
-    """A bound on |betadot|: the steepest slope of each circumvent function, summed over those alive at one time (joining
-    weights each by at most 1)."""
-    slopes = [
-        (float(b.middle - b.radius), float(b.middle + b.radius), steepest_slope(b, task.emit.scalar, exact))
-        for b in design.of(i, side)
-    ]
-    return max((sum(s for c, d, s in slopes if c <= a <= d) for a, _, _ in slopes), default=0.0)
-
-
-def steepest_slope(bump: Bump, scalar: str, exact: Enclosure) -> float:
-    """A bound on the slope of a circumvent function, at most SHARP above the steepest: pieces of its half are halved, the
-    steepest first."""
-    shape = [ball(v) for v in (bump.height, bump.steepness, Fraction(0), bump.radius, CUT[scalar])]
-
-    def bound(low: float, high: float) -> tuple[float, float, float]:
-        return -max(map(abs, _ends(exact.kernel("circumvent_rate", hull(low, high), *shape)[1]))), low, high
-
-    pieces, met = [bound(0.0, float(bump.radius))], 0.0
-    for _ in range(PIECES):
-        worst, low, high = pieces[0]
-        middle = (low + high) / 2
-        met = max(met, abs(float(exact.kernel("circumvent_rate", arb(middle), *shape)[1])))
-        if -worst <= SHARP * met:
-            break
-        heapq.heapreplace(pieces, bound(low, middle))
-        heapq.heappush(pieces, bound(middle, high))
-    return -pieces[0][0]
-
-
 # ------------------------------------------------------------------------------------------------ findings
 
 
@@ -288,13 +208,11 @@ def _certificate(
     task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lines, alpha: Array, edges: tuple[Array, Fraction], steps: Steps
 ) -> Certificate:
     gamma, error = edges
-    speed = tuple(-_fraction(-v) for v in speed_bound(task, design, exact, lines, alpha))
-    find = _Finder(task, lines.times, gamma)
-    width = _gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
-    least = max(task.tube.min_width, LEAST_WIDTH)
-    x_low, x_high = _outside(task.initial_state, task.initial_state)
-    inside = np.minimum(_gap(gamma[0, :, LOWER, HIGH], x_low), _gap(x_high, gamma[0, :, UPPER, LOW]))
-    stay, begin, end = (find.within(box) for box in (task.free_space, task.initial_set, task.target_set))
+    speed = tuple(-lower_bound(-v) for v in speed_bound(task, design, exact, lines, alpha))
+    find = Finder(task, lines.times, gamma)
+    width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
+    least = least_width(task)
+    inside, stay, begin, end = (find.sides(rows(task)) for rows in (state_rows, stay_rows, start_rows, reach_rows))
     limit, fastest = task.tube.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
     seventh = (
         f"{task.emit.scalar} arithmetic is within the enclosures; "
@@ -302,8 +220,8 @@ def _certificate(
     )
     return Certificate(
         findings=(
-            find.least(_gap(_above(least), width), 0, "P1", f"width >= {decimal(least)} in every dimension"),
-            find.least(inside[None], 0, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
+            find.least(gap(double_above(least), width), 0, "P1", f"width >= {decimal(least)} in every dimension"),
+            find.least(inside[:1], 0, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
             find.least(begin[:1], 0, "P2", "gamma(0) within the initial set"),
             find.least(stay, 0, "P3", "gamma within the state space"),
             find.avoid(),
@@ -317,78 +235,30 @@ def _certificate(
         ),
         edge_error=(error,) * task.dimension,
         speed=speed,
-        least_width=_fraction(width.min()),
-        start=tuple((_fraction(a), _fraction(b)) for a, b in zip(gamma[0, :, LOWER, HIGH], gamma[0, :, UPPER, LOW], strict=True)),
-        whole_start=False,
-        method="enclosure",
-        steps=(steps.shortest, steps.longest),
+        least_width=lower_bound(width.min()),
+        start=tuple((lower_bound(a), lower_bound(b)) for a, b in zip(gamma[0, :, LOWER, HIGH], gamma[0, :, UPPER, LOW],
+        strict=True)), whole_start=False, method="enclosure", steps=(steps.shortest, steps.longest),
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Finder:
-    """Findings from the enclosure of gamma, shape (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
-
-    task: Task
-    times: Array
-    gamma: Array
-
-    def within(self, box: Box) -> Array:
-        """Slack of the outer ends inside a box, (N + 1, n)."""
-        lower, upper = _inside(box.lower, box.upper)
-        return np.minimum(_gap(lower, self.gamma[:, :, LOWER, LOW]), _gap(self.gamma[:, :, UPPER, HIGH], upper))
-
-    def least(self, slack: Array, first: int, code: str, statement: str, advice: str = SETTINGS) -> Finding:
-        """The least slack (shape (cells, n), from cell `first` on) as a finding."""
-        k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
-        return Finding(
-            code, statement, _fraction(slack[k, i]), Fraction(0), self.interval(first + int(k)), int(i) + 1, None, advice
-        )
-
-    def avoid(self) -> Finding:
-        """P4: in every cell the best separating dimension and side of each unsafe set."""
-        unsafe, clearance = self.task.grown_unsafe, self.task.tube.clearance
-        if not unsafe:
-            return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
-        worst: tuple[float, int, str] = (math.inf, 0, "")
-        for s in unsafe:
-            lower, upper = _outside([v - clearance for v in s.lower], [v + clearance for v in s.upper])
-            below, above_it = _gap(self.gamma[:, :, UPPER, HIGH], lower), _gap(upper, self.gamma[:, :, LOWER, LOW])
-            slack = np.maximum(below, above_it).max(axis=1)
-            k = int(np.argmin(slack))
-            worst = min(worst, (float(slack[k]), k, s.name))
-        slack_, k, name = worst
-        statement = f"gamma at least {decimal(clearance)} from each of {len(unsafe)} unsafe sets"
-        return Finding("P4", statement, _fraction(slack_), Fraction(0), self.interval(k), None, name, SETTINGS)
-
-    def interval(self, cell: int) -> tuple[Fraction, Fraction]:
-        t_c = self.task.prescribed_time
-        return (t_c, t_c) if cell >= len(self.times) - 1 else (_fraction(self.times[cell]), _fraction(self.times[cell + 1]))
+# ------------------------------------------------------------------------------------------- time windows
 
 
-def _gap(low: Any, high: Any) -> Array:
-    """A lower bound on high - low."""
-    return np.asarray(np.nextafter(np.asarray(high, dtype=float) - low, -np.inf))
-
-
-def _inside(lower: Sequence[Fraction], upper: Sequence[Fraction]) -> tuple[Array, Array]:
-    """Lower and upper edge of a box as doubles, each on its inner side: what keeps within them is in the box."""
-    return np.array([_above(v) for v in lower]), np.array([_below(v) for v in upper])
-
-
-def _outside(lower: Sequence[Fraction], upper: Sequence[Fraction]) -> tuple[Array, Array]:
-    """Lower and upper edge of a box as doubles, each on its outer side: what keeps off them is off the box."""
-    return np.array([_below(v) for v in lower]), np.array([_above(v) for v in upper])
-
-
-def _above(value: Fraction) -> float:
-    return math.nextafter(float(value), math.inf)
-
-
-def _below(value: Fraction) -> float:
-    return math.nextafter(float(value), -math.inf)
-
-
-def _fraction(value: float) -> Fraction:
-    """A lower bound as a fraction; what could not be bounded counts as far below."""
-    return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))
+def enclosed_windows(tube: Enclosed) -> Windows:
+    """WINDOWS windows, or as many as there are cells."""
+    times, gamma = tube.lines.times, tube.gamma
+    count = len(times) - 1
+    cuts = np.unique(np.linspace(0, count, min(WINDOWS, count) + 1).astype(int))
+    groups = [slice(a, b) for a, b in itertools.pairwise(cuts)] + [slice(count, count + 1)]
+    low, high = gamma[:, :, LOWER], gamma[:, :, UPPER]  # (N + 1, n, 2 ends)
+    speed = np.tile([float(v) * OUT for v in tube.certificate.speed], (len(groups), 1))
+    return Windows(
+        times[cuts],
+        np.array([np.nextafter(high[g, :, 0] - low[g, :, 1], -np.inf).min(axis=0) for g in groups]),
+        np.array([np.nextafter(high[g, :, 1] - low[g, :, 0], np.inf).max(axis=0) for g in groups]),
+        speed,
+        2 * speed,
+        np.array([low[g, :, 0].min(axis=0) for g in groups]),
+        np.array([high[g, :, 1].max(axis=0) for g in groups]),
+        np.stack([low[0, :, 1], high[0, :, 0]], axis=-1),
+    )

@@ -14,9 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.program import Kernel, Program
 from stt_codegen.program.number import FORMATS
-from stt_codegen.program.program import Kernel, Program
 from stt_codegen.program.rounding import Inexact, rounding_error
 
 

@@ -26,8 +26,8 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 
+from stt_codegen.program import Assign, Block, Kernel, Op, Operand, Var, real
 from stt_codegen.program.number import FORMATS, round_to
-from stt_codegen.program.program import Assign, Block, Kernel, Op, Operand, Var, real
 
 C = round_to(Fraction("0.67660441"), "float")
 LN2 = Fraction("0.693147180559945309417232121458")

@@ -7,8 +7,7 @@ from fractions import Fraction
 from functools import cache
 
 from stt_codegen.controller.arithmetic import edge_error
-from stt_codegen.controller.component import (
-    LEAST_WIDTH,
+from stt_codegen.controller.law import (
     MARGIN_DOC,
     Law,
     control_component,
@@ -20,11 +19,10 @@ from stt_codegen.controller.component import (
     transform_function,
 )
 from stt_codegen.controller.ticks import segment_at_tick, ticks_of
-from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
+from stt_codegen.decimals import decimal
+from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign
 from stt_codegen.paper import refined_tube
-from stt_codegen.program.lower import lower
-from stt_codegen.program.number import largest_below
-from stt_codegen.program.program import (
+from stt_codegen.program import (
     FALSE,
     NAN,
     REAL,
@@ -48,8 +46,9 @@ from stt_codegen.program.program import (
     integer,
     real,
 )
+from stt_codegen.program.lower import lower
+from stt_codegen.program.number import largest_below
 from stt_codegen.task import Task
-from stt_codegen.wording import decimal
 
 OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, Status.BAD_INPUT))
 

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.decimals import decimal
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
-from stt_codegen.program.program import TICK, Block, Const, Kernel, Var, integer, real
-from stt_codegen.wording import decimal
+from stt_codegen.program import TICK, Block, Const, Kernel, Var, integer, real
 
 MOST = 1 << 31  # what an int32_t holds
 

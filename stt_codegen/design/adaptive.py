@@ -14,10 +14,9 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from stt_codegen.design.adapted import AdaptiveDesign, Bump
 from stt_codegen.design.arena import Arena, Array, arena_of, starting_box
 from stt_codegen.design.search import Problem, Push, search
-from stt_codegen.design.tube import LOWER, UPPER
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump
 from stt_codegen.errors import NotCertified
 from stt_codegen.paper import adaptive_tube, reach_tube
 from stt_codegen.paper.circumvent import CUT, bump

@@ -8,24 +8,66 @@ machine, and so is what the solver makes of them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.certificate import below
-from stt_codegen.controller.component import LEAST_WIDTH
+from stt_codegen.decimals import below, decimal
 from stt_codegen.errors import NotCertified
+from stt_codegen.rows import Avoidance, Row, avoid_rows, least_width, reach_rows, speed_rows, start_rows, stay_rows
 from stt_codegen.task import Task
-from stt_codegen.wording import decimal
+from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Faces:
+    """The normals of unsafe sets that are no axes: normal (X, n), bound h(n) (X,), size |n|_1 (X,), owner (X,) the set's number;
+    vertices: points (V, n) of every set that has such a normal, None for a box."""
+
+    normal: Array
+    bound: Array
+    size: Array
+    owner: npt.NDArray[np.int64]
+    vertices: tuple[Array | None, ...]
+
+    def only(self, keep: Sequence[int]) -> Faces:
+        """Those of some of the sets."""
+        kept = np.isin(self.owner, keep)
+        owner = np.array([keep.index(j) for j in self.owner[kept]], dtype=np.int64)
+        vertices = tuple(self.vertices[j] for j in keep)
+        return Faces(self.normal[kept], self.bound[kept], self.size[kept], owner, vertices)
+
+    def scaled(self, unit: float) -> Faces:
+        """With lengths in other units."""
+        vertices = tuple(None if v is None else v / unit for v in self.vertices)
+        return replace(self, bound=self.bound / unit, vertices=vertices)
+
+    def of(self, j: int) -> list[int]:
+        """The faces of set j."""
+        return [int(x) for x in np.nonzero(self.owner == j)[0]]
+
+    def low(self, x: int, edges: Array) -> Array:
+        """low_n of boxes, edges of shape (2, n, ...): summed one dimension after the other, the same on every machine."""
+        total = np.zeros(edges.shape[2:])
+        for i, c in enumerate(self.normal[x].tolist()):
+            if c:
+                total = total + c * edges[0 if c > 0 else 1, i]
+        return total
+
+    def beyond(self, x: int, edges: Array) -> Array:
+        """How far boxes are beyond face x, in the largest component."""
+        return np.asarray((self.low(x, edges) - self.bound[x]) / self.size[x])
+
+
+@dataclass(frozen=True)
 class Arena:
-    """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n); index 0 lower, 1 upper.
+    """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
+    index 0 lower, 1 upper. faces: what an unsafe set has beside its span.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. allowance: what rounding of the
     coefficients and of the emitted arithmetic may move an edge by, see `arithmetic_allowance`. length_unit, time_unit:
@@ -37,6 +79,7 @@ class Arena:
     start: Array
     target: Array
     unsafe: Array
+    faces: Faces
     initial_state: Array
     prescribed_time: float
     clearance: float
@@ -49,6 +92,16 @@ class Arena:
     @property
     def dimension(self) -> int:
         return int(self.space.shape[1])
+
+    @property
+    def boxes_only(self) -> bool:
+        """Whether every unsafe set is its span."""
+        return not len(self.faces.owner)
+
+    def only(self, keep: Sequence[int]) -> Arena:
+        """With some of the unsafe sets."""
+        names = tuple(self.names[j] for j in keep)
+        return replace(self, names=names, unsafe=self.unsafe[list(keep)], faces=self.faces.only(keep))
 
 
 def magnitude(task: Task) -> int:
@@ -69,10 +122,10 @@ def arithmetic_allowance(task: Task) -> Fraction:
 
 def arena_of(task: Task) -> Arena:
     """The task as arrays. Raises `NotCertified` when sets are too narrow to hold a tube at all."""
-    space, unsafe = task.free_space, task.grown_unsafe
+    unsafe = task.obstacles
     n = task.dimension
     allowance = arithmetic_allowance(task)
-    least = max(task.tube.min_width, LEAST_WIDTH)
+    least = least_width(task)
     wide = least + 2 * allowance
     for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
         for i in range(n):
@@ -89,23 +142,46 @@ def arena_of(task: Task) -> Arena:
                 )
     inset = 2 * allowance
 
-    def array(lower: tuple[Fraction, ...], upper: tuple[Fraction, ...]) -> list[list[float]]:
-        return [[float(v) for v in lower], [float(v) for v in upper]]
-
+    spans = [[s.span(i) for i in range(n)] for s in unsafe]
     return Arena(
         names=tuple(s.name for s in unsafe),
-        space=np.array(array(tuple(v + allowance for v in space.lower), tuple(v - allowance for v in space.upper))),
-        start=np.array(array(tuple(v + inset for v in task.initial_set.lower), tuple(v - inset for v in task.initial_set.upper))),
-        target=np.array(
-            array(tuple(v + allowance for v in task.target_set.lower), tuple(v - allowance for v in task.target_set.upper))
-        ),
-        unsafe=np.array([array(s.lower, s.upper) for s in unsafe]).reshape(len(unsafe), 2, n),
+        space=_bounds(stay_rows(task), allowance, n),
+        start=_bounds(start_rows(task), inset, n),
+        target=_bounds(reach_rows(task), allowance, n),
+        unsafe=np.array([[[float(v) for v in edge] for edge in zip(*s, strict=True)] for s in spans]).reshape(len(unsafe), 2, n),
+        faces=_faces(avoid_rows(task), unsafe, n),
         initial_state=np.array([float(v) for v in task.initial_state]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
         min_width=float(wide),
-        max_speed=float(task.tube.max_speed) if task.tube.max_speed is not None else math.inf,
+        max_speed=min((float(-row.bound) for row in speed_rows(task)), default=math.inf),
         allowance=float(allowance),
+    )
+
+
+def _bounds(rows: Sequence[Row], room: Fraction, n: int) -> Array:
+    """The box that rows of single edges leave, less `room`: shape (2, n)."""
+    box = np.empty((2, n))
+    for row in rows:
+        ((i, side, sign),) = row.terms
+        box[side, i] = float(sign * (row.bound + room))
+    return box
+
+
+def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], n: int) -> Faces:
+    """The rows that are not about one edge."""
+    found = [(j, row) for j, one in enumerate(sets) for row in one.rows if row.dimension is None]
+    normal = np.zeros((len(found), n))
+    for x, (_, row) in enumerate(found):
+        for i, _, c in row.terms:
+            normal[x, i] = float(c)
+    skew = {j for j, _ in found}
+    return Faces(
+        normal,
+        np.array([float(row.bound) for _, row in found]),
+        np.array([float(row.per) for _, row in found]),
+        np.array([j for j, _ in found], dtype=np.int64),
+        tuple(np.array([[float(v) for v in p] for p in s.vertices]) if j in skew else None for j, s in enumerate(shapes)),
     )
 
 
@@ -119,6 +195,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         start=arena.start / unit,
         target=arena.target / unit,
         unsafe=arena.unsafe / unit,
+        faces=arena.faces.scaled(unit),
         initial_state=arena.initial_state / unit,
         prescribed_time=1.0,
         clearance=arena.clearance / unit,
@@ -142,7 +219,7 @@ def starting_box(arena: Arena) -> Array:
         above = box[0] - arena.unsafe[j, 1]
         gap = np.maximum(below, above)
         i = int(np.argmax(gap))
-        if gap[i] >= arena.clearance:
+        if gap[i] >= arena.clearance or any(arena.faces.beyond(x, box) >= arena.clearance for x in arena.faces.of(j)):
             continue
         if below[i] >= above[i]:
             box[1, i] = arena.unsafe[j, 0, i] - arena.clearance

@@ -10,9 +10,8 @@ import math
 import random
 from fractions import Fraction
 
-from stt_codegen.design.adapted import AdaptiveDesign, Bump
-from stt_codegen.design.tube import LOWER, UPPER
-from stt_codegen.design.windows import conflict_in_sigma, time_of_sigma
+from stt_codegen.design.conflict import conflict_in_sigma, time_of_sigma
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump
 from stt_codegen.task import Task
 
 # The case study's numbers (section V); nu, varsigma are not in the paper. k is printed without its index j.
@@ -26,14 +25,14 @@ def literal(task: Task) -> AdaptiveDesign:
     options = task.tube.adaptive
     space = task.free_space
     t_c = task.prescribed_time
-    start = tuple(zip(task.initial_set.lower, task.initial_set.upper, strict=True))
-    target = tuple(zip(task.target_set.lower, task.target_set.upper, strict=True))
+    start = tuple(zip(task.start.lower, task.start.upper, strict=True))
+    target = tuple(zip(task.target.lower, task.target.upper, strict=True))
     walls = tuple(zip(space.lower, space.upper, strict=True))
     overshoot = options.overshoot or OVERSHOOT
     draw = random.Random(task.tube.seed)
     bumps = []
-    for unsafe in task.grown_unsafe:
-        sides = tuple(zip(unsafe.lower, unsafe.upper, strict=True))
+    for unsafe in task.obstacles:
+        sides = tuple(unsafe.span(i) for i in range(task.dimension))
         windows = [conflict_in_sigma(start[i], target[i], sides[i]) for i in range(task.dimension)]
         upward = draw.random() < 0.5  # drawn for every set, so that one set does not shift the luck of the next
         times = [(time_of_sigma(w[0], t_c), time_of_sigma(w[1], t_c)) for w in windows if w is not None]

@@ -12,18 +12,17 @@ from __future__ import annotations
 import heapq
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
-from stt_codegen.certify.certificate import below
+from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena, Array
 from stt_codegen.design.cells import decides, way_through_cells
+from stt_codegen.design.obstacles import Obstacles, obstacles_of
 from stt_codegen.errors import NotCertified
 
-TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
 STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
 HALVINGS = 30  # to find the largest clearance or width with a way
 LEG = 3  # dimensions that move together in a leg of a route in many dimensions
@@ -62,8 +61,8 @@ def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Rout
     corners have already found every way, or where there are too many cells."""
     if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
         return None
-    lower, upper, space, goal = _grown(arena, reach, inset)
-    return _shortened(way_through_cells(lower, upper, space, goal, centre), lower, upper, reach)
+    obstacles, space, goal = _grown(arena, reach, inset)
+    return _shortened(way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
 
 
 def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
@@ -72,7 +71,8 @@ def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route
     n = arena.dimension
     if decides(len(arena.names), n) or not decides(len(arena.names), LEG):
         return None
-    lower, upper, space, goal = _grown(arena, reach, inset)
+    obstacles, space, goal = _grown(arena, reach, inset)
+    lower, upper = obstacles.spans
     for first in itertools.combinations(range(n), LEG):
         rest = [i for i in range(n) if i not in first]
         legs = [list(first), *(rest[k : k + LEG] for k in range(0, len(rest), LEG))]
@@ -90,34 +90,33 @@ def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route
                 there[leg] = step
                 points.append(there)
         else:
-            return _shortened(np.array(points), lower, upper, reach)
+            return _shortened(np.array(points), obstacles, reach)
     return None
 
 
-def _shortened(points: Array | None, lower: Array, upper: Array, reach: float) -> Route | None:
+def _shortened(points: Array | None, obstacles: Obstacles, reach: float) -> Route | None:
     """The polyline without the points that the line of sight makes needless, as a route."""
     if points is None:
         return None
     kept = [0]
     while kept[-1] < len(points) - 1:
         here = kept[-1]
-        seen = np.nonzero(_visible(points[here], points[here + 1 :], lower, upper))[0]
+        seen = np.nonzero(obstacles.visible(points[here], points[here + 1 :]))[0]
         kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
     polyline = points[kept]
     return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
 
 
-def _grown(arena: Arena, reach: float, inset: float) -> tuple[Array, Array, Array, Array]:
-    """For the tube's centre: unsafe sets grown by `reach` (lower and upper edges, shape (J, n)), and state space and target
-    shrunk by `inset` (shape (2, n))."""
-    lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
+def _grown(arena: Arena, reach: float, inset: float) -> tuple[Obstacles, Array, Array]:
+    """For the tube's centre: unsafe sets grown by `reach`, and state space and target shrunk by `inset` (shape (2, n))."""
     space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
-    return lower, upper, space, goal
+    return obstacles_of(arena, reach), space, goal
 
 
 def _corners_decide(arena: Arena) -> bool:
     """Whether a search among corners finds every way: in the plane, when it looks at all of them."""
-    return arena.dimension == 2 and 4 * len(arena.names) + 6 <= NEAR
+    corners = sum(4 if v is None else 4 * len(v) for v in arena.faces.vertices)
+    return arena.dimension == 2 and corners + 6 <= NEAR
 
 
 def find_route(arena: Arena, start: Array, width: float) -> Route | None:
@@ -131,7 +130,7 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
     def way(clearance: float, width: float, without: int | None = None) -> bool:
         reach = clearance + width / 2
         keep = [j for j in range(len(arena.names)) if j != without]
-        rest = replace(arena, names=tuple(arena.names[j] for j in keep), unsafe=arena.unsafe[keep])
+        rest = arena.only(keep)
         ways = (_search, _cell_route, _leg_route)
         return any(find(rest, centre, reach, width / 2) is not None for find in ways)
 
@@ -143,7 +142,7 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         return f"{below(Fraction(max(low - 2 * arena.allowance, 0.0) * arena.length_unit), 4):g}"
 
     none, narrow = arena.allowance, 2 * arena.allowance
-    final = _corners_decide(arena) or decides(len(arena.names), arena.dimension)
+    final = _corners_decide(arena) or (arena.boxes_only and decides(len(arena.names), arena.dimension))
     start = f"P4 avoid: no way {'leads' if final else 'was found'} from the initial set to the target set between the unsafe sets"
     if not way(none, narrow):
         blocking = [n for j, n in enumerate(arena.names) if len(arena.names) <= NAMED and way(none, narrow, j)]
@@ -165,15 +164,15 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
 def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int = NEAR) -> Route | None:
     """The shortest route with these distances from unsafe sets and walls; from a node only the `near` nearest nodes are
     looked at, which is quick with a thousand unsafe sets and may then miss a way."""
-    lower, upper, space, goal = _grown(arena, reach, inset)
-    nodes = _nodes(lower, upper, space, goal, centre)
-    buried = _inside(nodes, lower, upper)
+    obstacles, space, goal = _grown(arena, reach, inset)
+    nodes = _nodes(obstacles, space, goal, centre)
+    buried = obstacles.inside(nodes)
     if buried[0]:
         return None
     nodes = nodes[~buried]
 
     ends = np.clip(nodes, goal[0], goal[1])  # the nearest point of the target to each node
-    end_free = ~_inside(ends, lower, upper)
+    end_free = ~obstacles.inside(ends)
     remaining = _length(ends - nodes)
     cost = np.full(len(nodes), np.inf)
     cost[0] = 0.0
@@ -188,15 +187,14 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int =
         if closed[v]:
             continue
         closed[v] = True
-        if end_free[v] and cost[v] + remaining[v] < best and _visible(nodes[v], ends[v : v + 1], lower, upper)[0]:
+        if end_free[v] and cost[v] + remaining[v] < best and obstacles.visible(nodes[v], ends[v : v + 1])[0]:
             best, last = float(cost[v] + remaining[v]), v
         candidate = cost[v] + _length(nodes - nodes[v])
         open_ = np.nonzero(candidate < cost)[0]
         if len(open_) > near:
             open_ = open_[np.argsort(candidate[open_], kind="stable")[:near]]  # ties by index, on every machine
         around = np.vstack([nodes[v], nodes[open_]])
-        between = np.all((lower < around.max(axis=0)) & (upper > around.min(axis=0)), axis=1)
-        seen = _visible(nodes[v], nodes[open_], lower[between], upper[between])
+        seen = obstacles.near(around.min(axis=0), around.max(axis=0)).visible(nodes[v], nodes[open_])
         for w in open_[seen]:
             cost[w] = candidate[w]
             parent[w] = v
@@ -214,12 +212,12 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int =
     return Route(polyline, float(np.cumsum(steps)[-1]), reach)
 
 
-def _nodes(lower: Array, upper: Array, space: Array, goal: Array, centre: Array) -> Array:
+def _nodes(obstacles: Obstacles, space: Array, goal: Array, centre: Array) -> Array:
     """The start, the corners of the grown sets that lie in the space, and the corners and centre of the target."""
     n = len(centre)
     middle = (goal[0] + goal[1]) / 2
     found = [centre]
-    for low, high in zip(lower, upper, strict=True):
+    for low, high in zip(obstacles.lower, obstacles.upper, strict=True):
         choices = []
         for i in range(n):
             edges = [v for v in (low[i], high[i]) if space[0, i] <= v <= space[1, i]]
@@ -235,36 +233,11 @@ def _nodes(lower: Array, upper: Array, space: Array, goal: Array, centre: Array)
                         step = anchor.copy()
                         step[i] = v
                         found.append(step)
+    found += [corner for corner in obstacles.corners if ((space[0] <= corner) & (corner <= space[1])).all()]
     found.append(middle)
     if n <= CORNERS:
         found += [np.array(corner) for corner in itertools.product(*zip(goal[0], goal[1], strict=True))]
     return np.array(found)
-
-
-def _inside(points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
-    """Which points (shape (P, n)) lie in the interior of some grown set (shape (J, n) each edge)."""
-    within = np.ones((len(points), len(lower)), dtype=bool)
-    for i in range(points.shape[1]):  # NumPy reduces over a short last axis slowly
-        within &= (points[:, i, None] > lower[:, i]) & (points[:, i, None] < upper[:, i])
-    return np.asarray(within.any(axis=1))
-
-
-def _visible(a: Array, points: Array, lower: Array, upper: Array) -> npt.NDArray[np.bool_]:
-    """Which of `points` can be seen from `a`: the straight line meets no grown set's interior."""
-    first, final = np.zeros((len(points), len(lower))), np.ones((len(points), len(lower)))
-    for i in range(len(a)):
-        step = (points[:, i] - a[i])[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            t_low, t_high = (lower[:, i] - a[i]) / step, (upper[:, i] - a[i]) / step
-        enter, leave = np.minimum(t_low, t_high), np.maximum(t_low, t_high)
-        parallel = step[:, 0] == 0
-        if parallel.any():
-            between = (a[i] > lower[:, i]) & (a[i] < upper[:, i])
-            enter[parallel] = np.where(between, -np.inf, np.inf)
-            leave[parallel] = np.where(between, np.inf, -np.inf)
-        np.maximum(first, enter, out=first)
-        np.minimum(final, leave, out=final)
-    return np.asarray(~np.any(first < final - TOUCH, axis=1))
 
 
 def _length(steps: Array) -> Array:

@@ -1,8 +1,8 @@
-"""For every unsafe set, which dimension and side separates the tube from it, along the route.
+"""For every unsafe set, which normal separates the tube from it, along the route.
 
-A box avoids U_j as long as in one dimension i it is strictly on one side of U_j. Along a route the choice must change
-from time to time, at points where both the old and the new choice hold. The choices turn "avoid" into plain bounds on
-the tube's edges, which is what makes the design a linear program.
+A box avoids U_j as long as it is strictly beyond U_j along one normal: on one side of it in one dimension, or beyond one of its
+faces. Along a route the choice must change from time to time, at points where both the old and the new choice hold. The choices
+turn "avoid" into rows, bounds on single edges for the most part, which is what makes the design a linear program.
 """
 
 from __future__ import annotations
@@ -10,22 +10,37 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena, Array
 from stt_codegen.design.route import Route
 
-BELOW, ABOVE = 0, 1
+BELOW, ABOVE, BEYOND = 0, 1, 2
 TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class Stay:
-    """Until route parameter `until` (vertex number plus fraction), U_j is kept off in `dimension`, the tube being
-    `side` (BELOW or ABOVE) of it."""
+    """Until route parameter `until` (vertex number plus fraction) the tube is on this `side` of U_j: BELOW or ABOVE it in
+    dimension `index`, or BEYOND face number `index` of the arena."""
 
     until: float
-    dimension: int
+    index: int
     side: int
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the choices leave of every stretch of time. edges: bounds on single edges, shape (count, 2, n), [k, 0] on the lower
+    edge from below, [k, 1] on the upper one from above; beyond: which faces the tube must be beyond, (count, X)."""
+
+    edges: Array
+    beyond: npt.NDArray[np.bool_]
+
+    @classmethod
+    def of_space(cls, arena: Arena, count: int) -> Limits:
+        """The state space alone."""
+        return cls(np.repeat(arena.space[None], count, axis=0), np.zeros((count, len(arena.faces.owner)), dtype=bool))
 
 
 def choose_sides(arena: Arena, route: Route, start: Array) -> tuple[tuple[Stay, ...], ...] | None:
@@ -39,14 +54,14 @@ def choose_sides(arena: Arena, route: Route, start: Array) -> tuple[tuple[Stay, 
         return None
     changes = _common_changes([choice.change for choices in found for choice in choices])
     moment = iter(changes)
-    return tuple(tuple(Stay(next(moment), c.dimension, c.side) for c in choices) for choices in found)
+    return tuple(tuple(Stay(next(moment), c.index, c.side) for c in choices) for choices in found)
 
 
 @dataclass(frozen=True)
 class _Choice:
     """A choice that may end at any route parameter within `change`: until then it holds, from there the next one does."""
 
-    dimension: int
+    index: int
     side: int
     change: tuple[float, float]
 
@@ -71,7 +86,8 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
     """The choices for U_j; empty when none separates the start, or the route touches the grown set. Each time, the choice
     that lasts longest is taken."""
     end = float(len(route.points) - 1)
-    spans: list[tuple[float, float, float, int, int]] = []  # from, to, least gap, dimension, side
+    spans: list[tuple[float, float, float, int, int]] = []  # from, to, least gap, index, side
+    faces = arena.faces
     for i in range(arena.dimension):
         for side in (BELOW, ABOVE):
             gap = (
@@ -80,8 +96,13 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
                 else route.points[:, i] - arena.unsafe[j, 1, i] - route.reach
             )
             spans += [(a, b, float(gap.min()), i, side) for a, b in _where_positive(gap)]
+    for x in faces.of(j):
+        gap = faces.beyond(x, np.stack([route.points.T, route.points.T])) - route.reach
+        spans += [(a, b, float(gap.min()), x, BEYOND) for a, b in _where_positive(gap)]
 
     def separates_start(i: int, side: int) -> bool:
+        if side == BEYOND:
+            return bool(faces.beyond(i, start) >= arena.clearance - TOLERANCE)
         if side == BELOW:
             return bool(start[1, i] <= arena.unsafe[j, 0, i] - arena.clearance + TOLERANCE)
         return bool(start[0, i] >= arena.unsafe[j, 1, i] + arena.clearance - TOLERANCE)
@@ -117,19 +138,53 @@ def _where_positive(gap: Array) -> list[tuple[float, float]]:
     return spans
 
 
-def bounds_by_stretch(
+def limits_by_stretch(
     arena: Arena, sides: tuple[tuple[Stay, ...], ...], changes: tuple[tuple[int, ...], ...], count: int
-) -> Array:
-    """Bounds on the edges in each of `count` stretches of time: shape (count, 2, n), [k, 0] bounds the lower edge from
-    below, [k, 1] the upper edge from above. `changes[j][q]` is the stretch at which choice q of U_j ends."""
-    bounds = np.repeat(arena.space[None], count, axis=0)
+) -> Limits:
+    """What the choices leave of each of `count` stretches of time. `changes[j][q]` is the stretch at which choice q of U_j
+    ends."""
+    limits = Limits.of_space(arena, count)
+    bounds = limits.edges
     for j, stays in enumerate(sides):
         first = 0
         for stay, last in zip(stays, changes[j], strict=True):
-            i = stay.dimension
+            i = stay.index
             if stay.side == BELOW:
                 bounds[first:last, 1, i] = np.minimum(bounds[first:last, 1, i], arena.unsafe[j, 0, i] - arena.clearance)
-            else:
+            elif stay.side == ABOVE:
                 bounds[first:last, 0, i] = np.maximum(bounds[first:last, 0, i], arena.unsafe[j, 1, i] + arena.clearance)
+            else:
+                limits.beyond[first:last, i] = True
             first = last
-    return bounds
+    return limits
+
+
+def limits_of_tube(arena: Arena, bezier: Array) -> Limits:
+    """The same with, for every piece and unsafe set, the side on which this tube has most room. bezier: the coefficients of its
+    pieces, shape (2, n, K, 4)."""
+    lowest, highest = bezier[0].min(axis=-1), bezier[1].max(axis=-1)  # (n, K)
+    n, count = lowest.shape
+    limits = Limits.of_space(arena, count)
+    if not arena.names:
+        return limits
+    gaps = np.stack(
+        [arena.unsafe[:, 0, :, None] - highest[None], lowest[None] - arena.unsafe[:, 1, :, None]], axis=1
+    )  # (J, side, n, K)
+    flat = gaps.reshape(len(arena.names), 2 * n, count)
+    choice, most = flat.argmax(axis=1), flat.max(axis=1)
+    for x, j in enumerate(arena.faces.owner.tolist()):
+        room = arena.faces.beyond(x, bezier).min(axis=-1)
+        better = room > most[j]
+        choice[j], most[j] = np.where(better, 2 * n + x, choice[j]), np.where(better, room, most[j])
+    for side in (BELOW, ABOVE):
+        for i in range(n):
+            chosen = choice == side * n + i
+            if side == BELOW:
+                limit = np.where(chosen, (arena.unsafe[:, 0, i] - arena.clearance)[:, None], np.inf).min(axis=0)
+                limits.edges[:, 1, i] = np.minimum(limits.edges[:, 1, i], limit)
+            else:
+                limit = np.where(chosen, (arena.unsafe[:, 1, i] + arena.clearance)[:, None], -np.inf).max(axis=0)
+                limits.edges[:, 0, i] = np.maximum(limits.edges[:, 0, i], limit)
+    for x, j in enumerate(arena.faces.owner.tolist()):
+        limits.beyond[:, x] = choice[j] == 2 * n + x
+    return limits

@@ -12,7 +12,7 @@ import highspy
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import Array
+from stt_codegen.design.arena import Arena, Array
 
 Columns = npt.NDArray[np.int64]
 FEASIBILITY = 1e-9  # the least HiGHS accepts is 1e-10; the allowance of the arena is thousands of times larger
@@ -96,3 +96,14 @@ class LinearProgram:
             solver.setOptionValue(option, value)
         solver.passModel(model)
         return solver
+
+
+def face_terms(arena: Arena, x: int, edge: Columns) -> tuple[list[int], list[float]]:
+    """low_n of face x as columns and values; edge: the columns of the edges, shape (2, n)."""
+    terms = [(i, c) for i, c in enumerate(arena.faces.normal[x].tolist()) if c]
+    return [int(edge[0 if c > 0 else 1, i]) for i, c in terms], [c for _, c in terms]
+
+
+def face_bound(arena: Arena, x: int) -> float:
+    """What low_n must be at least: h(n) and the clearance."""
+    return float(arena.faces.bound[x] + arena.faces.size[x] * arena.clearance)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from stt_codegen.program.program import Assign, Call, For, Program, Return, Statement
-from stt_codegen.words import C_WORDS, CPP_WORDS
+from stt_codegen.program import Assign, Call, For, Program, Return, Statement
+from stt_codegen.task.reserved import C_WORDS, CPP_WORDS
 
 SUFFIXES = (".h", ".c", ".py", ".certificate.json")
 MATH_WORDS = frozenset("j0 j1 jn y0 y1 yn gamma lgamma signgam isfinite NAN INFINITY".split())

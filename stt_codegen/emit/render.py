@@ -13,16 +13,15 @@ from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding, above, below
-from stt_codegen.design.adapted import AdaptiveDesign
-from stt_codegen.design.tube import LOWER, RefinedDesign
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
-from stt_codegen.program.c import CPrinter
+from stt_codegen.program import Const, Program, Status
 from stt_codegen.program.number import round_to
-from stt_codegen.program.program import Const, Program, Status
-from stt_codegen.program.python import PythonPrinter
+from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program.print.python import PythonPrinter
 from stt_codegen.task import Task
-from stt_codegen.wording import decimal, exact_decimal
 
 Files = dict[str, bytes]
 CERTIFICATE_FORMAT = 1
@@ -91,7 +90,7 @@ def certificate_document(
         "scalar": program.scalar,
         "dimension": design.dimension,
         "prescribed_time": exact_decimal(design.prescribed_time),
-        "parameters": _parameters(design),
+        "parameters": design.parameters(),
         "clearance": exact_decimal(task.tube.clearance),
         "min_width": exact_decimal(task.tube.min_width),
         "start": {
@@ -111,24 +110,6 @@ def certificate_document(
         "properties": [_finding(f, certificate.method) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
-
-
-def _parameters(design: RefinedDesign | AdaptiveDesign) -> dict[str, Any]:
-    """What the certificate tells of the design itself; a refined design's coefficients stand in the C file."""
-    if isinstance(design, RefinedDesign):
-        return {"segments": design.segments, "coefficient_bits": design.bits}
-    names = ("theta0", "kappa", "mu", "varsigma", "nu")
-    bumps = [
-        {
-            "unsafe_set": b.unsafe,
-            "dimension": b.dimension + 1,
-            "side": "lower" if b.side == LOWER else "upper",
-            **{name: _nearest(getattr(b, name)) for name in ("height", "steepness", "middle", "radius")},
-        }
-        for b in design.bumps
-    ]
-    seed = {} if design.seed is None else {"seed": design.seed}
-    return {**{name: _nearest(getattr(design, name)) for name in names}, **seed, "circumvent_functions": bumps}
 
 
 def _edge(value: Fraction, width: Fraction, certificate: Certificate, inward: int) -> str:
@@ -152,16 +133,12 @@ def _finding(finding: Finding, method: str) -> dict[str, Any]:
     if method == "exact":
         entry["margin_exact"] = str(finding.margin)
     if finding.time is not None:
-        entry["time"] = [_nearest(v) for v in finding.time]
+        entry["time"] = [nine_digits(v) for v in finding.time]
     if finding.dimension is not None:
         entry["dimension"] = finding.dimension
     if finding.obstacle is not None:
         entry["unsafe_set"] = finding.obstacle
     return entry
-
-
-def _nearest(value: Fraction) -> float:
-    return float(f"{float(value):.9g}")
 
 
 def _notice(task: Task, certificate: Certificate) -> list[str]:

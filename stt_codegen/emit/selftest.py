@@ -15,11 +15,11 @@ from typing import Any
 
 from flint import arb
 
-from stt_codegen.design.adapted import AdaptiveDesign
-from stt_codegen.design.tube import RefinedDesign
-from stt_codegen.program.arb import Enclosure, ball
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.program import REAL, Program, Status, Table
+from stt_codegen.program.ball_arithmetic import ball
+from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.number import FORMATS, round_to, ulp_exponent
-from stt_codegen.program.program import REAL, Program, Status, Table
 from stt_codegen.task import Task
 
 # Where x stands between the edges, by vector; the next dimension takes the next of the list.
@@ -46,7 +46,7 @@ class Vectors:
 def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program) -> list[Vectors]:
     """The vectors of `control`, and of `control_tick` where there is one."""
     balls = Enclosure(program, rounding=True)
-    parts = design.segments if isinstance(design, RefinedDesign) else PARTS
+    parts = design.parts or PARTS
     calm = sorted({*range(0, parts, 3), parts - 1})
     striking = [parts * (2 * k + 1) // (2 * len(STRIKING)) for k in range(len(STRIKING))]
     when = [(Fraction(k, parts), None) for k in calm] + [(Fraction(k, parts), s) for k, s in zip(striking, STRIKING, strict=True)]

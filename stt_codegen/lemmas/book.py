@@ -11,31 +11,32 @@ from dataclasses import dataclass
 
 from stt_codegen.lemmas import (
     bumps,
+    conflict,
     functions,
     kernels,
     plant,
     reach,
     refined,
     sampled,
+    sampled_evaluated,
     smooth,
     theorem,
     transform,
     update,
-    windows,
 )
 from stt_codegen.lemmas.cache import Cache
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
-    "windows": ("Conflict windows, dimension and side", windows.LEMMAS),
+    "windows": ("Conflict windows, dimension and side", conflict.LEMMAS),
     "bumps": ("Circumvent functions", bumps.LEMMAS),
     "smooth": ("Smooth maximum and minimum", smooth.LEMMAS),
     "update": ("Update function", update.LEMMAS),
     "transform": ("Error transform and law", transform.LEMMAS),
     "theorem": ("Theorem 4.1", theorem.LEMMAS),
     "plant": ("Assumption 2 for a plant", plant.LEMMAS),
-    "sampled": ("Sampled control", sampled.LEMMAS),
+    "sampled": ("Sampled control", (*sampled.LEMMAS, *sampled_evaluated.LEMMAS)),
     "refined": ("Refined tube", refined.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),

@@ -12,11 +12,10 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.controller.adapted import adapted_program
+from stt_codegen.controller.adaptive import adaptive_program
 from stt_codegen.controller.refined import refined_program
-from stt_codegen.design.adapted import AdaptiveDesign, Bump
-from stt_codegen.design.tube import LOWER, UPPER, RefinedDesign
-from stt_codegen.program.program import Program
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump, RefinedDesign
+from stt_codegen.program import Program
 from stt_codegen.task import Task
 
 N, K, T_C, GAIN, E_MAX = 2, 4, Fraction(9), Fraction(1, 2), Fraction(99, 100)
@@ -70,7 +69,7 @@ def _adaptive() -> Case:
     target = ((Fraction(4), Fraction(9, 2)), (Fraction(1), Fraction(3, 2)))
     constants = (Fraction(1, 2), Fraction(5), Fraction(1, 4), Fraction(20), Fraction(100))
     design = AdaptiveDesign("adaptive", T_C, box, target, walls, tuple(numbers), *constants)
-    return Case(adapted_program(_task("adaptive", False), design), design)
+    return Case(adaptive_program(_task("adaptive", False), design), design)
 
 
 @cache

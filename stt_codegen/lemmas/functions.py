@@ -3,10 +3,10 @@ together as the paper's equations, repaired, say.
 
 A function of a small example program is followed at points of every regime, edges, empty tubes and odd numbers included. On the
 path of a point its outputs are formulas in t, x, alpha and table entries, which stay symbols, so they hold for every design of
-that shape; they are compared with formulas put together from the equations (frames.py). Kernels stay symbols too: lemmas of their
-own say what they are. Points of one path that these formulas treat differently are all compared. Where neighbouring points are on
-different paths, the line between them is halved to where the path changes, and both sides are looked at: so a threshold that is
-off by more than a millionth of the distance shows.
+that shape; they are compared with formulas put together from the equations (expected.py). Kernels stay symbols too: lemmas of
+their own say what they are. Points of one path that these formulas treat differently are all compared. Where neighbouring points
+are on different paths, the line between them is halved to where the path changes, and both sides are looked at: so a threshold
+that is off by more than a millionth of the distance shows.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 import sympy as sp
 
 from stt_codegen.controller.ticks import ticks_of
-from stt_codegen.lemmas import frames, frames_adaptive
+from stt_codegen.lemmas import expected, expected_adaptive
 from stt_codegen.lemmas.examples import (
     SYMBOLS,
     Case,
@@ -31,8 +31,8 @@ from stt_codegen.lemmas.examples import (
     cases,
 )
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
+from stt_codegen.program import Status
 from stt_codegen.program.paths import follow, formulas_on
-from stt_codegen.program.program import Status
 
 HALVINGS = 20
 STRIDES = (1, 2, 3)  # of the lists of points: two or three of a kind
@@ -200,21 +200,21 @@ SUBJECTS: Mapping[str, tuple[str, str, Callable[[Case], Iterable[Point]]]] = {
     "adaptive_margin": ("adaptive", "margin", lambda _: _alpha_points(True)),
 }
 SPLINE: Mapping[str, Spec] = {
-    "tube": frames.tube,
-    "tube_rate": frames.tube_rate,
-    "control": frames.control_of(frames.spline_edges),
-    "control_tick": frames.control_of(frames.spline_edges),
-    "margin": frames.margin_of(frames.spline_edges),
-    "transform": frames.transform,
+    "tube": expected.tube,
+    "tube_rate": expected.tube_rate,
+    "control": expected.control_of(expected.spline_edges),
+    "control_tick": expected.control_of(expected.spline_edges),
+    "margin": expected.margin_of(expected.spline_edges),
+    "transform": expected.transform,
 }
 ADAPTIVE: Mapping[str, Spec] = {
-    "tube": frames_adaptive.adaptive_tube,
-    "tube_rate": frames_adaptive.adaptive_rate,
-    "control": frames.control_of(frames_adaptive.adaptive_edges),
-    "margin": frames.margin_of(frames_adaptive.adaptive_edges),
-    "alpha_init": frames_adaptive.alpha_init,
-    "alpha_step": frames_adaptive.alpha_step,
-    "alpha_rate": frames_adaptive.alpha_rate,
+    "tube": expected_adaptive.adaptive_tube,
+    "tube_rate": expected_adaptive.adaptive_rate,
+    "control": expected.control_of(expected_adaptive.adaptive_edges),
+    "margin": expected.margin_of(expected_adaptive.adaptive_edges),
+    "alpha_init": expected_adaptive.alpha_init,
+    "alpha_step": expected_adaptive.alpha_step,
+    "alpha_rate": expected_adaptive.alpha_rate,
 }
 
 

@@ -15,12 +15,12 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.controller import pieces
+from stt_codegen.controller import adaptive_parts
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 from stt_codegen.paper.adaptive_tube import HELD, LEAST_GAP, LEAST_ROOT
 from stt_codegen.paper.reach_tube import LEAST_REST
+from stt_codegen.program import Kernel
 from stt_codegen.program.paths import follow_kernel, kernel_formulas
-from stt_codegen.program.program import Kernel
 
 Point = Mapping[str, Fraction]
 S: dict[str, Any] = {
@@ -204,7 +204,7 @@ def _written(point: Point) -> Mapping[Any, Any]:
 
 def shipped() -> Mapping[str, Kernel]:
     """The kernels that are printed, by name."""
-    return dict(vars(pieces.kernels_of_the_paper()))
+    return dict(vars(adaptive_parts.kernels_of_the_paper()))
 
 
 CLAIMS = {claim.kernel: claim for claim in _claims()}

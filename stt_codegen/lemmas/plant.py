@@ -9,11 +9,11 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.certify.plant import PlantEnclosure, least_eigenvalue
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
 from stt_codegen.plants import PLANTS, model
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
+from stt_codegen.sampling.plant import PlantEnclosure, least_eigenvalue
 
 HEADING = 1.2  # of the example task with heading: |x3| in its state space
 ROBOT, SPACECRAFT, ARM = PLANTS["robot"], PLANTS["spacecraft"], PLANTS["arm"]

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stt_codegen.certify import exact
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.certify import slack
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
@@ -104,10 +104,10 @@ def _bezier_shipped() -> Outcome:
 
 
 def _halves() -> Outcome:
-    """`exact.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
+    """`slack.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
     piece = np.array(q, dtype=object)
     curves = [
-        sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *exact.halves(piece))
+        sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *slack.halves(piece))
     ]
     whole, early, late = curves
     return identity(
@@ -121,18 +121,16 @@ def _halves() -> Outcome:
 
 def _integers() -> Outcome:
     """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
-    functions are run on every such pattern: n, m over a range, r on a grid."""
+    function is run on every such pattern: n, m over a range, r on a grid."""
     wrong, cases = [], 0
     for m, r, unit in product(range(-3, 4), [Fraction(k, 7) for k in range(7)], (Fraction(1), Fraction(1, 1 << 18), Fraction(4))):
         value = (m + r) * unit
         for n in range(-5, 6):
             cases += 1
-            above = (n >= exact.units_above(value, unit)) == (n * unit >= value)
-            below = (n <= exact.units_below(value, unit)) == (n * unit <= value)
-            if not (above and below):
+            if (n >= slack.units_above(value, unit)) != (n * unit >= value):
                 wrong.append((m, r, unit, n))
     verdict = Verdict.PROVED if not wrong else Verdict.OPEN
-    method = "by cases: sign, whole part and rest of the bound; the certificate's own functions, in exact numbers"
+    method = "by cases: sign, whole part and rest of the bound; the certificate's own function, in exact numbers"
     return Outcome(
         verdict,
         method,
@@ -215,7 +213,7 @@ LEMMAS = (
     ),
     Lemma(
         "refined.integers",
-        "Comparing integers with the bound's ceiling or floor is comparing the numbers: the certificate rounds nothing. (Over a "
+        "Comparing integers with the bound's ceiling is comparing the numbers: the certificate rounds nothing. (Over a "
         "grid of whole parts and rests; n >= v is n >= ceil(v) for every whole n.)",
         r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
         ("n whole",),

@@ -1,8 +1,10 @@
-"""Sampled control: what keeps |eps| < E when u is held (`certify/sampling.py` evaluates these statements).
+"""Sampled control: what keeps |eps| < E when u is held (`sampling/statements.py` evaluates these statements).
 
 At a first time at which some |eps_i| reached E its edge would have to be approached: r = xdot - (gammadot_s + gammadot_d e)/2 not
 pointing inward there. Each statement says why r does point inward although u is that of an older sample. By symmetry the
 upper edge is looked at, k > 0. P bounds |f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
+
+Long because it is one family of the book: fifteen lemmas that refer to one another.
 """
 
 from __future__ import annotations

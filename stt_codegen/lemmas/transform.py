@@ -1,4 +1,7 @@
-"""The error transform of section IV and the law (13): the emitted forms are the printed ones; the clamp; the outer product."""
+"""The error transform of section IV and the law (13): the emitted forms are the printed ones; the clamp; the outer product.
+
+Long because it is one family of the book.
+"""
 
 from __future__ import annotations
 

@@ -10,8 +10,6 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, ide
 psi = sp.Symbol("psi", real=True)
 alpha, theta0, kappa, varsigma, h, p_, q, z = sp.symbols("alpha theta0 kappa varsigma h p q z", positive=True)
 mu = sp.Symbol("mu", real=True)
-GIVEN = {"psi": psi, "alpha": alpha, "theta0": theta0, "kappa": kappa, "mu": mu, "varsigma": varsigma}
-AWAY = {psi: 1, alpha: 1, theta0: 1, kappa: 5, mu: sp.Rational(1, 2), varsigma: 20}  # from every guard
 THETA = theta0 * (1 - sp.tanh(varsigma * (psi - mu)))
 
 

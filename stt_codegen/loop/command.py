@@ -3,74 +3,98 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.bounds import Analysis, above_float
-from stt_codegen.emit.manifest import write_files
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
-from stt_codegen.pipeline import Controller, build_program, build_task, render_files, require_supported
+from stt_codegen.pipeline import Controller, build_program, build_task, render_files
 from stt_codegen.plants import Model, Plant, plant_of
-from stt_codegen.task import load_task
+from stt_codegen.record.manifest import write_files
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.report.bounds import above_float
+from stt_codegen.task import Task
 
 
-def simulate_task(
-    path: Path,
-    design: str | None,
-    scalar: str | None,
-    uncertified: bool,
-    out: Path | None,
-    plant_name: str,
-    rate: float | None,
-    disturbance: str,
-    w_max: float | None,
-    noise: float,
-    lost: int,
-    latency: float,
-    start: str | None,
-    seed: int,
-    gain: str | None,
-) -> dict[str, Any]:
-    """The report of one run as JSON data."""
-    task = load_task(path).with_options(design, scalar)
-    require_supported(task)
+@dataclass(frozen=True)
+class Request:
+    """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name or a file; start:
+    numbers with commas between them; gain: a number, or "best"."""
+
+    plant: str = "integrator"
+    rate: float | None = None
+    disturbance: str = "none"
+    w_max: float | None = None
+    noise: float = 0.0
+    lost: int = 0
+    latency: float = 0.0
+    start: str | None = None
+    seed: int = 0
+    gain: str | None = None
+
+    def scenario(self, task: Task, plant: Model) -> Scenario:
+        """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
+        rate = self.rate if self.rate is not None else float(1 / (task.emit.tick_period or Fraction(1, 1000)))
+        strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
+        scenario = Scenario(rate, self.disturbance, strength, self.seed, self.noise, self.lost, None, self.latency)
+        if self.disturbance != "none" and strength == 0:
+            raise BadInput(
+                f"--disturbance {self.disturbance}: of which size? give --w-max, its greatest norm in units per second"
+            )
+        return replace(scenario, strength=0.0 if self.disturbance == "none" else strength, start=_numbers(self.start))
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """What came of a loop, and what had been proved for it beforehand; files: what was written."""
+
+    controller: Controller
+    plant: str
+    scenario: Scenario
+    run: Run
+    foretold: tuple[str, ...]
+    files: tuple[str, ...]
+
+    @property
+    def fulfilled(self) -> bool:
+        return self.run.good
+
+    def document(self) -> dict[str, Any]:
+        """JSON data."""
+        s = self.scenario
+        return {
+            "task": self.controller.task.name,
+            "design": self.controller.design.kind,
+            "plant": self.plant,
+            "gain": float(self.controller.task.control.gain),
+            "rate": s.rate,
+            "disturbance": s.disturbance,
+            "w_max": s.strength,
+            "noise": s.noise,
+            "lost": s.lost,
+            "latency": s.latency,
+            "seed": s.seed,
+            "fulfilled": self.run.good,
+            "kept": self.run.kept,
+            **{name: _numbers_or_null(value) for name, value in asdict(self.run).items() if name != "trace"},
+            "foretold": list(self.foretold),
+            "files": list(self.files),
+        }
+
+
+def simulate_task(task: Task, request: Request, uncertified: bool, out: Path | None) -> RunReport:
+    """One run; its trace and picture go to the folder `out`, where one is named."""
     controller = build_task(task, uncertified)
-    plant = plant_of(plant_name, task.dimension)
-    rate = rate if rate is not None else float(1 / (task.emit.tick_period or Fraction(1, 1000)))
-    strength = w_max if w_max is not None else float(plant.w_max or task.plant.w_max or 0)
-    Scenario(rate, disturbance, strength, seed, noise, lost, None, latency)  # refuses what is no number or no name
-    if disturbance != "none" and strength == 0:
-        raise BadInput(f"--disturbance {disturbance}: of which size? give --w-max, its greatest norm in units per second")
-    strength = 0.0 if disturbance == "none" else strength
-    windy = with_wind(plant, strength)
-    if gain is not None:
-        controller = with_gain(controller, _gain(gain, Analysis(controller, windy, noise, latency)))
-    scenario = Scenario(rate, disturbance, strength, seed, noise, lost, _numbers(start), latency)
+    plant = plant_of(request.plant, task.dimension)
+    scenario = request.scenario(task, plant)
+    windy = with_wind(plant, scenario.strength)
+    if request.gain is not None:
+        controller = with_gain(controller, _gain(request.gain, Analysis(controller, windy, scenario.noise, scenario.latency)))
     run = Loop(controller, plant).run(scenario, trace=out is not None)
-    report = {
-        "task": task.name,
-        "design": controller.design.kind,
-        "plant": plant.name,
-        "gain": float(controller.task.control.gain),
-        "rate": rate,
-        "disturbance": disturbance,
-        "w_max": strength,
-        "noise": noise,
-        "lost": lost,
-        "latency": latency,
-        "seed": seed,
-        "fulfilled": run.good,
-        "kept": run.kept,
-        **{name: _numbers_or_null(value) for name, value in asdict(run).items() if name != "trace"},
-        "foretold": foretold(controller, windy, scenario),
-        "files": [],
-    }
-    if out is not None:
-        report["files"] = write_run(controller, run, out)
-    return report
+    written = () if out is None else tuple(write_run(controller, run, out))
+    return RunReport(controller, plant.name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
 
 
 def _numbers_or_null(value: Any) -> Any:

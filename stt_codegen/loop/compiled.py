@@ -11,21 +11,18 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.backends import find_compiler, run_compiler
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.compare.toolchain import find_compiler, run_compiler
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
-from stt_codegen.program.c import CPrinter
+from stt_codegen.program import Program
 from stt_codegen.program.lower import lower
-from stt_codegen.program.program import Program
+from stt_codegen.program.print.c import CPrinter
 
 FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-ffp-contract=off", "-shared", "-fPIC")
 MOST = 64  # dimensions, as in loop.h
 _double_p = ctypes.POINTER(ctypes.c_double)
 STEP = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, _double_p, _double_p)
-TUBE = ctypes.CFUNCTYPE(None, ctypes.c_double, _double_p, _double_p)
-ADVANCE = ctypes.CFUNCTYPE(None, ctypes.c_double, ctypes.c_double)
 
 
 class Setting(ctypes.Structure):
@@ -33,7 +30,7 @@ class Setting(ctypes.Structure):
 
     _fields_ = (
         ("n", ctypes.c_int32),
-        ("boxes", ctypes.c_int32),
+        ("sets", ctypes.c_int32),
         ("samples", ctypes.c_int32),
         ("parts", ctypes.c_int32),
         ("kind", ctypes.c_int32),
@@ -48,7 +45,8 @@ class Setting(ctypes.Structure):
         ("start", ctypes.c_void_p),
         ("space", ctypes.c_void_p),
         ("target", ctypes.c_void_p),
-        ("unsafe", ctypes.c_void_p),
+        ("first", ctypes.c_void_p),
+        ("faces", ctypes.c_void_p),
     )
 
 
@@ -124,7 +122,7 @@ def _plant_source(function: Any) -> str:
 
 def own(controller: Controller) -> Own:
     """The emitted C of a controller, compiled."""
-    prefix, adaptive = controller.task.name, not isinstance(controller.design, RefinedDesign)
+    prefix, adaptive = controller.task.name, controller.design.stateful
     steps = controller.certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
     words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest}

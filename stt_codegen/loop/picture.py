@@ -10,14 +10,16 @@ import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.report.picture import draw_sets, outline, patch
+
 mpl.use("Agg")
 
 import matplotlib.pyplot as plt
-from matplotlib.patches import Rectangle
 
+from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
-from stt_codegen.picture import COLOURS, draw_arena, draw_dimension, save, tube_at
 from stt_codegen.pipeline import Controller
+from stt_codegen.report.picture import COLOURS, draw_arena, draw_dimension, save
 
 Array = npt.NDArray[Any]
 PATH = "#d35400"
@@ -31,7 +33,7 @@ def draw_run(controller: Controller, run: Run, path: Path) -> None:
     task, n = controller.task, controller.task.dimension
     t, x, u = run.trace[:, 0], run.trace[:, 1 : n + 1], run.trace[:, n + 1 : 2 * n + 1]
     grid = np.linspace(0.0, float(task.prescribed_time), 1801)
-    low, high = tube_at(controller, grid)
+    low, high = tube_at(controller.design, grid)
     names = [*(f"x{i + 1}" for i in range(n)), "u"]
     rows: list[Any] = [["arena", name] if n > 1 else [name, name] for name in names]
     figure, axes = plt.subplot_mosaic(
@@ -67,10 +69,9 @@ def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) 
     figure = plt.figure(figsize=(10.5, 4.8 * down), constrained_layout=True)
     axis = figure.add_subplot(down, across, 1)
     first = pairs[0][0]
-    _sets(axis, first)
+    draw_sets(axis, first.task)
     for (controller, runs), colour in zip(pairs, LINES, strict=False):
-        box = controller.task.initial_set
-        axis.add_patch(_box(box, fill=False, edgecolor=colour, linewidth=1.6))
+        axis.add_patch(patch(controller.task.start, colour, fill=False, linewidth=1.6))
         for run in runs:
             assert run.trace is not None
             axis.plot(run.trace[:, 1], run.trace[:, 2], color=colour, linewidth=0.8, alpha=0.8)
@@ -85,23 +86,11 @@ def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) 
     save(figure, path)
 
 
-def _sets(axis: Any, controller: Controller) -> None:
-    """Unsafe sets and target in the plane."""
-    task = controller.task
-    space = task.state_space
-    axis.set(xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])))
-    axis.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
-    for s in task.unsafe:
-        axis.add_patch(_box(s, color=COLOURS["unsafe"], alpha=0.75))
-        axis.text(
-            *(float(s.lower[i] + s.upper[i]) / 2 for i in (0, 1)), s.name, ha="center", va="center", color="white", fontsize=8
-        )
-    axis.add_patch(_box(task.target_set, fill=False, edgecolor=COLOURS["target"], linewidth=1.8))
-
-
-def _box(box: Any, **style: Any) -> Rectangle:
-    (x, y), (a, b) = (float(v) for v in box.lower[:2]), (float(v) for v in box.upper[:2])
-    return Rectangle((x, y), a - x, b - y, **style)
+def pillar(corners: Array, height: float) -> list[list[tuple[float, float, float]]]:
+    """The sides and the two ends of a pillar over a polygon."""
+    around = [(float(x), float(y)) for x, y in corners]
+    sides = [[(*a, 0.0), (*b, 0.0), (*b, height), (*a, height)] for a, b in zip(around, around[1:] + around[:1], strict=True)]
+    return [*sides, *([(*p, z) for p in around] for z in (0.0, height))]
 
 
 def _tube3(axis: Any, controller: Controller, colour: str) -> None:
@@ -110,11 +99,10 @@ def _tube3(axis: Any, controller: Controller, colour: str) -> None:
 
     task = controller.task
     end = float(task.prescribed_time)
-    for s in task.unsafe:
-        (x, y), (a, b) = (float(v) for v in s.lower[:2]), (float(v) for v in s.upper[:2])
-        axis.bar3d(x, y, 0, a - x, b - y, end, color=COLOURS["unsafe"], alpha=0.12, shade=False)
+    for s in task.bare:
+        axis.add_collection3d(Poly3DCollection(pillar(outline(s), end), facecolor=COLOURS["unsafe"], alpha=0.12))
     t = np.linspace(0.0, end, SLICES * 8 + 1)
-    low, high = tube_at(controller, t)
+    low, high = tube_at(controller.design, t)
     faces = []
     for k in range(0, len(t), 8):
         (x, y), (a, b) = low[k, :2], high[k, :2]
@@ -132,19 +120,19 @@ def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
     """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adapted tube, all in
     three dimensions."""
     from stt_codegen import reference
-    from stt_codegen.certify.sampled import parameters_of
+    from stt_codegen.designs.grid import parameters_of
 
     assert run.trace is not None
     task, design = controller.task, controller.design
     t = np.linspace(0.0, float(task.prescribed_time), 1601)
     lines = reference.lines(parameters_of(design), t)  # type: ignore[arg-type]
-    low, high = tube_at(controller, t)
+    low, high = tube_at(controller.design, t)
     pushed = [b.dimension for b in design.bumps]  # type: ignore[union-attr]
     i = max(set(pushed), key=pushed.count) if pushed else 0
     figure = plt.figure(figsize=(17, 3.9), constrained_layout=True)
     axes: list[Any] = [figure.add_subplot(1, 5, k + 1) for k in range(4)]
-    _sets(axes[0], controller)
-    axes[0].add_patch(_box(task.initial_set, fill=False, edgecolor=COLOURS["start"], linewidth=1.8))
+    draw_sets(axes[0], task)
+    axes[0].add_patch(patch(task.start, COLOURS["start"], fill=False, linewidth=1.8))
     axes[0].plot(run.trace[:, 1], run.trace[:, 2], color="black", linestyle=":")
     axes[0].set_title("(a) state space and path", fontsize=9)
     rho, beta = lines.rho[:, i].astype(float), lines.beta[:, i].astype(float)

@@ -36,6 +36,7 @@ DISTURBANCES = {
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
+MOST_FACES = 1024  # of an unsafe set, as in loop.h
 
 
 @dataclass(frozen=True)
@@ -127,7 +128,7 @@ class Loop:
             )
         setting = Setting(
             n=task.dimension,
-            boxes=len(field_.names),
+            sets=len(field_.names),
             samples=samples,
             parts=self._parts(period),
             kind=KINDS.index(scenario.disturbance),
@@ -142,7 +143,8 @@ class Loop:
             start=start.ctypes.data,
             space=field_.space.ctypes.data,
             target=field_.target.ctypes.data,
-            unsafe=field_.unsafe.ctypes.data,
+            first=field_.first.ctypes.data,
+            faces=field_.faces.ctypes.data,
         )
         rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
         judged = Judged()
@@ -181,15 +183,23 @@ class Loop:
 
 
 class _Field:
-    """The task's sets as arrays of doubles; unsafe sets grown and the state space shrunk by the body."""
+    """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body. faces: unit normal and
+    offset of every half-space of every unsafe set, one row each; first: where each set's begin, and their number at the end."""
 
     def __init__(self, task: Task) -> None:
-        def sides(box: Any) -> Array:
-            return np.array([[float(a), float(b)] for a, b in zip(box.lower, box.upper, strict=True)])
-
-        self.space, self.target = sides(task.free_space), sides(task.target_set)
-        self.names = [u.name or f"U{j + 1}" for j, u in enumerate(task.grown_unsafe)]
-        self.unsafe = np.array([sides(u) for u in task.grown_unsafe]).reshape(-1, task.dimension, 2)
+        self.space, self.target = (
+            np.array([[float(v) for v in pair] for pair in zip(box.lower, box.upper, strict=True)])
+            for box in (task.free_space, task.target)
+        )
+        sets = task.obstacles
+        self.names = [s.name or f"U{j + 1}" for j, s in enumerate(sets)]
+        rows = np.array([[*map(float, normal), float(offset)] for s in sets for normal, offset in s.faces])
+        rows = rows.reshape(-1, task.dimension + 1)
+        self.faces = rows / np.sqrt((rows[:, :-1] ** 2).sum(axis=1, keepdims=True))
+        for s in sets:
+            if len(s.faces) > MOST_FACES:
+                raise BadInput(f"unsafe set {s.name}: has {len(s.faces)} faces; a loop takes at most {MOST_FACES}")
+        self.first = np.cumsum([0, *(len(s.faces) for s in sets)]).astype(np.int32)
 
 
 def columns(n: int) -> list[str]:

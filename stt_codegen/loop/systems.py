@@ -17,8 +17,7 @@ import control
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.backends import load_module
-from stt_codegen.design.tube import RefinedDesign
+from stt_codegen.compare.toolchain import load_module
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
 
@@ -35,7 +34,7 @@ def controller_system(controller: Controller, name: str = "controller") -> Any:
     module: Any = load_module(controller.task.name, controller.files[f"{controller.task.name}.py"])
     n = controller.task.dimension
     signals = {"name": name, "inputs": names("x", n), "outputs": [*names("u", n), "margin"]}
-    if isinstance(controller.design, RefinedDesign):
+    if not controller.design.stateful:
 
         def law(t: float, _: Array, x: Array, params: Any) -> Array:
             return np.array([*module.control(t, x)[1], module.margin(t, x)])
@@ -82,5 +81,5 @@ def start_of(controller: Controller, x0: Any = None) -> Array:
     """The closed loop's initial state: alpha = 0 where there is one, then x(0)."""
     n = controller.task.dimension
     x = np.array([float(v) for v in controller.task.initial_state] if x0 is None else x0)
-    alpha = np.zeros(0 if isinstance(controller.design, RefinedDesign) else 2 * n)
+    alpha = np.zeros(2 * n if controller.design.stateful else 0)
     return np.concatenate([alpha, x])

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
-from stt_codegen.program.program import (
-    MATH_CALLS,
+from stt_codegen.program.nodes import (
     Assign,
     Call,
     Expression,
@@ -21,19 +20,11 @@ from stt_codegen.program.program import (
     Store,
     Trunc,
 )
-
-KINDS = ("add", "mul", "div", "math", "compare", "select", "load", "store", "integer")
-_KIND = {
-    "add": "add", "sub": "add", "neg": "add", "fabs": "add", "mul": "mul", "div": "div",
-    "lt": "compare", "le": "compare", "eq": "compare", "ne": "compare", "ilt": "compare",
-    "and": "compare", "or": "compare", "not": "compare",
-    "iadd": "integer", "imul": "integer", "real": "integer",
-    "isub": "integer", "idiv": "integer", "int": "integer", "tlt": "compare", "exponent": "integer", "mantissa": "integer",
-}  # fmt: skip
+from stt_codegen.program.operations import OPERATIONS
 
 
 def cost_of(program: Program, function: str) -> Counter[str]:
-    """Operations of one call of a public function, by kind (see KINDS), longest path."""
+    """Operations of one call of a public function, by kind (see COST_KINDS), longest path."""
     return _statements(program, program.function(function).body)
 
 
@@ -69,7 +60,7 @@ def _statements(program: Program, body: Iterable[Statement]) -> Counter[str]:
 def _expression(value: Expression) -> Counter[str]:
     match value:
         case Op(name=name):
-            return Counter({"math" if name in MATH_CALLS else _KIND[name]: 1})
+            return Counter({OPERATIONS[name].cost: 1})
         case Select():
             return Counter(select=1)
         case IsFinite():

@@ -11,21 +11,17 @@ from functools import cache
 
 import casadi as ca
 
-from stt_codegen.program.program import BOOL, REAL, Assign, Kernel, Op, Operand, Select, Var, operands, real, type_of
-
-# Opcodes that are one operation of the Program.
-_DIRECT = {
-    "OP_ADD": "add", "OP_SUB": "sub", "OP_MUL": "mul", "OP_DIV": "div", "OP_NEG": "neg", "OP_FABS": "fabs",
-    "OP_SQRT": "sqrt", "OP_EXP": "exp", "OP_EXPM1": "expm1", "OP_LOG": "log", "OP_LOG1P": "log1p", "OP_SINH": "sinh",
-    "OP_COSH": "cosh", "OP_TANH": "tanh", "OP_ATANH": "atanh", "OP_SIN": "sin", "OP_COS": "cos", "OP_TAN": "tan",
-    "OP_FLOOR": "floor", "OP_CEIL": "ceil", "OP_POW": "pow", "OP_CONSTPOW": "pow",
-    "OP_LT": "lt", "OP_LE": "le", "OP_EQ": "eq", "OP_NE": "ne", "OP_AND": "and", "OP_OR": "or", "OP_NOT": "not",
-}  # fmt: skip
-_COMMUTATIVE = frozenset({"add", "mul", "eq", "ne", "and", "or"})
+from stt_codegen.program.nodes import Assign, Kernel, Op, Operand, Select, Var, operands, real, type_of
+from stt_codegen.program.operations import BOOL, OPERATIONS, REAL
 
 
 class UnknownOpcode(Exception):
     """A CasADi instruction that the Program has no node for."""
+
+
+def direct_opcodes() -> dict[str, str]:
+    """CasADi's opcodes that are one operation of the Program."""
+    return {opcode: name for name, row in OPERATIONS.items() for opcode in row.casadi}
 
 
 @cache
@@ -60,7 +56,7 @@ class _Reader:
     """One pass over the instruction list, with value numbering: an expression seen before is not computed again."""
 
     def __init__(self, function: ca.Function) -> None:
-        self.function = function
+        self.function, self.direct = function, direct_opcodes()
         self.inputs = [
             tuple(Var(n, REAL) for n in _entries(function.name_in(k), function.nnz_in(k))) for k in range(function.n_in())
         ]
@@ -105,8 +101,8 @@ class _Reader:
                 return self._select(self._emit("lt", real(0), args[0]), real(1), below)
             case "OP_IF_ELSE_ZERO":
                 return self._select(self._as_bool(args[0]), self._as_real(args[1]), real(0))
-            case _ if name in _DIRECT:
-                return self._emit(_DIRECT[name], *args)
+            case _ if name in self.direct:
+                return self._emit(self.direct[name], *args)
             case _:
                 raise UnknownOpcode(
                     f"{self.function.name()}: CasADi's {name} has no node in the Program; rewrite the kernel without it"
@@ -122,7 +118,7 @@ class _Reader:
 
     def _number(self, value: Op | Select) -> Operand:
         key: object = value
-        if isinstance(value, Op) and value.name in _COMMUTATIVE:
+        if isinstance(value, Op) and OPERATIONS[value.name].commutes:
             key = (value.name, frozenset(value.args))
         if key not in self.seen:
             var = Var(self._fresh(), type_of(value))

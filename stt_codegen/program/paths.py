@@ -16,8 +16,7 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.program.program import (
-    REAL,
+from stt_codegen.program.nodes import (
     Assign,
     Call,
     Const,
@@ -38,48 +37,10 @@ from stt_codegen.program.program import (
     Trunc,
     Var,
 )
-from stt_codegen.program.symbols import OPERATIONS
+from stt_codegen.program.operations import OPERATIONS, REAL
+from stt_codegen.program.symbols import formula_of
 
 Value = Any
-_NUMBERS: dict[str, Callable[..., Value]] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b if b else math.nan if math.isnan(a) or not a else math.copysign(math.inf, a),
-    "neg": lambda a: -a,
-    "pow": lambda a, b: a**b,
-    "fabs": abs,
-    "sqrt": math.sqrt,
-    "exp": math.exp,
-    "expm1": math.expm1,
-    "log": lambda a: math.log(a) if a > 0 else math.nan,
-    "log1p": math.log1p,
-    "tanh": math.tanh,
-    "cosh": math.cosh,
-    "real": float,
-    "exponent": lambda a: math.frexp(a * math.sqrt(0.5))[1],
-    "mantissa": lambda a: a / 2.0 ** math.frexp(a * math.sqrt(0.5))[1],
-}
-_INTEGERS: dict[str, Callable[..., Value]] = {
-    "iadd": lambda a, b: a + b,
-    "isub": lambda a, b: a - b,
-    "imul": lambda a, b: a * b,
-    "idiv": lambda a, b: a // b,
-    "int": lambda a: a,
-}
-_TESTS: dict[str, Callable[..., bool]] = {
-    "lt": lambda a, b: a < b,
-    "le": lambda a, b: a <= b,
-    "eq": lambda a, b: a == b,
-    "ne": lambda a, b: a != b,
-    "ilt": lambda a, b: a < b,
-    "tlt": lambda a, b: a < b,
-}
-_TRUTHS: dict[str, Callable[..., bool]] = {
-    "and": lambda a, b: a and b,
-    "or": lambda a, b: a or b,
-    "not": lambda a: not a,
-}
 
 
 @dataclass(frozen=True)
@@ -217,15 +178,16 @@ class _Walk:
         raise NotImplementedError(f"{expression}")
 
     def operation(self, name: str, args: list[Value]) -> Value:
-        if name in _TRUTHS:
-            return _TRUTHS[name](*args)
-        if name in _TESTS:
-            return self.decide(_TESTS[name], *args)
-        if name in _INTEGERS:
-            if self.symbolic and name == "idiv" and not all(isinstance(a, int) for a in args):
-                return sp.floor(sp.Rational(1, args[1]) * args[0])
-            return _INTEGERS[name](*args)
-        return (OPERATIONS if self.symbolic else _NUMBERS)[name](*args)
+        row = OPERATIONS[name]
+        if row.compares:
+            return self.decide(row.number, *args)
+        if self.symbolic and name == "idiv" and not all(isinstance(a, int) for a in args):
+            return sp.floor(sp.Rational(1, args[1]) * args[0])
+        if row.result is REAL and self.symbolic:
+            return formula_of(name, *args)
+        if name == "exponent" and self.symbolic:
+            return formula_of(name, *args)
+        return args[0] if name == "int" else row.number(*args)
 
     def decide(self, test: Callable[..., bool], *args: Value) -> bool:
         outcome = bool(test(*args)) if self.taken is None else self.taken.pop(0)

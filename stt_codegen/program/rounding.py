@@ -2,7 +2,7 @@
 
 Forward analysis in exact fractions: each operation adds at most half a unit in the last place of its result's range
 (plus half the least subnormal), a function of the C library 2 units. The operations are those of the refined tube and of the
-edges (10); a kernel with other nodes is an error here.
+edges (10), and what has a range in its row; a kernel with other nodes is an error here.
 """
 
 from __future__ import annotations
@@ -11,9 +11,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from stt_codegen.program.nodes import Kernel, Op, Operand, Var
 from stt_codegen.program.number import FORMATS, round_to
-from stt_codegen.program.program import Kernel, Op, Operand, Var
-from stt_codegen.program.running import LIBRARY_ULPS
+from stt_codegen.program.operations import OPERATIONS
 
 
 @dataclass(frozen=True)
@@ -63,14 +63,10 @@ def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fractio
             by = args[1]
             least = by.low - by.error
             return rounded(min(a.low / by.low, a.high / by.low), a.high / by.low, (a.error + a.size / by.low * by.error) / least)
-        case "exp" if a.high <= 0:  # slope at most exp(error) <= 1 + 2 error; the exponents that are computed are not above 0
-            return _of_library(rounded, Fraction(0), Fraction(1), min(a.error * (1 + 2 * a.error), Fraction(1)))
-        case "log1p" if a.low >= 0:  # below its argument; slope at most 1, and the computed argument is not below 0
-            return _of_library(rounded, Fraction(0), a.high, a.error)
         case "add" | "sub" | "mul":
             b = args[1]
         case _:
-            raise NotImplementedError(f"no rounding bound for operation {op.name!r}")
+            return _of_library(op.name, a, rounded)
     if op.name == "add":
         result = rounded(a.low + b.low, a.high + b.high, a.error + b.error)
     elif op.name == "sub":
@@ -82,11 +78,13 @@ def _operation(op: Op, args: list[Inexact], rounded: Callable[[Fraction, Fractio
     return result
 
 
-def _of_library(
-    rounded: Callable[[Fraction, Fraction, Fraction], Inexact], low: Fraction, high: Fraction, error: Fraction
-) -> Inexact:
-    """A result with the roundings of a library function, each `rounded` adding half a unit."""
-    result = Inexact(low, high, error)
-    for _ in range(2 * LIBRARY_ULPS):
-        result = rounded(low, high, result.error)
+def _of_library(name: str, a: Inexact, rounded: Callable[[Fraction, Fraction, Fraction], Inexact]) -> Inexact:
+    """A function of one argument, from its row: each `rounded` adds half a unit."""
+    row = OPERATIONS[name]
+    found = None if row.ranged is None else row.ranged(a.low, a.high, a.error)
+    if found is None or row.ulps is None:
+        raise NotImplementedError(f"no rounding bound for operation {name!r} on [{float(a.low):g}, {float(a.high):g}]")
+    result = Inexact(*found)
+    for _ in range(round(2 * row.ulps)):
+        result = rounded(result.low, result.high, result.error)
     return result

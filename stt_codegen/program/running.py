@@ -18,10 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.program.number import FORMATS, round_to
-from stt_codegen.program.program import (
-    INT,
-    REAL,
+from stt_codegen.program.nodes import (
     Assign,
     Call,
     Const,
@@ -39,9 +36,10 @@ from stt_codegen.program.program import (
     Store,
     Var,
 )
+from stt_codegen.program.number import FORMATS, round_to
+from stt_codegen.program.operations import INT, LIBRARY_ULPS, OPERATIONS, REAL
 
 Array = npt.NDArray[Any]
-LIBRARY_ULPS = 2  # of a function of the C library
 
 
 @dataclass(frozen=True)
@@ -67,17 +65,6 @@ def exact(value: Fraction | int) -> np.longdouble:
     """A fraction in extended precision."""
     fraction = Fraction(value)
     return np.longdouble(fraction.numerator) / np.longdouble(fraction.denominator)
-
-
-# Functions of one argument that rise or fall throughout: their error is the larger change to either side.
-_MONOTONE: dict[str, tuple[Callable[[Array], Array], float]] = {
-    "exp": (np.exp, -np.inf),
-    "expm1": (np.expm1, -np.inf),
-    "log": (np.log, 0.0),
-    "log1p": (np.log1p, -1.0),
-    "sqrt": (np.sqrt, 0.0),
-    "tanh": (np.tanh, -np.inf),
-}
 
 
 class Runner:
@@ -210,11 +197,10 @@ class Runner:
         if name in ("and", "or", "not"):
             return _logic(name, [a for a in args if isinstance(a, Truth)])
         reals = [a for a in args if isinstance(a, Real)]
-        if name in ("lt", "le", "eq", "ne"):
+        if OPERATIONS[name].compares:
             a, b = reals
-            compare = {"lt": np.less, "le": np.less_equal, "eq": np.equal, "ne": np.not_equal}[name]
             near = np.abs(a.value - b.value).astype(float) <= a.error + b.error
-            return Truth(compare(a.value, b.value), near & (a.error + b.error > 0))
+            return Truth(OPERATIONS[name].number(a.value, b.value), near & (a.error + b.error > 0))
         return self._arithmetic(name, reals)
 
     def _arithmetic(self, name: str, args: list[Real]) -> Real:
@@ -245,9 +231,11 @@ class Runner:
                     spread = _change(partial(_power, exponent=b.value), a, 0.0)
                     spread = spread + np.abs(value * np.log(np.maximum(a.value, 1e-300))) * b.error
                     return self._rounded(value, spread, LIBRARY_ULPS)
-                case _ if name in _MONOTONE:
-                    f, floor = _MONOTONE[name]
-                    return self._rounded(f(a.value), _change(f, a, floor), 0.5 if name == "sqrt" else LIBRARY_ULPS)
+        row = OPERATIONS[name]
+        if row.change is not None and row.ulps is not None:
+            f, floor = getattr(np, row.change[0]), row.change[1]
+            with np.errstate(all="ignore"):
+                return self._rounded(f(a.value), _change(f, a, floor), row.ulps)
         raise NotImplementedError(f"no error bound for operation {name!r}")
 
     def _rounded(self, value: Array, spread: Array, ulps: float) -> Real:

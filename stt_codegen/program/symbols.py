@@ -14,34 +14,18 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.program.program import Assign, Kernel, Op, Operand, Select, Var
+from stt_codegen.program.nodes import Assign, Kernel, Op, Operand, Select, Var
+from stt_codegen.program.operations import OPERATIONS
 
-OPERATIONS: dict[str, Any] = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "neg": lambda a: -a,
-    "pow": lambda a, b: a**b,
-    "fabs": sp.Abs,
-    "sqrt": sp.sqrt,
-    "exp": sp.exp,
-    "expm1": lambda a: sp.exp(a) - 1,
-    "log": sp.log,
-    "log1p": lambda a: sp.log(1 + a),
-    "tanh": sp.tanh,
-    "sinh": sp.sinh,
-    "cosh": sp.cosh,
-    "atanh": sp.atanh,
-    "sin": sp.sin,
-    "cos": sp.cos,
-    "tan": sp.tan,
-    "exponent": sp.Function("exponent"),
-    "mantissa": sp.Function("mantissa"),
-    "real": lambda a: a,
-}
-COMPARISONS: dict[str, Any] = {"lt": sp.Lt, "le": sp.Le, "eq": sp.Eq, "ne": sp.Ne, "ilt": sp.Lt, "tlt": sp.Lt}
-NEGATED: dict[str, Any] = {"lt": sp.Ge, "le": sp.Gt, "eq": sp.Ne, "ne": sp.Eq, "ilt": sp.Ge, "tlt": sp.Ge}
+NEGATED: dict[str, str] = {"lt": "Ge", "le": "Gt", "eq": "Ne", "ne": "Eq", "ilt": "Ge", "tlt": "Ge"}
+
+
+def formula_of(name: str, *args: Any) -> Any:
+    """An operation on SymPy expressions. Raises `NotImplementedError` for one that is no formula."""
+    formula = OPERATIONS[name].formula
+    if formula is None:
+        raise NotImplementedError(f"no formula for operation {name!r}")
+    return formula(sp, *args)
 
 
 @dataclass(frozen=True)
@@ -51,15 +35,11 @@ class Branch:
     conditions: tuple[Any, ...]
     outputs: tuple[Any, ...]
 
-    def taken_at(self, numbers: Mapping[Any, Any]) -> bool:
-        """Whether the conditions hold for these numbers: that a branch is the one of a regime, not just some branch."""
-        return all(bool(sp.sympify(c).subs(numbers)) for c in self.conditions)
-
 
 def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
     """Every way through the kernel, for inputs that are SymPy expressions. Raises `NotImplementedError`, naming it, for a node
     that is no formula (integers, loads)."""
-    tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and a.value.name in COMPARISONS]
+    tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and OPERATIONS[a.value.name].compares]
     for outcomes in product((True, False), repeat=len(tests)):
         yield _through(kernel, given, dict(zip(tests, outcomes, strict=True)))
 
@@ -89,15 +69,16 @@ def _through(kernel: Kernel, given: Mapping[str, Any], outcomes: Mapping[str, bo
 
 def _assigned(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditions: list[Any]) -> Any:
     match assign.value:
-        case Op(name=name, args=args) if name in COMPARISONS:
+        case Op(name=name, args=args) if OPERATIONS[name].compares:
             holds = outcomes[assign.var.name]
-            conditions.append((COMPARISONS if holds else NEGATED)[name](*map(value, args)))
+            compared = list(map(value, args))
+            conditions.append(formula_of(name, *compared) if holds else getattr(sp, NEGATED[name])(*compared))
             return holds
         case Op(name="and" | "or" | "not" as name, args=args):
             truths = [value(a) for a in args]
             return {"and": all(truths), "or": any(truths), "not": not truths[0]}[name]
-        case Op(name=name, args=args) if name in OPERATIONS:
-            return OPERATIONS[name](*map(value, args))
+        case Op(name=name, args=args) if OPERATIONS[name].formula is not None:
+            return formula_of(name, *map(value, args))
         case Select(condition=condition, then=then, other=other):
             return value(then) if value(condition) else value(other)
     raise NotImplementedError(f"{assign.var.name}: no formula for {assign.value}")

@@ -8,6 +8,7 @@
 
 #define TOLERANCE 1e-12 /* of 1 + |x|, the difference of a step and its halves, 15 times the error that is left */
 #define DEPTH 12
+#define ROUNDS 200
 
 typedef struct {
     const loop_setting *s;
@@ -45,13 +46,32 @@ static void unit_vector(uint64_t *state, double *v, int n)
     for (int i = 0; i < n; i++) v[i] /= size;
 }
 
-/* From x to the nearest point of a box; the distance, 0 inside. */
-static double toward(const double *box, const double *x, double *way, int n)
+static double beyond(const double *face, const double *x, int n) /* how far x is from its half-space, negative inside */
 {
-    for (int i = 0; i < n; i++) {
-        const double low = box[2 * i], high = box[2 * i + 1];
-        way[i] = x[i] < low ? low - x[i] : x[i] > high ? high - x[i] : 0.0;
+    double sum = -face[n];
+    for (int i = 0; i < n; i++) sum += face[i] * x[i];
+    return sum;
+}
+
+/* From x to the nearest point of a polytope, by Hildreth's method: each half-space in turn takes back what it pushed and pushes
+ * anew. Boxes are done in one round; `way` is the whole push. Returns the distance, 0 inside. */
+static double toward(const double *faces, int count, const double *x, double *way, int n)
+{
+    double pushed[FACES] = {0}, y[MOST];
+    memset(way, 0, (size_t)n * sizeof *way);
+    memcpy(y, x, (size_t)n * sizeof *x);
+    for (int round = 0; round < ROUNDS; round++) {
+        double moved = 0.0;
+        for (int f = 0; f < count; f++) {
+            const double *face = faces + (n + 1) * f;
+            const double push = fmax(0.0, pushed[f] + beyond(face, y, n)), change = push - pushed[f];
+            for (int i = 0; i < n; i++) y[i] -= change * face[i];
+            pushed[f] = push;
+            moved = fmax(moved, fabs(change));
+        }
+        if (moved <= 1e-12) break;
     }
+    for (int i = 0; i < n; i++) way[i] = y[i] - x[i];
     return norm_of(way, n);
 }
 
@@ -59,8 +79,8 @@ static void nearest(const loop_setting *s, const double *x, double *w)
 {
     const int n = s->n;
     double best = HUGE_VAL, way[MOST];
-    for (int j = 0; j < s->boxes; j++) {
-        const double distance = toward(s->unsafe + 2 * n * j, x, way, n);
+    for (int j = 0; j < s->sets; j++) {
+        const double distance = toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, n);
         if (distance > 0.0 && distance < best) {
             best = distance;
             for (int i = 0; i < n; i++) w[i] = way[i] / distance;
@@ -154,10 +174,10 @@ static int inside(const double *box, const double *x, int n)
 }
 
 /* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
-static int within(const double *box, const double *x, int n)
+static int within(const double *faces, int count, const double *x, int n)
 {
-    for (int i = 0; i < n; i++)
-        if (!(box[2 * i] < x[i] && x[i] < box[2 * i + 1])) return 0;
+    for (int f = 0; f < count; f++)
+        if (!(beyond(faces + (n + 1) * f, x, n) < 0.0)) return 0;
     return 1;
 }
 
@@ -165,8 +185,8 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
 {
     const int n = s->n;
     double lower[MOST], upper[MOST];
-    for (int j = 0; j < s->boxes && r->hit < 0; j++)
-        if (within(s->unsafe + 2 * n * j, x, n)) r->hit = j, r->hit_at = t;
+    for (int j = 0; j < s->sets && r->hit < 0; j++)
+        if (within(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, n)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);

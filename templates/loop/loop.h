@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 #define MOST 64 /* dimensions */
+#define FACES 1024 /* of one unsafe set */
 
 /* u from the measured x at time t; not 0 when the controller says that x is outside its tube, or that its input is bad. */
 typedef int (*loop_step)(double t, const double *x, double *u);
@@ -15,7 +16,7 @@ typedef void (*loop_advance)(double t, double dt);
 typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD } disturbance;
 
 typedef struct {
-    int32_t n, boxes;      /* dimension; unsafe sets */
+    int32_t n, sets;       /* dimension; unsafe sets */
     int32_t samples;       /* periods to run */
     int32_t parts;         /* Runge-Kutta steps in each */
     int32_t kind;          /* of disturbance */
@@ -29,7 +30,8 @@ typedef struct {
     const double *start;   /* n */
     const double *space;   /* lower, upper by dimension */
     const double *target;
-    const double *unsafe;  /* boxes times n times (lower, upper) */
+    const int32_t *first;  /* sets + 1: where the faces of each begin, and how many there are */
+    const double *faces;   /* each n + 1 numbers, a unit normal and an offset: a set is where normal.x <= offset for all of its own */
 } loop_setting;
 
 typedef struct {

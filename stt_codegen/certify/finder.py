@@ -1,0 +1,85 @@
+"""From enclosures of a tube's edges to findings: rows and widths evaluated in doubles, every rounding to the safe side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.certify.certificate import Finding
+from stt_codegen.certify.lines import HIGH, LOW
+from stt_codegen.decimals import decimal
+from stt_codegen.rows import Row, avoid_rows
+from stt_codegen.task import Task
+
+Array = npt.NDArray[Any]
+SETTINGS = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
+
+
+@dataclass(frozen=True)
+class Finder:
+    """Findings from the enclosure of gamma, shape (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
+
+    task: Task
+    times: Array
+    gamma: Array
+
+    def slack(self, row: Row) -> Array:
+        """A lower bound on the slack of a row in every cell, as a distance: (N + 1,). Of an edge the end counts that makes it
+        least; every operation that may round is rounded down, and what is exact is not."""
+        left: Any = None
+        for i, side, c in row.terms:
+            edge = self.gamma[:, i, side, LOW if c > 0 else HIGH]
+            term = float(c) * edge if abs(c) == 1 else np.nextafter(float(c) * edge, -np.inf)
+            left = term if left is None else np.nextafter(left + term, -np.inf)
+        found = gap(double_above(row.bound + row.keep), left)
+        return found if row.per == 1 else np.nextafter(found / float(row.per), -np.inf)
+
+    def sides(self, rows: Sequence[Row]) -> Array:
+        """The slack of rows that come in pairs, the worse of each: (N + 1, n)."""
+        each = [self.slack(row) for row in rows]
+        return np.stack([np.minimum(a, b) for a, b in zip(each[::2], each[1::2], strict=True)], axis=1)
+
+    def least(self, slack: Array, first: int, code: str, statement: str, advice: str = SETTINGS) -> Finding:
+        """The least slack (shape (cells, n), from cell `first` on) as a finding."""
+        k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
+        return Finding(
+            code, statement, lower_bound(slack[k, i]), Fraction(0), self.interval(first + int(k)), int(i) + 1, None, advice
+        )
+
+    def avoid(self) -> Finding:
+        """P4: in every cell the best row of each unsafe set."""
+        sets = avoid_rows(self.task)
+        if not sets:
+            return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
+        worst: tuple[float, int, str] = (math.inf, 0, "")
+        for one in sets:
+            slack = np.max([self.slack(row) for row in one.rows], axis=0)
+            k = int(np.argmin(slack))
+            worst = min(worst, (float(slack[k]), k, one.name))
+        slack_, k, name = worst
+        statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
+        return Finding("P4", statement, lower_bound(slack_), Fraction(0), self.interval(k), None, name, SETTINGS)
+
+    def interval(self, cell: int) -> tuple[Fraction, Fraction]:
+        t_c = self.task.prescribed_time
+        return (t_c, t_c) if cell >= len(self.times) - 1 else (lower_bound(self.times[cell]), lower_bound(self.times[cell + 1]))
+
+
+def gap(low: Any, high: Any) -> Array:
+    """A lower bound on high - low."""
+    return np.asarray(np.nextafter(np.asarray(high, dtype=float) - low, -np.inf))
+
+
+def double_above(value: Fraction) -> float:
+    return math.nextafter(float(value), math.inf)
+
+
+def lower_bound(value: float) -> Fraction:
+    """A lower bound as a fraction; what could not be bounded counts as far below."""
+    return Fraction(value) if math.isfinite(value) else Fraction(-(10**9))

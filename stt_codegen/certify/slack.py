@@ -1,0 +1,167 @@
+"""The least slack of rows over the pieces of a spline, in exact integers.
+
+A cubic lies within the hull of its Bezier coefficients, and so does every row, which is linear in the edges; where that is too
+coarse the piece is halved by de Casteljau's rule, exactly.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.rows import Avoidance, Row
+
+DEPTH = 20  # a piece is halved at most this often before its property counts as failed
+CHUNK = 1 << 20  # rows times pieces that are looked at together
+LARGEST_BEZIER = 6 << 24  # of a coefficient, in units of the table
+
+Pieces = npt.NDArray[Any]  # Bezier coefficients (P, n, 2, 4): int64, or Fraction objects once halved
+
+
+@dataclass(frozen=True)
+class Least:
+    """Least slack in units of the table: where, in spline time, and of which row and set."""
+
+    slack: Fraction
+    interval: tuple[Fraction, Fraction]
+    row: int
+    choice: int
+
+
+@dataclass(frozen=True)
+class RowBlock:
+    """Rows in units of the table. coefficient (R, n, 2), bound (R,): whole numbers, bounds rounded up. first: of a choice of
+    rows, where each set's begin; else every row must hold. names: of the sets."""
+
+    rows: tuple[Row, ...]
+    coefficient: npt.NDArray[Any]
+    bound: npt.NDArray[Any]
+    per: npt.NDArray[Any]
+    first: npt.NDArray[np.int64]
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, rows: Sequence[Row], unit: Fraction) -> RowBlock:
+        """All of these must hold."""
+        return cls._made(tuple(rows), unit, list(range(len(rows))), ())
+
+    @classmethod
+    def choice(cls, sets: Sequence[Avoidance], unit: Fraction) -> RowBlock:
+        """Of each set one."""
+        rows = [row for one in sets for row in one.rows]
+        first = np.cumsum([0, *(len(one.rows) for one in sets[:-1])]).tolist()
+        return cls._made(tuple(rows), unit, first, tuple(one.name for one in sets))
+
+    @classmethod
+    def _made(cls, rows: tuple[Row, ...], unit: Fraction, first: list[int], names: tuple[str, ...]) -> RowBlock:
+        n = 1 + max(i for row in rows for i, _, _ in row.terms)
+        bound = [units_above(row.bound + row.keep if row.keep else row.bound, unit) for row in rows]
+        largest = max(row.size for row in rows) * LARGEST_BEZIER + max(map(abs, bound))
+        kind: Any = np.int64 if largest < 1 << 62 else object
+        coefficient = np.zeros((len(rows), n, 2), dtype=kind)
+        for r, row in enumerate(rows):
+            for i, side, c in row.terms:
+                coefficient[r, i, side] = c
+        return cls(rows, coefficient, np.array(bound, dtype=kind), np.array([row.per for row in rows]), np.array(first), names)
+
+    @cached_property
+    def single(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]] | None:
+        """Rows, dimensions and sides, where each row is plus or minus one edge; else None."""
+        rows, dimensions, sides = np.nonzero(self.coefficient)
+        plain = len(rows) == len(self.rows) and bool((np.abs(self.coefficient[rows, dimensions, sides]) == 1).all())
+        return (self.coefficient[rows, dimensions, sides].astype(np.int64), dimensions, sides) if plain else None
+
+    def slack(self, pieces: Pieces) -> tuple[Any, Any]:
+        """For every piece the least slack over the rows (or sets), told as a distance and rounded down, and its row: both
+        (P,)."""
+        left = self._left(pieces) - self.bound
+        if (self.per != 1).any():
+            left = left // self.per if pieces.dtype == np.int64 else left * Fraction(1) / self.per
+        if not self.names:
+            worst = left.argmin(axis=1)
+            return left[np.arange(len(left)), worst], worst
+        best = np.maximum.reduceat(left, self.first, axis=1)  # (P, J)
+        j = best.argmin(axis=1)
+        slack = best[np.arange(len(left)), j]
+        ends = np.append(self.first[1:], len(self.rows))
+        chosen = [int(self.first[a] + left[p, self.first[a] : ends[a]].argmax()) for p, a in enumerate(j.tolist())]
+        return slack, np.array(chosen)
+
+    def _left(self, pieces: Pieces) -> Any:
+        """The least of the left side's Bezier coefficients: (P, R)."""
+        if self.single is not None:
+            sign, dimensions, sides = self.single
+            low, high = pieces.min(axis=3), pieces.max(axis=3)
+            return np.where(sign > 0, low[:, dimensions, sides], -high[:, dimensions, sides])
+        n = self.coefficient.shape[1]
+        edges, rows = pieces[:, :n].reshape(len(pieces), 2 * n, 4), self.coefficient.reshape(len(self.rows), 2 * n)
+        total: Any = 0
+        for k in range(2 * n):
+            total = total + rows[None, :, k, None] * edges[:, None, k]
+        return total.min(axis=-1)
+
+    def set_of(self, row: int) -> int:
+        """The number of the set that a row belongs to."""
+        return int(np.searchsorted(self.first, row, side="right")) - 1
+
+
+def least_slack(bezier: npt.NDArray[np.int64], block: RowBlock, unit_error: Fraction) -> Least:
+    """The least slack of the rows over all segments, halving those whose hull does not show what an error of `unit_error` (in
+    units of the table) in every edge may take. Pieces are looked at CHUNK rows at a time, so that memory stays small."""
+    required = unit_error * max(Fraction(*pair) for pair in {(row.size, row.per) for row in block.rows})
+    each = max(1, CHUNK // max(1, len(block.rows)))
+    parts = [block.slack(bezier[k : k + each]) for k in range(0, len(bezier), each)]
+    slack, row = (np.concatenate([part[q] for part in parts]) for q in (0, 1))
+
+    def interval(k: int) -> tuple[Fraction, Fraction]:
+        return Fraction(k), Fraction(k + 1)
+
+    sound = slack >= math.ceil(required)  # whole numbers
+    doubtful = np.nonzero(~sound)[0].tolist()
+    candidates = [_halve(bezier[k].astype(object), interval(k), block, required, DEPTH) for k in doubtful]
+    if sound.any():
+        k = int(np.where(sound, slack, slack.max() + 1).argmin())
+        candidates.append(_least_of(block, slack[k], interval(k), row[k]))
+    return min(candidates, key=lambda c: c.slack)
+
+
+def _halve(piece: Pieces, interval: tuple[Fraction, Fraction], block: RowBlock, required: Fraction, depth: int) -> Least:
+    """Least slack of one piece (shape (n, 2, 4)) by halving until the hull shows `required` or `depth` is used up; the
+    slack at one failing point as soon as one is met."""
+    slack, row = block.slack(piece[None])
+    if slack[0] >= required or depth == 0:
+        return _least_of(block, slack[0], interval, row[0])
+    at_start = block.slack(np.repeat(piece[None, ..., :1], 4, axis=-1))
+    if at_start[0][0] < required:  # the curve itself fails here: halving cannot help
+        return _least_of(block, at_start[0][0], (interval[0], interval[0]), at_start[1][0])
+    early, late = halves(piece * Fraction(1))
+    middle = (interval[0] + interval[1]) / 2
+    first = _halve(early, (interval[0], middle), block, required, depth - 1)
+    second = _halve(late, (middle, interval[1]), block, required, depth - 1)
+    return first if first.slack <= second.slack else second
+
+
+def halves(piece: Pieces) -> tuple[Pieces, Pieces]:
+    """The Bezier coefficients of both halves of cubics (the last axis), by de Casteljau's rule."""
+    c0, c1, c2, c3 = (piece[..., j] for j in range(4))
+    a, b, c = (c0 + c1) / 2, (c1 + c2) / 2, (c2 + c3) / 2
+    d, e = (a + b) / 2, (b + c) / 2
+    f = (d + e) / 2
+    return np.stack([c0, a, d, f], axis=-1), np.stack([f, e, c, c3], axis=-1)
+
+
+def _least_of(block: RowBlock, slack: Any, interval: tuple[Fraction, Fraction], row: Any) -> Least:
+    exact = slack if isinstance(slack, Fraction) else Fraction(int(slack))
+    return Least(exact, interval, int(row), block.set_of(int(row)))
+
+
+def units_above(value: Fraction, unit: Fraction) -> int:
+    """The least whole number of units that is not below the value."""
+    return -(-value.numerator * unit.denominator // (value.denominator * unit.numerator))

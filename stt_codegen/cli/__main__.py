@@ -1,0 +1,5 @@
+"""`python -m stt_codegen.cli`."""
+
+from stt_codegen.cli.main import main
+
+main()

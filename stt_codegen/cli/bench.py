@@ -1,0 +1,80 @@
+"""`bench`: measure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import Json, say
+from stt_codegen.errors import BadInput
+
+bench = typer.Typer(help="Measure: designs over random arenas, steps on emulated boards.", no_args_is_help=True)
+
+
+@bench.command()
+def arenas(
+    family: Annotated[
+        list[str] | None, typer.Option(help="paper, dense12, dense24, space3, space6 or corridor; may be repeated")
+    ] = None,
+    design: Annotated[list[str] | None, typer.Option(help="refined, adaptive or literal; may be repeated")] = None,
+    count: Annotated[int | None, typer.Option(min=1, help="at most so many arenas of each family")] = None,
+    clearance: Annotated[float | None, typer.Option(help="override tube.clearance", show_default="0.03")] = None,
+    min_width: Annotated[float | None, typer.Option(help="override tube.min_width", show_default="0.05")] = None,
+    processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
+    peers: Annotated[bool, typer.Option("--peers", help="planners, reachability and a barrier filter in the same run")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Design and certify random arenas by the hundred; tables of how many, how fast, how wide, how slow.
+
+    Without options: all of benchmarks/RESULTS.md but the peers, about ten minutes. The workers of a cluster need this package.
+    """
+    from stt_codegen.bench.command import run_arenas
+
+    run_arenas(family, design, count, clearance, min_width, processes, scheduler, peers, record, json)
+
+
+@bench.command()
+def mcu(
+    board: Annotated[list[str] | None, typer.Option(help="m0, m3, m4f, m7, rv32 or avr; may be repeated")] = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 1000,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Count what `control` costs on every emulated board, beside CasADi's C and C written by hand; about eight minutes.
+
+    Exit code 1 when a controller is beyond a bound of `compare` on some board.
+    """
+    from stt_codegen.bench.mcu import run_mcu
+    from stt_codegen.board.emulated import BOARDS
+
+    for name in board or ():
+        if name not in BOARDS:
+            raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
+    if not run_mcu(board, points, record, json, lambda what: say(f"  {what}")):
+        raise typer.Exit(1)
+
+
+@bench.command()
+def loop(
+    count: Annotated[int, typer.Option(min=1, help="arenas of the paper's kind")] = 500,
+    rate: Annotated[float, typer.Option(min=1, metavar="HZ", help="samples a second")] = 1000.0,
+    w_max: Annotated[float, typer.Option(min=0, help="bound on |w| of xdot = u + w")] = 0.3,
+    runs: Annotated[int, typer.Option(min=1, help="runs of every arena")] = 10,
+    processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
+    scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
+    peers: Annotated[bool, typer.Option("--peers", help="a barrier filter and the literal tube in the same loops")] = False,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the table into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Monte Carlo: the C that ships drives random arenas under disturbances, at the gain the tool proposes.
+
+    Exit code 1 when a run of ours collides, leaves, or misses the target. Without peers about three minutes on two cores.
+    """
+    from stt_codegen.bench.command import run_loop
+
+    if not run_loop(count, rate, w_max, runs, processes, scheduler, peers, record, json):
+        raise typer.Exit(1)

@@ -1,0 +1,33 @@
+"""`certify`: the stand-alone checker."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import Json, TaskFile, print_json
+
+
+def certify(
+    task: TaskFile,
+    source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file")],
+    certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE", help="its .certificate.json")],
+    json: Json = False,
+) -> None:
+    """Repeat the proof of a refined tube from the C file alone, by the stand-alone checker. Exit code 1 when it fails."""
+    import contextlib
+    import io
+
+    from stt_codegen.certify.checker import main as check_files
+
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said):
+        code = check_files([str(task), str(source), str(certificate)])
+    if json:
+        print_json({"holds": code == 0, "message": said.getvalue().strip()})
+    else:
+        print(said.getvalue(), end="")
+    if code:
+        raise typer.Exit(code)

@@ -1,0 +1,54 @@
+"""`check`: make every recorded controller again and compare."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import Json, counted, print_json, say
+
+
+def check(
+    folder: Annotated[Path, typer.Argument(metavar="[DIR]", help="the folder of MANIFEST.json")] = Path("generated"),
+    accept: Annotated[bool, typer.Option("--accept", help="write what the tool makes now, instead of comparing")] = False,
+    json: Json = False,
+) -> None:
+    """Make every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference."""
+    from stt_codegen.record import check as checks
+
+    progress = (lambda name: say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
+    if accept:
+        count = checks.accept(folder, progress)
+        written, dropped = count
+        note = f", {dropped} dropped (their task files are gone)" if dropped else ""
+        print_json({"written": written, "dropped": dropped}) if json else print(
+            f"{folder}: {counted(written, 'folder')} written{note}"
+        )
+        return
+    found = checks.check(folder, progress)
+    tools = checks.changed_tools(folder)
+    if json:
+        print_json(
+            {
+                "differences": [{"path": d.path, "what": d.what, "numbers": d.numbers, "diff": list(d.diff)} for d in found],
+                "changed_tools": tools,
+            }
+        )
+    else:
+        for d in found:
+            print(f"{d.path}: {d.what}" + (f" ({d.numbers})" if d.numbers else ""))
+            for line in d.diff:
+                print(f"    {line}")
+        for line in tools:
+            print(f"note: other version than recorded: {line}")
+        if found:
+            print(
+                f"\n{counted(len(found), 'difference')}. To accept what the tool makes now:  stt-codegen check {folder} --accept"
+            )
+        else:
+            print(f"{folder}: {counted(checks.folders(folder), 'folder')}, no difference")
+    if found:
+        raise typer.Exit(1)

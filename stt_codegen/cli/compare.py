@@ -1,0 +1,36 @@
+"""`compare`: every backend against the reference."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import DesignOption, Json, TaskFile, print_json, say
+
+
+def compare(
+    task: TaskFile,
+    design: DesignOption = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 10_000,
+    json: Json = False,
+) -> None:
+    """Compare CasADi, the Python, and the C in float and double with an independent reference. Exit code 1 beyond a bound."""
+    from dataclasses import asdict
+
+    from stt_codegen.compare.comparison import compare as compare_task
+    from stt_codegen.pipeline import require_supported
+    from stt_codegen.task import load_task
+
+    loaded = load_task(task).with_options(design)
+    require_supported(loaded)
+    rows = compare_task(loaded, points, progress=say)
+    good = all(r.holds for r in rows)
+    if json:
+        print_json({"task": loaded.name, "within_bounds": good, "rows": [{**asdict(r), "holds": r.holds} for r in rows]})
+    else:
+        from stt_codegen.cli.show import show_rows
+
+        show_rows(f"{loaded.name}, {loaded.tube.design}", rows)
+    if not good:
+        raise typer.Exit(1)

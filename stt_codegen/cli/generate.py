@@ -1,0 +1,96 @@
+"""`generate`: write controllers."""
+
+from __future__ import annotations
+
+import json as _json
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFiles, Uncertified, patience, print_json, say
+from stt_codegen.errors import BadInput
+
+
+def generate(
+    tasks: TaskFiles,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write the files of every task here (default: .)")] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="write to DIR/<task>/<design>/<scalar>/ and note it in DIR/MANIFEST.json for `check`"),
+    ] = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    uncertified: Uncertified = False,
+    package: Annotated[
+        Literal["plain", "cmake", "arduino", "platformio"], typer.Option(help="the files as they are, or as a library <name>/")
+    ] = "plain",
+    json: Json = False,
+) -> None:
+    """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
+    from stt_codegen.pipeline import build
+    from stt_codegen.record.manifest import record as record_controller
+    from stt_codegen.record.manifest import write_files
+    from stt_codegen.record.package import package as packed
+
+    if record is not None and package != "plain":
+        raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
+    if out is not None and record is not None:
+        raise BadInput("--out and --record: give one of them")
+    made = []
+    for task in tasks:  # all of them, before any is written
+        with patience(f"designing {task}"):
+            made.append((task, build(task, design, scalar, uncertified)))
+    names = [controller.task.name for _, controller in made]
+    lowered = [name.lower() for name in names]
+    for name in names:
+        if lowered.count(name.lower()) > 1:
+            raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
+    written = []
+    if record is None:
+        for _, controller in made:
+            _keep_certified(out or Path(), controller)
+    for task, controller in made:
+        _tell_slow_ticks(controller)
+        if record is not None:
+            folder = record_controller(record, task, controller, uncertified)
+        else:
+            folder = out or Path()
+            write_files(folder, packed(controller, package))
+        written.append(
+            {
+                "task": controller.task.name,
+                "certified": controller.certificate.holds,
+                "folder": str(folder),
+                "files": list(packed(controller, package)),
+            }
+        )
+        if not json:
+            verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
+            print(f"{controller.task.name}: {verdict}; {', '.join(packed(controller, package))} in {folder}")
+    if json:
+        print_json({"written": written})
+
+
+def _keep_certified(folder: Path, controller: Any) -> None:
+    """Refuse to write an uncertified controller over a certified one of the same name."""
+    old = folder / f"{controller.task.name}.certificate.json"
+    if controller.certificate.holds or not old.exists():
+        return
+    try:
+        certified = _json.loads(old.read_bytes()).get("certified") is True
+    except (OSError, ValueError, AttributeError):
+        certified = False
+    if certified:
+        raise BadInput(f"{folder}: holds a certified {controller.task.name!r}; write the uncertified one to another --out")
+
+
+def _tell_slow_ticks(controller: Any) -> None:
+    """A note on stderr when emit.tick_period is longer than what is proved for the plant that the task states."""
+    if controller.task.emit.tick_period is None or not controller.certificate.holds:
+        return
+    from stt_codegen.report.analysis import Analysis
+
+    for h in Analysis(controller).hypotheses():
+        if h.name == "sampling" and not h.holds:
+            say(f"note: {controller.task.name}: does not hold: {h.statement}; see `stt-codegen design`")

@@ -1,0 +1,78 @@
+"""The command line: which commands there are, and how an error becomes an exit code.
+
+0 good, 1 drift or a failed comparison, 2 bad input, 3 not certified or infeasible, 4 a needed tool is missing, 5 internal.
+One command a file; imports stay inside the commands, so that --help answers at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli import bench, certify, check, compare, design, generate, pil, prove, schema, simulate
+from stt_codegen.cli.options import print_json, say
+from stt_codegen.errors import SttError
+
+app = typer.Typer(
+    name="stt-codegen",
+    help="Certified prescribed-time reach-avoid-stay controllers in C and Python, from one TOML file.",
+    rich_markup_mode=None,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(bench.bench, name="bench")
+for _command in (
+    design.design, generate.generate, check.check, compare.compare, simulate.simulate, pil.pil, certify.certify, prove.prove,
+    schema.schema,
+):  # fmt: skip
+    app.command()(_command)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from stt_codegen import __version__
+
+        print(f"stt-codegen {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and leave")
+    ] = False,
+) -> None:
+    pass
+
+
+def main() -> None:
+    """Run the command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
+    try:
+        app()
+        sys.stdout.flush()
+    except SttError as error:
+        say(f"stt-codegen: {error}")
+        if "--json" in sys.argv:
+            print_json({"error": str(error), "exit_code": error.exit_code})
+        sys.exit(error.exit_code)
+    except BrokenPipeError:  # the reader has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    except OSError as error:
+        say(f"stt-codegen: the output cannot be written ({error.strerror})")
+        sys.exit(2)
+    except KeyboardInterrupt:
+        sys.exit(130)
+    except Exception as error:
+        if os.environ.get("STT_CODEGEN_DEBUG"):
+            raise
+        say(
+            f"stt-codegen: internal error: {type(error).__name__}: {error}; "
+            "please report it with the traceback that STT_CODEGEN_DEBUG=1 shows"
+        )
+        sys.exit(5)

@@ -1,0 +1,63 @@
+"""What the commands share: arguments, and how they speak. Results go to stdout, progress and messages to stderr."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
+TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
+Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
+DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
+ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
+PlantOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PLANT", help="integrator, robot, spacecraft, arm, or a Python file with f(x) and g(x); default: [plant]"
+    ),
+]
+Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
+Noise = Annotated[float, typer.Option(min=0, help="bound on the error of every measured component")]
+Latency = Annotated[float, typer.Option(min=0, help="seconds from a sample to the input that it makes")]
+
+
+def say(text: str) -> None:
+    """Progress and messages, on stderr."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def print_json(document: Any) -> None:
+    """A result, on stdout."""
+    print(json.dumps(document, indent=2, allow_nan=False))
+
+
+def counted(number: int, thing: str) -> str:
+    """3 folders, 1 folder."""
+    return f"{number} {thing}" + ("" if number == 1 else "s")
+
+
+@contextmanager
+def patience(what: str) -> Iterator[None]:
+    """A line on stderr every two seconds while something takes longer."""
+    done = threading.Event()
+    begin = time.perf_counter()
+
+    def tell() -> None:
+        while not done.wait(2.0):
+            say(f"  {what}: {time.perf_counter() - begin:.0f} s ...")
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join()

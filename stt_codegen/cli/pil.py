@@ -1,0 +1,50 @@
+"""`pil`: processor in the loop."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+import typer
+
+from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, patience, print_json
+
+
+def pil(
+    task: TaskFile,
+    board: Annotated[Literal["m0", "m3", "m4f", "m7", "rv32", "avr"], typer.Option(help="the emulated board")],
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 2000,
+    json: Json = False,
+) -> None:
+    """Processor in the loop: run the emitted C on an emulated board, compare with the reference, count what a call takes."""
+    from dataclasses import asdict
+
+    from stt_codegen.board.emulated import BOARDS, run_on_board
+    from stt_codegen.pipeline import build
+
+    controller = build(task, design, scalar)
+    with patience(f"running {controller.task.name} on {board}"):
+        rows, costs = run_on_board(controller, BOARDS[board], points)
+    good = all(r.holds for r in rows)
+    if json:
+        compared = [{**asdict(r), "holds": r.holds} for r in rows]
+        print_json(
+            {
+                "task": controller.task.name,
+                "board": board,
+                "within_bounds": good,
+                "rows": compared,
+                "calls": {k: asdict(c) for k, c in costs.items()},
+            }
+        )
+    else:
+        from stt_codegen.cli.show import show_rows
+
+        show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
+        unit = BOARDS[board].unit
+        for name, c in costs.items():
+            taken = f"{c.least} to {c.most} {unit}, median {c.median}"
+            print(f"  {name}: {taken}; {c.stack} B of stack; most at {c.worst_at}")
+    if not good:
+        raise typer.Exit(1)

@@ -1,0 +1,185 @@
+"""What the command line prints of designs, bounds and comparisons, as tables for people; --json has the same as data."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from stt_codegen.compare.comparison import Row
+from stt_codegen.loop.command import RunReport
+from stt_codegen.report.bounds import BoundsReport, Sampling
+from stt_codegen.report.design import DesignReport
+
+
+def _console() -> Any:
+    """Where tables go: as wide as the terminal, or 120 columns in a file."""
+    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+
+
+def show_design(report: DesignReport) -> None:
+    console = _console()
+    verdict = "[green]certified[/green]" if report.certified else "[red]NOT CERTIFIED[/red]"
+    console.print(f"[bold]{report.task}[/bold]: {report.design} tube, {verdict}, {report.seconds} s")
+    speed = ", ".join(f"{v:.4g}" for v in report.speed_bound)
+    console.print(
+        f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.least_width:.4g}; "
+        f"speed of an edge at most {speed} by dimension"
+    )
+    if report.method == "sampled":
+        console.print(
+            "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
+            "gamma(0), so starts near the edge of the initial set are outside"
+        )
+    elif report.method == "enclosure":
+        console.print(
+            "  [yellow]note[/yellow]: the smooth maximum narrows gamma(0), so starts near the edge of the initial set are outside"
+        )
+    elif not report.covers_initial_set:
+        console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
+    table = Table(box=None, pad_edge=True, header_style="bold")
+    for heading in ("", "property", "holds", "to spare", "least at"):
+        table.add_column(heading, justify="right" if heading == "to spare" else "left")
+    for p in report.properties:
+        holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
+        table.add_row(p.property, p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
+    console.print(table)
+    law = report.input
+    if law.largest_u is not None:
+        saturated = f", saturated at {', '.join(f'{u:g}' for u in law.u_max)}" if law.u_max else ""
+        console.print(f"  |u| up to {law.largest_u:.4g} at the clamp{saturated}")
+    if law.sampling is not None:
+        for line in _sampling_lines(law.sampling, law.tick_period):
+            console.print(f"  {line}")
+    cost = report.cost
+    kinds = ", ".join(f"{count} {kind}" for kind, count in cost.operations.items())
+    code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
+    console.print(f"  one {' + '.join(cost.functions)} step: {cost.operations_total} operations ({kinds})")
+    console.print(f"  {cost.table_bytes} B of tables{code}")
+    if report.picture is not None:
+        console.print(f"  picture: {report.picture}")
+
+
+def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[str]:
+    """What `Analysis.sampling` says, for people."""
+    own, best, plant = sampling.at_this_gain, sampling.at_best_gain, f"for {escape(sampling.plant)}"
+    if own is None:
+        yield f"[yellow]note[/yellow]: gain {sampling.gain:g} is proved at no sampling period {plant}"
+    else:
+        u = f"|u| below {', '.join(f'{v:.4g}' for v in own.u)}"
+        least = f", but not below {_time(sampling.shortest)} (alpha_step)" if sampling.shortest else " or faster"
+        most = f"sample every {_time(own.period)}{least}"
+        if sampling.latency:
+            most = f"let no u act that is from a sample older than {_time(own.period)} (latency in it){least}"
+        yield f"{most}, proved {plant}: |e| stays below {own.e:.4g}, {u}"
+    if best is not None and (own is None or best.period > 1.1 * own.period):
+        yield f"gain {sampling.best_gain:g} would allow {_time(best.period)}, with |e| up to {best.e:.4g}"
+    if sampling.gains is None:
+        yield f"[yellow]note[/yellow]: no gain is proved for a period of {_time(sampling.wanted)}"
+    else:
+        least_gain, largest_gain = sampling.gains
+        yield f"least and largest gain proved for a period of {_time(sampling.wanted)}: {least_gain:g} and {largest_gain:g}"
+    for line in sampling.assumes:
+        yield f"assumed: {escape(line)}"
+    if tick_period is not None and (own is None or tick_period > own.period):
+        yield f"[yellow]note[/yellow]: emit.tick_period {_time(tick_period)} is longer than what is proved at this gain"
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.4g} s" if seconds >= 1 else f"{1e3 * seconds:.4g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.4g} us"
+
+
+def show_bounds(report: BoundsReport) -> None:
+    """What `prove TASK` found: hypotheses, then bounds by dimension, then the sampled statements."""
+    console = _console()
+    noise = f", x measured to {report.noise:g}" if report.noise else ""
+    noise += f", u {_time(report.latency)} after its sample" if report.latency else ""
+    console.print(f"[bold]{report.task}[/bold], {report.design}, with {escape(report.plant)}{noise}")
+    table = Table(box=None, header_style="bold")
+    for heading in ("hypothesis", "statement", "holds"):
+        table.add_column(heading)
+    for h in report.hypotheses:
+        table.add_row(h.name, h.statement, "[green]yes[/green]" if h.holds else "[red]NO[/red]")
+    console.print(table)
+    tube, plant, free = report.tube, report.plant_over_the_tube, report.continuous
+    rows = {
+        "tube, lowest": tube.lower,
+        "tube, highest": tube.upper,
+        "least width": tube.least_width,
+        "largest width": tube.largest_width,
+        "speed of an edge": tube.speed,
+        "|f + w|": plant.push,
+        "g_ii, least": plant.g_diagonal_least,
+        "|g_ij|, largest": plant.g_cross_largest,
+        "eps* (continuous)": free.epsilon_star,
+        "|u| (continuous)": free.u,
+    }
+    numbers = Table(box=None, header_style="bold")
+    numbers.add_column("bound")
+    for i in range(len(tube.lower)):
+        numbers.add_column(f"x{i + 1}", justify="right")
+    for name, values in rows.items():
+        numbers.add_row(name, *map(_or_none, values))
+    console.print(numbers)
+    console.print(f"  |eps|, all of it (continuous): {_or_none(free.epsilon_star_norm)}")
+    for name, p in report.sampled.items():
+        if p is None:
+            console.print(f"  sampled, {name}: proves no period")
+            continue
+        where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
+        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {p.e:.4g}; {where}")
+    for line in _sampling_lines(report.sampling, None):
+        console.print(f"  {line}")
+
+
+def _or_none(value: float | None) -> str:
+    return "none" if value is None else f"{value:.4g}"
+
+
+def show_run(report: RunReport) -> None:
+    """What came of a closed loop, and what had been proved for it."""
+    console = _console()
+    task, run, s = report.controller.task, report.run, report.scenario
+    verdict = "[green]fulfilled[/green]" if report.fulfilled else "[red]MISSED[/red]"
+    under = [f"|w| <= {s.strength:g} ({s.disturbance})" if s.strength else "no disturbance"]
+    under += [f"{s.rate:g} Hz", f"gain {float(task.control.gain):g}"]
+    if s.noise:
+        under.append(f"x measured to {s.noise:g}")
+    if s.latency:
+        under.append(f"u {_time(s.latency)} late")
+    if s.lost:
+        under.append(f"up to {s.lost} lost in a row")
+    kind = report.controller.design.kind
+    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {report.plant}: {verdict}; {', '.join(under)}")
+    hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
+    left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
+    reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
+    console.print(f"  unsafe sets entered: {hit}; state space left: {left}; at t_c {reached}")
+    tube = f"least margin {run.margin:.3g} of the width" if run.kept else "[red]was left[/red]"
+    console.print(f"  tube: {tube}; |e| up to {_numbers(run.e)}; |u| up to {_numbers(run.u)}")
+    for line in report.foretold:
+        console.print(f"  beforehand: {line}")
+    for path in report.files:
+        console.print(f"  {path}")
+
+
+def _numbers(values: Sequence[float]) -> str:
+    return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
+
+
+def show_rows(title: str, rows: Sequence[Row]) -> None:
+    """A comparison with the reference as a table."""
+    heading = f"{title}: largest distance from the reference"
+    table = Table(box=None, header_style="bold", title=heading, title_justify="left")
+    for name in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):
+        table.add_column(name, justify="left" if name in ("backend", "quantity") else "right")
+    for r in rows:
+        verdict = "[green]ok[/green]" if r.holds else "[red]BEYOND[/red]"
+        table.add_row(r.backend, r.quantity, str(r.points), f"{r.error:.2e}", f"{r.ulps:.1f}", f"{r.share:.0%}", verdict)
+    _console().print(table)
+    print("ulp: units in the last place of the sizes a quantity is made of; docs/accuracy.md derives the bounds")

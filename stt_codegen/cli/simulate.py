@@ -1,0 +1,47 @@
+"""`simulate`: drive a plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, ScalarOption, TaskFile, Uncertified, patience, print_json
+
+
+def simulate(
+    task: TaskFile,
+    plant: Annotated[str, typer.Option(metavar="PLANT", help="integrator, robot, spacecraft, arm, or a file .py")] = "integrator",
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="samples a second (default: 1/emit.tick_period, or 1000)")
+    ] = None,
+    disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
+    w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
+    noise: Noise = 0.0,
+    lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
+    latency: Latency = 0.0,
+    start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
+    gain: Annotated[str | None, typer.Option(help='another control.gain, or "best": that with the longest proved period')] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    uncertified: Uncertified = False,
+    json: Json = False,
+) -> None:
+    """Drive a plant with the emitted C, held between samples: what is hit, left, reached. Exit code 1 when the task is missed."""
+    from stt_codegen.loop.command import Request, simulate_task
+    from stt_codegen.task import load_task
+
+    with patience(f"simulating {task}"):
+        request = Request(plant, rate, disturbance, w_max, noise, lost, latency, start, seed, gain)
+        report = simulate_task(load_task(task).with_options(design, scalar), request, uncertified, out)
+    if json:
+        print_json(report.document())
+    else:
+        from stt_codegen.cli.show import show_run
+
+        show_run(report)
+    if not report.fulfilled:
+        raise typer.Exit(1)

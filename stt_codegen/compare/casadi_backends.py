@@ -1,0 +1,186 @@
+"""The controller as CasADi evaluates its kernels, with clamps, loops and table in NumPy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.compare.backends import Backend
+from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
+from stt_codegen.pipeline import Controller
+
+Array = npt.NDArray[Any]
+
+
+class _CasadiLaw(Backend):
+    """Section IV as CasADi evaluates its kernels, with the clamp and the status in NumPy."""
+
+    name = "CasADi"
+    scalar = "double"
+
+    def __init__(self, controller: Controller) -> None:
+        from stt_codegen.paper import control_law
+
+        self.task = controller.task
+        self.normalized, self.transformed = control_law.normalized_error(), control_law.transformed_error()
+        self.law = control_law.law()
+
+    def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
+        return tuple(getattr(self, f"_{function}")(*inputs))
+
+    def _transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, ...]:
+        e_max = self.task.control.e_max
+        share = float((1 - e_max) / 2)
+        width = upper - lower
+        a = np.clip(x - lower, share * width, float((1 + e_max) / 2) * width)
+        b = np.clip(upper - x, share * width, float((1 + e_max) / 2) * width)
+        e = np.clip(_over(self.normalized, a, b, width)[0], -float(e_max), float(e_max))
+        return e, *_over(self.transformed, a, b)
+
+    def _control(self, *inputs: Array) -> tuple[Array, ...]:
+        *at, x = inputs
+        lower, upper = self.call("tube", *at)
+        _, epsilon, xi = self.call("transform", lower, upper, x)
+        (u,) = _over(self.law, float(self.task.control.gain), xi, epsilon)
+        if self.task.control.u_max is not None:
+            bound = np.array([float(v) for v in self.task.control.u_max])
+            u = np.clip(u, -bound, bound)
+        inside = np.all((lower < x) & (x < upper), axis=1)
+        return np.where(inside, 0, 1), u
+
+    def _margin(self, *inputs: Array) -> tuple[Array, ...]:
+        *at, x = inputs
+        lower, upper = self.call("tube", *at)
+        share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(LEAST_WIDTH))
+        return (np.clip(share.min(axis=1), -1.0, 0.5),)
+
+
+def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
+    """A CasADi function of scalars over arrays of one shape (numbers are repeated); its outputs in that shape."""
+    shape = np.broadcast_shapes(*(np.shape(v) for v in inputs))
+    rows = [np.broadcast_to(v, shape).reshape(1, -1) for v in inputs]
+    results = function(*rows)
+    results = results if isinstance(results, tuple) else (results,)
+    return tuple(np.array(r).reshape(shape) for r in results)
+
+
+class CasadiRefined(_CasadiLaw):
+    """A refined tube by its CasADi kernels; time, segment and table in NumPy."""
+
+    def __init__(self, controller: Controller) -> None:
+        from stt_codegen.paper import refined_tube
+
+        super().__init__(controller)
+        assert isinstance(controller.design, RefinedDesign)
+        self.design = controller.design
+        self.basis, self.basis_rate, self.blend = refined_tube.basis(), refined_tube.basis_rate(), refined_tube.blend()
+
+    def _edges(self, t: Array, weights: Any) -> tuple[Array, Array]:
+        design = self.design
+        t_c, k = float(design.prescribed_time), design.segments
+        u = np.where(t < t_c, np.minimum(np.maximum(t, 0) * float(k / design.prescribed_time), k), k)
+        segment = np.minimum(u.astype(int), k - 1)
+        w = weights(u - segment)
+        q = design.integers() * float(design.unit)
+        edges = np.empty((len(t), design.dimension, 2))
+        for i in range(design.dimension):
+            for side in (0, 1):
+                edges[:, i, side] = np.array(self.blend(w, np.stack([q[segment + j, i, side] for j in range(4)])))
+        return edges[:, :, 0], edges[:, :, 1]
+
+    def _tube(self, t: Array) -> tuple[Array, ...]:
+        return self._edges(t, lambda s: self.basis(s[None]))
+
+    def _tube_rate(self, t: Array) -> tuple[Array, ...]:
+        lower, upper = self._edges(t, lambda s: self.basis_rate(s[None]))
+        design = self.design
+        scale = np.where(t < float(design.prescribed_time), float(design.segments / design.prescribed_time), 0.0)[:, None]
+        return lower * scale, upper * scale
+
+    def _control_tick(self, ticks: Array, x: Array) -> tuple[Array, ...]:
+        assert self.task.emit.tick_period is not None
+        return self._control(ticks * float(self.task.emit.tick_period), x)
+
+
+class CasadiAdaptive(_CasadiLaw):
+    """An adaptive or literal tube by its CasADi kernels; loops over dimensions and circumvent functions in NumPy.
+
+    alpha is laid out as in the emitted code: alpha_L by dimension, then alpha_U.
+    """
+
+    def __init__(self, controller: Controller) -> None:
+        super().__init__(controller)
+        assert isinstance(controller.design, AdaptiveDesign)
+        self.design = d = controller.design
+        self.update = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma)]
+
+    def _lines(self, t: Array) -> tuple[Array, Array, Array, Array, Array]:
+        """sigma (P,), and rho, beta, their rates, of shape (P, 2 n)."""
+        from stt_codegen.paper import circumvent, reach_tube
+
+        d, n = self.design, self.design.dimension
+        held = np.clip(t, 0, float(d.prescribed_time))
+        sigma, sigma_rate = _over(reach_tube.profile(True), held, float(d.prescribed_time))
+        edges = [(float(d.start[i][s]), float(d.target[i][s])) for s in (0, 1) for i in range(n)]
+        rho = np.stack([_over(reach_tube.reach_edge(), a, b, sigma)[0] for a, b in edges], axis=1)
+        rho_rate = np.stack([_over(reach_tube.reach_rate(), a, b, sigma_rate)[0] for a, b in edges], axis=1)
+        beta, beta_rate = np.empty_like(rho), np.empty_like(rho)
+        for side in (0, 1):
+            for i in range(n):
+                total, slope = np.zeros_like(held), np.zeros_like(held)
+                for b in d.of(i, side):
+                    shape = [float(v) for v in (b.height, b.steepness, b.middle, b.radius, circumvent.CUT["double"])]
+                    bump, bump_rate = _over(circumvent.circumvent(True), held, *shape)
+                    total, slope = _over(circumvent.join(True), total, bump, slope, bump_rate, float(d.nu))
+                beta[:, i + n * side] = float(d.walls[i][side]) + (1 - 2 * side) * total
+                beta_rate[:, i + n * side] = (1 - 2 * side) * slope
+        return sigma, rho, beta, rho_rate, beta_rate
+
+    def _psi(self, rho: Array, beta: Array) -> Array:
+        n = self.design.dimension
+        return np.hstack([beta[:, n:] - rho[:, :n], rho[:, n:] - beta[:, :n]])
+
+    def _probe(self, t: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        sigma, rho, beta, _, _ = self._lines(t)
+        psi = self._psi(rho, beta)
+        theta0, _, mu, varsigma = self.update
+        (theta,) = _over(adaptive_tube.theta(), psi, theta0, mu, varsigma)
+        return sigma[:, None], rho, beta, psi, theta
+
+    def _alpha_rate(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        _, rho, beta, _, _ = self._lines(t)
+        return _over(adaptive_tube.update_rate(), self._psi(rho, beta), alpha, *self.update)
+
+    def _alpha_step(self, t: Array, dt: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        _, rho, beta, _, _ = self._lines(t + dt)
+        step = adaptive_tube.implicit_step_function()
+        return _over(step, alpha, self._psi(rho, beta), np.repeat(dt[:, None], alpha.shape[1], axis=1), *self.update)
+
+    def _tube(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        n, nu = self.design.dimension, float(self.design.nu)
+        _, rho, beta, _, _ = self._lines(t)
+        (low,) = _over(adaptive_tube.lower_edge(), rho[:, :n], alpha[:, :n], beta[:, :n], nu)
+        (high,) = _over(adaptive_tube.upper_edge(), rho[:, n:], alpha[:, n:], beta[:, n:], nu)
+        return low, high
+
+    def _tube_rate(self, t: Array, alpha: Array) -> tuple[Array, ...]:
+        from stt_codegen.paper import adaptive_tube
+
+        n, nu = self.design.dimension, float(self.design.nu)
+        _, rho, beta, rho_rate, beta_rate = self._lines(t)
+        rate, _ = self._alpha_rate(t, alpha)
+        results = []
+        for kernel, own in ((adaptive_tube.lower_edge(True), slice(0, n)), (adaptive_tube.upper_edge(True), slice(n, None))):
+            data = [rho[:, own], alpha[:, own], beta[:, own], nu, rho_rate[:, own], rate[:, own], beta_rate[:, own]]
+            results.append(_over(kernel, *data)[1])
+        return tuple(results)

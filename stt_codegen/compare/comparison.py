@@ -1,0 +1,278 @@
+"""Every backend against the reference, on points that include the edges, each quantity within a derived bound.
+
+eps is half a unit in the last place of 1 in the backend's scalar (2^-24 or 2^-53). delta is property P7's bound on an
+emitted edge. The bounds, first-order terms rounded up:
+
+    tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
+    margin m          (1 + 2 |m|) delta over the width (an edge in the distance, both in the width), and 8 eps
+    e                 8 eps           the nearer distance: 3 roundings, the farther what it leaves; difference, quotient
+    epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place; written out
+                      (`math = "inline"`): `controller.logarithm`'s relative error more, for u too
+    xi                12 eps xi       b/a, 1 + b/a, division by b
+    u                 refined: h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
+                      more than to the two corners (a +- delta, b -+ delta) clamped in a width changed by 2 delta; plus
+                      |k| xi (8 + 4 |epsilon|) eps + 16 eps |u| for the arithmetic of the law
+    status            may differ only where x is within delta (plus rounding) of an edge
+
+Everything of the adaptive and literal designs that depends on t and alpha (and their u) is bounded by `program.running`: a
+forward error analysis of every statement of the very program, at every point. Newton's iterates in alpha_step count as
+settled: Newton's map has slope zero at the root, so the error of one iterate enters the next squared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen import reference
+from stt_codegen.compare.backends import Backend, CompiledC, GeneratedPython
+from stt_codegen.compare.casadi_backends import CasadiAdaptive, CasadiRefined
+from stt_codegen.compare.law_bounds import law_spread, logarithm_error
+from stt_codegen.compare.points import random_alpha, random_states, random_times, with_trajectory
+from stt_codegen.controller.arithmetic import edge_error, rate_error
+from stt_codegen.controller.probes import probe_program
+from stt_codegen.controller.ticks import ticks_of
+from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
+from stt_codegen.designs.grid import parameters_of
+from stt_codegen.pipeline import Controller, build_program, build_task, render_files
+from stt_codegen.program.number import FORMATS
+from stt_codegen.program.running import Runner
+from stt_codegen.task import Task
+
+Array = npt.NDArray[Any]
+POINTS = 10_000
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity of one backend: largest error, the same in units in the last place of the quantity's scale (see
+    `compare_backend`), largest share of the bound used, points compared."""
+
+    backend: str
+    quantity: str
+    error: float
+    ulps: float
+    share: float
+    points: int
+
+    @property
+    def holds(self) -> bool:
+        return self.share <= 1.0
+
+
+def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = lambda _: None) -> list[Row]:
+    """Compare CasADi, the emitted Python, and the emitted C in both precisions with the reference."""
+    rows: list[Row] = []
+    known: dict[str, _Truth] = {}
+    for controller, make in _backends(task):
+        backend = make(controller)
+        progress(f"comparing {task.name}: {backend.name}")
+        rows += compare_backend(controller, make, points, known)
+    return rows
+
+
+Maker = Callable[[Controller], Backend]
+
+
+def _backends(task: Task) -> Iterator[tuple[Controller, Maker]]:
+    double, single = (build_task(task.with_options(scalar=s), uncertified=True) for s in ("double", "float"))
+    yield double, CasadiRefined if isinstance(double.design, RefinedDesign) else CasadiAdaptive
+    yield double, GeneratedPython
+    yield double, CompiledC
+    yield single, CompiledC
+
+
+def compare_backend(
+    controller: Controller, make: Maker, points: int = POINTS, known: dict[str, _Truth] | None = None
+) -> list[Row]:
+    """The rows of one backend, made by `make`. `known` keeps the reference's values by scalar type between backends."""
+    backend = make(controller)
+    task = controller.task.with_options(scalar=backend.scalar)
+    controller = replace(controller, task=task, program=build_program(task, controller.design))
+    rows = _Rows(backend.name, float(FORMATS[backend.scalar].roundoff))
+    if isinstance(controller.design, RefinedDesign):
+        _refined_rows(rows, controller, controller.design, backend, points)
+    else:
+        known = {} if known is None else known
+        if backend.scalar not in known:
+            known[backend.scalar] = _adaptive_truth(controller, controller.design, points)
+        _adaptive_rows(rows, controller, controller.design, make, known[backend.scalar])
+    return rows.rows
+
+
+class _Rows:
+    """Collects the rows of one backend; eps is half a unit in the last place of 1 in its scalar.
+
+    Units in the last place are those of the largest edge (tube), the largest rate, 1 (e), max(1, |epsilon|), xi, and
+    |k| xi max(1, |epsilon|) for u: the sizes whose rounding each quantity inherits.
+    """
+
+    def __init__(self, backend: str, eps: float) -> None:
+        self.backend, self.eps = backend, eps
+        self.rows: list[Row] = []
+
+    def add(self, quantity: str, got: npt.ArrayLike, want: npt.ArrayLike, bound: npt.ArrayLike, scale: npt.ArrayLike) -> None:
+        truth = np.asarray(want, dtype=np.longdouble)
+        error = np.abs(np.asarray(got, dtype=np.longdouble) - truth)
+        error = np.where(np.isnan(error), np.inf, error)
+        ulp = 2 * self.eps * np.exp2(np.floor(np.log2(np.maximum(np.asarray(scale, dtype=float), 1e-300))))
+        limit = np.maximum(np.asarray(bound, dtype=np.longdouble), 1e-300)
+        share = np.where(np.isfinite(limit), error / limit, np.inf)  # a bound that says nothing is no bound
+        self.rows.append(
+            Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
+        )
+
+    def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
+        """e, epsilon and xi for the same boxes and states."""
+        own = logarithm_error(controller)
+        e, epsilon, xi = reference.transform(lower, upper, x, controller.task.control.e_max)
+        got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
+        self.add("e", got_e, e, 8 * self.eps, 1.0)
+        size = np.maximum(1.0, np.abs(epsilon))
+        self.add("epsilon", got_epsilon, epsilon, (8 + 4 * np.abs(epsilon)) * self.eps + own * np.abs(epsilon), size)
+        self.add("xi", got_xi, xi, 12 * self.eps * xi, xi)
+
+    def status(self, got: Array, want: Array, distance: Array, label: str = "") -> None:
+        """Statuses; `distance` (P, n): how much farther x is from each edge than the arithmetic can move it."""
+        wrong = (got != want) & (distance.min(axis=1) > 0)
+        self.rows.append(
+            Row(self.backend, "status" + label, float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
+        )
+
+
+def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
+    task, eps = controller.task, rows.eps
+    delta = np.array([float(v) for v in edge_error(design, controller.program)])
+    rate_bound = np.array([float(v) for v in rate_error(design, controller.program)])
+    table, unit, t_c = design.integers(), design.unit, design.prescribed_time
+    t = random_times(task, np.linspace(0, float(t_c), design.segments + 1), points, backend.scalar)
+    low, high = reference.tube(table, unit, t_c, t)
+    x = with_trajectory(task, t, low, high, random_states(task, low, high, backend.scalar))
+
+    lower, upper = backend.tube(t)
+    largest = max(float(np.abs(low).max()), float(np.abs(high).max()))
+    rows.add("tube", np.stack([lower, upper]), np.stack([low, high]), delta[None, None], largest)
+    rates = reference.tube_rate(table, unit, t_c, t)
+    fastest = max(float(np.abs(rates[0]).max()), float(np.abs(rates[1]).max()), 1e-30)
+    rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
+    rows.transform(controller, backend, lower, upper, x)
+
+    want = reference.margin(low, high, x, float(LEAST_WIDTH))
+    width = np.maximum(high - low, float(LEAST_WIDTH))
+    moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
+    weight = 1 + 2 * np.abs(np.clip(np.minimum(x - low, high - x) / width, -1, 0.5))  # of the distance, and twice of the width
+    rows.add("margin", backend.margin(t, x), want, (moved * weight).max(axis=1) + 8 * eps, 1.0)
+    _law_rows(rows, controller, (low, high, delta), x, backend.control(t, x), "")
+    period = task.emit.tick_period
+    if period is not None:
+        ends = np.array([0, 1, *(ticks_of(design, period).last + k for k in (-2, -1, 0, 1)), 2**32 - 1])
+        ticks = np.clip(np.rint(t.astype(float) / float(period)), 0, 2**32 - 1).astype(np.int64)
+        ticks[: len(ends)] = np.maximum(ends, 0)
+        low, high = reference.tube(table, unit, t_c, ticks.astype(np.longdouble) * reference.exact(period))
+        got = backend.call("control_tick", ticks, x)
+        _law_rows(rows, controller, (low, high, delta), x, (got[0], got[1]), " at a tick")
+
+
+def _law_rows(
+    rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
+) -> None:
+    """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
+    control, eps = controller.task.control, rows.eps
+    low, high, delta = tube
+    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
+    _, epsilon, xi = reference.transform(low, high, x, control.e_max)
+    gain = abs(float(control.gain))
+    spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(control.e_max))
+    bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
+    rows.add("u" + label, got[1], u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
+    rows.status(got[0], status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x), label)
+
+
+@dataclass(frozen=True)
+class _Truth:
+    """Points and, for every quantity of an adaptive or literal design there, the reference's value and the bound."""
+
+    t: Array
+    dt: Array
+    alpha: Array
+    x: Array
+    status: Array
+    distance: Array
+    values: dict[str, tuple[Array, Array]]
+
+
+def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int) -> _Truth:
+    """All that the reference and the error analysis say; the same for every backend of one scalar type."""
+    task, n, scalar = controller.task, design.dimension, controller.program.scalar
+    p = parameters_of(design)
+    windows = [float(v) for b in design.bumps for v in (b.middle - b.radius, b.middle, b.middle + b.radius)]
+    t = random_times(task, np.array([0.0, float(design.prescribed_time), *windows]), points, scalar)
+    alpha, dt = random_alpha(design, t, scalar)
+    both = np.stack([alpha[:, :n], alpha[:, n:]], axis=2)
+    now = reference.lines(p, t)
+    gamma, rates = reference.adaptive_tube(p, now, both)
+    low, high = gamma[:, :, 0], gamma[:, :, 1]
+    x = with_trajectory(task, t, low, high, random_states(task, low, high, scalar))
+    rate, jacobian = reference.alpha_rate(p, now.psi, now.theta, both)
+    control = task.control
+    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
+
+    probed = Runner(probe_program(task, design)).run("probe", {"t": t})
+    run = Runner(controller.program, settled=("low_z", "high_z")).run
+    tube = run("tube", {"t": t, "alpha": alpha})
+    tube_rate = run("tube_rate", {"t": t, "alpha": alpha})
+    update = run("alpha_rate", {"t": t, "alpha": alpha})
+    step = run("alpha_step", {"t": t, "dt": dt, "alpha": alpha})
+    law = run("control", {"t": t, "alpha": alpha, "x": x})
+    watched = run("margin", {"t": t, "alpha": alpha, "x": x})
+
+    def flat(values: Array) -> Array:
+        return np.hstack([values[:, :, 0], values[:, :, 1]])
+
+    moved = np.hstack([tube["lower"].error, tube["upper"].error])
+    values = {
+        "sigma": (now.sigma[:, None], probed["sigma"].error[:, :1]),
+        "rho": (flat(now.rho), probed["rho"].error),
+        "beta": (flat(now.beta), probed["beta"].error),
+        "psi": (flat(now.psi), probed["psi"].error),
+        "theta": (flat(now.theta), probed["theta"].error),
+        "alpha rate": (flat(rate), update["rate"].error),
+        "jacobian": (flat(jacobian), update["jacobian"].error),
+        "alpha step": (flat(reference.alpha_steps(p, t, dt, both)), step["alpha"].error),
+        "tube": (flat(gamma), moved),
+        "tube rate": (flat(rates), np.hstack([tube_rate["lower_rate"].error, tube_rate["upper_rate"].error])),
+        "u": (u, law["u"].error),
+        "margin": (reference.margin(low, high, x, float(LEAST_WIDTH))[:, None], watched["return"].error[:, None]),
+    }
+    mu = float(design.mu)
+    held = 4e-35 * float(design.theta0) * (1 + mu**-2 + 2 * mu**-3)  # y in theta is held at 40, where psi + alpha > mu
+    own = {name: 2.0**-60 * float(np.abs(want).max()) for name, (want, _) in values.items()}  # the reference's rounding
+    values = {name: (want, bound + held + own[name]) for name, (want, bound) in values.items()}
+    room = np.minimum(np.abs(x - low), np.abs(high - x)) - np.maximum(moved[:, :n], moved[:, n:])
+    eps = float(FORMATS[scalar].roundoff)
+    return _Truth(t, dt, alpha, x, status, room - 2 * eps * np.abs(x), values)
+
+
+def _adaptive_rows(rows: _Rows, controller: Controller, design: AdaptiveDesign, make: Maker, truth: _Truth) -> None:
+    """(4)-(11) from the probe, then what the public functions return."""
+    backend = make(controller)
+    probe = probe_program(controller.task, design)
+    probed = make(replace(controller, program=probe, files=render_files(controller.task, design, probe, controller.certificate)))
+    t, alpha = truth.t, truth.alpha
+    got = dict(zip(("sigma", "rho", "beta", "psi", "theta"), probed.call("probe", t), strict=True))
+    got["alpha rate"], got["jacobian"] = backend.call("alpha_rate", t, alpha)
+    (got["alpha step"],) = backend.call("alpha_step", t, truth.dt, alpha)
+    lower, upper = backend.tube(t, alpha)
+    got["tube"] = np.hstack([lower, upper])
+    got["tube rate"] = np.hstack(backend.tube_rate(t, alpha))
+    status, got["u"] = backend.control(t, alpha, truth.x)
+    got["margin"] = backend.margin(t, alpha, truth.x)[:, None]
+    for name, (want, bound) in truth.values.items():
+        if name == "u":
+            rows.transform(controller, backend, lower, upper, truth.x)
+        rows.add(name, got[name][:, : want.shape[1]], want, bound, float(np.abs(want).max()))
+    rows.status(status, truth.status, truth.distance)

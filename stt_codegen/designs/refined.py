@@ -1,0 +1,73 @@
+"""What a refined design is: two uniform cubic B-splines for each dimension, in exact integers.
+
+The tube's edge at spline time u = K t / t_c, in segment k = floor(u) with s = u - k, is
+
+    gamma(u) = 2**-bits * sum_{j=0..3} table[k + j] * w_j(s),      w = ((1-s)^3, 3s^3-6s^2+4, -3s^3+3s^2+3s+1, s^3)
+
+so a table entry is a control point divided by 6: the division is done here, once, and not on the target.
+The numbers are dyadic, hence exact in the emitted file, and the certificate speaks about these very numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+
+@dataclass(frozen=True)
+class RefinedDesign:
+    """A refined tube.
+
+    table: control points over 6 in units of 2**-bits, `table[j][i]` = (lower, upper) for control point j = 0..K+2 and
+    dimension i. prescribed_time: t_c in seconds.
+    """
+
+    prescribed_time: Fraction
+    segments: int
+    bits: int
+    table: tuple[tuple[tuple[int, int], ...], ...]
+
+    kind = "refined"
+    stateful = False  # the tube is a function of time alone
+
+    def __post_init__(self) -> None:
+        """Every coefficient must be exact in a float, which is what the certificate and the emitted file rest on."""
+        if any(abs(v) >= 1 << 24 for row in self.table for pair in row for v in pair):
+            raise ValueError("a coefficient of the tube needs more than 24 bits")
+
+    @property
+    def dimension(self) -> int:
+        return len(self.table[0])
+
+    @property
+    def size(self) -> str:
+        """How large the design is, in words."""
+        return f"{self.segments} segments"
+
+    @property
+    def parts(self) -> int | None:
+        """Into how many parts of equal length its data divide the time."""
+        return self.segments
+
+    def parameters(self) -> dict[str, Any]:
+        """What a certificate tells of the design itself; its coefficients stand in the C file."""
+        return {"segments": self.segments, "coefficient_bits": self.bits}
+
+    @property
+    def unit(self) -> Fraction:
+        """The value of one table step."""
+        return Fraction(1, 1 << self.bits) if self.bits >= 0 else Fraction(1 << -self.bits)
+
+    def integers(self) -> npt.NDArray[np.int64]:
+        """The table as an array of shape (K + 3, n, 2)."""
+        return np.array(self.table, dtype=np.int64)
+
+    def bezier(self) -> npt.NDArray[np.int64]:
+        """Bezier coefficients of every segment, exact, in units of 2**-bits: shape (K, n, 2, 4)."""
+        q = self.integers()
+        q0, q1, q2, q3 = q[:-3], q[1:-2], q[2:-1], q[3:]
+        return np.stack([q0 + 4 * q1 + q2, 4 * q1 + 2 * q2, 2 * q1 + 4 * q2, q1 + 4 * q2 + q3], axis=-1)

@@ -1,0 +1,198 @@
+"""The operations of a Program, one row each: what every printer and every reader knows of it stands here and nowhere else.
+
+A new operation is a new row. `tests/test_program.py` prints, runs, encloses and bounds every one.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from math import isqrt
+from typing import Any
+
+LIBRARY_ULPS = 2  # units in the last place, of a function of the C library; assumed, and said in docs/c.md
+
+
+class Type(Enum):
+    REAL = "real"  # float or double, the program's scalar
+    INT = "int"  # a table index or loop counter, at least 32 bits
+    TICK = "tick"  # a count from 0 to 2^32 - 1, a parameter only
+    BOOL = "bool"
+    STATUS = "status"
+
+
+REAL, INT, TICK, BOOL, STATUS = Type.REAL, Type.INT, Type.TICK, Type.BOOL, Type.STATUS
+COST_KINDS = ("add", "mul", "div", "math", "compare", "select", "load", "store", "integer")
+
+# For arguments in [low, high] that are wrong by at most error: a range of the results, and by how much they are wrong before
+# rounding. All exact, so that a bound on rounding is one.
+Ranged = Callable[[Fraction, Fraction, Fraction], tuple[Fraction, Fraction, Fraction] | None]
+
+
+@dataclass(frozen=True)
+class Operation:
+    """One row.
+
+    args, result: types. cost: one of COST_KINDS. number: on Python's numbers. infix or call: in C, a call without the suffix of
+    the precision. casadi: CasADi's names of it. ball: in Python source over balls. ulps: by how many units in the last place
+    a result is rounded, 0 where it is exact, None where it is no real. underflows: whether it may also lose what is below the
+    least number. formula: in SymPy, which is its first argument. change: NumPy's function, if it rises or falls throughout, and
+    where it begins. ranged: as `Ranged`, None where no kernel that is bounded so has it. commutes: arguments may change places.
+    """
+
+    args: tuple[Type, ...]
+    result: Type
+    cost: str
+    number: Callable[..., Any]
+    infix: str = ""
+    call: str = ""
+    casadi: tuple[str, ...] = ()
+    ball: str = ""
+    ulps: float | None = None
+    underflows: bool = True
+    formula: Callable[..., Any] | None = None
+    change: tuple[str, float] | None = None
+    ranged: Ranged | None = None
+    commutes: bool = False
+
+    @property
+    def compares(self) -> bool:
+        """Whether it is a comparison of two numbers; with a NaN it is false, `ne` true, as in IEEE 754."""
+        return self.result is BOOL and BOOL not in self.args
+
+
+def _quotient(a: float, b: float) -> float:
+    """As IEEE 754 divides."""
+    if b:
+        return a / b
+    return math.nan if math.isnan(a) or not a else math.copysign(math.inf, a)
+
+
+def _logarithm(a: float) -> float:
+    return math.log(a) if a > 0 else math.nan
+
+
+def _split(a: float) -> tuple[float, int]:
+    """m and e with a = m 2^e, m in [1/sqrt 2, sqrt 2), for a >= 1/sqrt 2."""
+    e = math.frexp(a * math.sqrt(0.5))[1]
+    return a / 2.0**e, e
+
+
+def _exp_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+    """Of an argument not above 0: the slope is at most exp(error) <= 1 + 2 error; computed exponents are not above 0 either."""
+    return (Fraction(0), Fraction(1), min(error * (1 + 2 * error), Fraction(1))) if high <= 0 else None
+
+
+def _log1p_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+    """Below its argument; the slope is at most 1, and the computed argument is not below 0."""
+    return (Fraction(0), high, error) if low >= 0 else None
+
+
+def _sqrt_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+    """|sqrt a - sqrt b| = |a - b|/(sqrt a + sqrt b) <= error/sqrt(low); roots of fractions by those of whole numbers of 160
+    bits."""
+    if low <= error:
+        return None
+
+    def root(value: Fraction, up: int) -> Fraction:
+        shift = 80 + max(0, value.denominator.bit_length() - value.numerator.bit_length())
+        return Fraction(isqrt((value.numerator << 2 * shift) // value.denominator) + up, 1 << shift)
+
+    return root(low, 0), root(high, 1), error / root(low, 0)
+
+
+def _arithmetic(infix: str, number: Callable[..., Any], casadi: str, **more: Any) -> Operation:
+    return Operation(
+        (REAL, REAL), REAL, more.pop("cost", "add"), number, infix, casadi=(casadi,), ball=f"{{0}} {infix} {{1}}", ulps=0.5,
+        formula=lambda sp, a, b: number(a, b), **more,
+    )  # fmt: skip
+
+
+def _exact(number: Callable[..., Any], casadi: str, ball: str, **more: Any) -> Operation:
+    return Operation((REAL,), REAL, more.pop("cost", "add"), number, casadi=(casadi,), ball=ball, ulps=0, **more)
+
+
+def _library(name: str, number: Callable[..., Any], formula: Callable[..., Any] | None = None, **more: Any) -> Operation:
+    """A function of <math.h> of one argument."""
+    shape = formula or (lambda sp, a: getattr(sp, name)(a))
+    return Operation(
+        (REAL,), REAL, "math", number, call=name, casadi=(f"OP_{name.upper()}",), ball=f"{{0}}.{name}()",
+        ulps=more.pop("ulps", LIBRARY_ULPS), formula=shape, **more,
+    )  # fmt: skip
+
+
+def _comparison(
+    kinds: tuple[Type, Type], infix: str, number: Callable[..., bool], ball: str, relation: str, casadi: str = ""
+) -> Operation:
+    return Operation(
+        kinds, BOOL, "compare", number, infix, casadi=(casadi,) if casadi else (), ball=ball,
+        formula=lambda sp, a, b: getattr(sp, relation)(a, b), commutes=relation in ("Eq", "Ne"),
+    )  # fmt: skip
+
+
+def _truth(infix: str, number: Callable[..., bool], casadi: str, ball: str, count: int = 2) -> Operation:
+    kinds = (BOOL,) * count
+    return Operation(kinds, BOOL, "compare", number, infix, casadi=(casadi,), ball=ball, commutes=count == 2)
+
+
+def _whole(infix: str, number: Callable[..., int], ball: str) -> Operation:
+    return Operation((INT, INT), INT, "integer", number, infix, ball=ball)
+
+
+OPERATIONS: dict[str, Operation] = {
+    "add": _arithmetic("+", operator.add, "OP_ADD", underflows=False, commutes=True),
+    "sub": _arithmetic("-", operator.sub, "OP_SUB", underflows=False),
+    "mul": _arithmetic("*", operator.mul, "OP_MUL", cost="mul", commutes=True),
+    "div": Operation(
+        (REAL, REAL), REAL, "div", _quotient, "/", casadi=("OP_DIV",), ball="{0} / {1}", ulps=0.5,
+        formula=lambda sp, a, b: a / b,
+    ),
+    "pow": Operation(
+        (REAL, REAL), REAL, "math", operator.pow, call="pow", casadi=("OP_POW", "OP_CONSTPOW"), ball="{0} ** {1}",
+        ulps=LIBRARY_ULPS, formula=lambda sp, a, b: a**b,
+    ),
+    "neg": _exact(operator.neg, "OP_NEG", "-{0}", formula=lambda sp, a: -a),
+    "fabs": _exact(abs, "OP_FABS", "abs({0})", call="fabs", formula=lambda sp, a: sp.Abs(a)),
+    "floor": _exact(lambda a: float(math.floor(a)), "OP_FLOOR", "{0}.floor()", call="floor", cost="math"),
+    "ceil": _exact(lambda a: float(math.ceil(a)), "OP_CEIL", "{0}.ceil()", call="ceil", cost="math"),
+    "sqrt": _library("sqrt", math.sqrt, ulps=0.5, change=("sqrt", 0.0), ranged=_sqrt_range),
+    "exp": _library("exp", math.exp, change=("exp", -math.inf), ranged=_exp_range),
+    "expm1": _library("expm1", math.expm1, lambda sp, a: sp.exp(a) - 1, change=("expm1", -math.inf)),
+    "log": _library("log", _logarithm, change=("log", 0.0)),
+    "log1p": _library("log1p", math.log1p, lambda sp, a: sp.log(1 + a), change=("log1p", -1.0), ranged=_log1p_range),
+    "tanh": _library("tanh", math.tanh, change=("tanh", -math.inf)),
+    "sinh": _library("sinh", math.sinh, change=("sinh", -math.inf)),
+    "cosh": _library("cosh", math.cosh),
+    "atanh": _library("atanh", math.atanh),
+    "sin": _library("sin", math.sin),
+    "cos": _library("cos", math.cos),
+    "tan": _library("tan", math.tan),
+    "lt": _comparison((REAL, REAL), "<", operator.lt, "_less({0}, {1}, False)", "Lt", "OP_LT"),
+    "le": _comparison((REAL, REAL), "<=", operator.le, "_less({0}, {1}, True)", "Le", "OP_LE"),
+    "eq": _comparison((REAL, REAL), "", operator.eq, "_equal({0}, {1})", "Eq", "OP_EQ"),
+    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_equal({0}, {1}))", "Ne", "OP_NE"),
+    "ilt": _comparison((INT, INT), "<", operator.lt, "_before({0}, {1})", "Lt"),
+    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_before({0}, {1})", "Lt"),
+    "and": _truth("&&", lambda a, b: a and b, "OP_AND", "_both({0}, {1})"),
+    "or": _truth("||", lambda a, b: a or b, "OP_OR", "_not(_both(_not({0}), _not({1})))"),
+    "not": _truth("", operator.not_, "OP_NOT", "_not({0})", 1),
+    "iadd": _whole("+", operator.add, "_added({0}, {1})"),
+    "isub": _whole("-", operator.sub, "_less_by({0}, {1})"),
+    "imul": _whole("*", operator.mul, "_times({0}, {1})"),
+    "idiv": _whole("/", operator.floordiv, "_quotient({0}, {1})"),  # of a number not negative by a positive one, rounded down
+    "int": Operation((TICK,), INT, "integer", int, ball="_same({0})"),  # of a count below 2^31
+    "real": Operation((INT,), REAL, "integer", float, ball="_number({0})", formula=lambda sp, a: a),
+    # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact
+    "exponent": Operation(
+        (REAL,), INT, "integer", lambda a: _split(a)[1], ball="_exponent({0}, _least_mantissa)",
+        formula=lambda sp, a: sp.Function("exponent")(a),
+    ),
+    "mantissa": Operation(
+        (REAL,), REAL, "integer", lambda a: _split(a)[0], ball="_mantissa({0}, _least_mantissa)", ulps=0,
+        formula=lambda sp, a: sp.Function("mantissa")(a),
+    ),
+}  # fmt: skip

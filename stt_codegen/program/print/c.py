@@ -1,0 +1,238 @@
+"""Program to C99. Every statement is one line; all decisions on types, names and literals are made here.
+
+Assumed of the compiler: IEEE-754 arithmetic in the program's own type (FLT_EVAL_METHOD 0), no fused multiply-add
+(-ffp-contract=off, the default of -std=c99), no -ffast-math. The emitted file refuses the last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stt_codegen.program.nodes import (
+    Call,
+    Carry,
+    Const,
+    Expression,
+    Function,
+    Kernel,
+    Operand,
+    Param,
+    Program,
+    Return,
+    Select,
+    Status,
+    Table,
+    Var,
+    uses_split,
+)
+from stt_codegen.program.number import round_to, shortest
+from stt_codegen.program.operations import BOOL, INT, REAL, STATUS, TICK, Type
+from stt_codegen.program.print.base import Printer
+
+_BITS = {  # width, bits of the fraction, and the number 1/sqrt 2
+    "float": ("uint32_t", 23, "0x3f3504f3U"),
+    "double": ("uint64_t", 52, "0x3fe6a09e667f3bcdU"),
+}
+
+
+def split_lines(prefix: str, scalar: str) -> list[str]:
+    """The C of the nodes `exponent` and `mantissa`, by the bits of an IEEE-754 number."""
+    word, shift, least = _BITS[scalar]
+    size = 4 if scalar == "float" else 8
+    head = [f"    {word} bits;", "    (void)memcpy(&bits, &y, sizeof bits);"]
+    return [
+        f"/* The type must have {8 * size} bits: avr-gcc's double, for one, has not. */",
+        f"typedef char {prefix}_real_size[(sizeof({prefix}_real) == {size}U) ? 1 : -1];",
+        "",
+        "/* y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e, and m. */",
+        f"static inline int32_t {prefix}_exponent({prefix}_real y)",
+        "{",
+        *head,
+        f"    return (int32_t)((bits - {least}) >> {shift});",
+        "}",
+        "",
+        f"static inline {prefix}_real {prefix}_mantissa({prefix}_real y)",
+        "{",
+        *head,
+        f"    bits = ((bits - {least}) & {(1 << shift) - 1:#x}U) + {least};",
+        f"    {prefix}_real m;",
+        "    (void)memcpy(&m, &bits, sizeof m);",
+        "    return m;",
+        "}",
+    ]
+
+
+class CPrinter(Printer):
+    """C99; `real` is the scalar's type name in the emitted files."""
+
+    def __init__(self, program: Program) -> None:
+        super().__init__(program)
+        self.prefix = program.prefix
+        self.macro = program.prefix.upper()
+        self.real = f"{self.prefix}_real"
+
+    def helpers(self) -> list[str]:
+        """What some node of the program needs beside expressions."""
+        return split_lines(self.prefix, self.program.scalar) if uses_split(self.program) else []
+
+    # ---- names and literals
+
+    def type_name(self, kind: Type) -> str:
+        return {REAL: self.real, INT: "int32_t", TICK: "uint32_t", BOOL: "bool", STATUS: f"{self.prefix}_status"}[kind]
+
+    def literal(self, constant: Const) -> str:
+        value = constant.value
+        if isinstance(value, Status):
+            return f"{self.macro}_{value.name}"
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        if constant.type is INT:
+            return str(value)
+        if constant.type is TICK:
+            return f"{value}U"
+        if value is None:
+            return f"({self.real})NAN"
+        text = shortest(round_to(value, self.program.scalar), self.program.scalar)  # type: ignore[arg-type]
+        text += "F" if self.program.scalar == "float" else ""
+        return f"({text})" if text.startswith("-") else text
+
+    # ---- expressions
+
+    def array(self, name: str) -> str:
+        return f"{self.prefix}_{name}" if self.is_table(name) else name
+
+    def format_select(self, select: Select, condition: str, then: str, other: str) -> str:
+        return f"{condition} ? {then} : {other}"
+
+    def format_finite(self, value: str) -> str:
+        return f"isfinite({value}) != 0"
+
+    def format_trunc(self, operand: Operand, value: str) -> str:
+        return f"(int32_t){value}"
+
+    def format_math(self, name: str, args: Sequence[str]) -> str:
+        """The C library's function in the program's own precision."""
+        return f"{name}{'f' if self.program.scalar == 'float' else ''}({', '.join(args)})"
+
+    def format_neg(self, a: str) -> str:
+        return f"-{a}"
+
+    def format_not(self, a: str) -> str:
+        return f"!{a}"
+
+    def format_real(self, a: str) -> str:
+        return f"({self.real}){a}"
+
+    def format_int(self, a: str) -> str:
+        return f"(int32_t){a}"
+
+    def format_exponent(self, a: str) -> str:
+        return f"{self.prefix}_exponent({a})"
+
+    def format_mantissa(self, a: str) -> str:
+        return f"{self.prefix}_mantissa({a})"
+
+    def format_eq(self, a: str, b: str) -> str:
+        """== on reals is refused by -Wfloat-equal; this is the same, false for NaN included."""
+        return f"({a} <= {b}) && ({b} <= {a})"
+
+    def format_ne(self, a: str, b: str) -> str:
+        return f"!({self.format_eq(a, b)})"
+
+    # ---- statements
+
+    def format_assign(self, var: Var, value: str) -> str:
+        return f"const {self.type_name(var.type)} {var.name} = {value};"
+
+    def format_set(self, var: Var, value: str) -> str:
+        return f"{var.name} = {value};"
+
+    def format_carry(self, carry: Carry) -> str:
+        return f"{self.type_name(carry.var.type)} {carry.var.name} = {self.expression(carry.initial)};"
+
+    def format_store(self, array: str, index: str, value: str) -> str:
+        return f"{array}[{index}] = {value};"
+
+    def format_for(self, index: Var, count: int) -> str:
+        return f"for (int32_t {index.name} = 0; {index.name} < {count}; ++{index.name}) {{"
+
+    def format_if(self, condition: str) -> str:
+        return f"if ({condition}) {{"
+
+    def format_end(self) -> list[str]:
+        return ["}"]
+
+    def format_leave(self, status: Expression | None) -> list[str]:
+        return ["return;" if status is None else f"return {self.expression(status)};"]
+
+    def leave(self, statement: Return) -> list[str]:
+        """At the end of a function that returns nothing there is nothing to write."""
+        return [] if statement.when is None and statement.status is None else super().leave(statement)
+
+    def format_call(self, call: Call) -> list[str]:
+        args = [self.expression(a) for a in call.args]
+        name = f"{self.prefix}_{call.kernel}"
+        if len(call.results) == 1:
+            result = call.results[0]
+            return [f"const {self.type_name(result.type)} {result.name} = {name}({', '.join(args)});"]
+        lines = [f"{self.type_name(r.type)} {r.name};" for r in call.results]
+        return [*lines, f"{name}({', '.join(args + [f'&{r.name}' for r in call.results])});"]
+
+    # ---- tables, kernels, functions
+
+    def table(self, table: Table) -> list[str]:
+        lines = [*self.comment(table.doc), f"static const {self.real} {self.prefix}_{table.name}[{len(table.values)}] = {{"]
+        lines += self.rows(table)
+        lines[-1] = lines[-1].removesuffix(",")
+        return [*lines, "};"]
+
+    def kernel(self, kernel: Kernel) -> list[str]:
+        inputs = [f"{self.type_name(v.type)} {v.name}" for v in kernel.inputs]
+        lines = self.comment(kernel.doc)
+        if len(kernel.outputs) == 1:
+            kind = self.type_name(kernel.outputs[0].type)
+            lines += self.wrap(f"static inline {kind} {self.prefix}_{kernel.name}(", inputs, ")")
+            return [*lines, "{", *self.statements(kernel.body), f"    return {self.expression(kernel.outputs[0])};", "}"]
+        taken = {v.name for v in kernel.inputs} | {a.var.name for a in kernel.body}
+        names = [n + "_out" if n in taken else n for n in kernel.output_names]
+        outs = [f"{self.type_name(o.type)} *{n}" for o, n in zip(kernel.outputs, names, strict=True)]
+        lines += self.wrap(f"static inline void {self.prefix}_{kernel.name}(", inputs + outs, ")")
+        stores = [f"    *{n} = {self.expression(o)};" for n, o in zip(names, kernel.outputs, strict=True)]
+        return [*lines, "{", *self.statements(kernel.body), *stores, "}"]
+
+    def function(self, function: Function) -> list[str]:
+        return [*self.signature(function), "{", *self.statements(function.body), "}"]
+
+    def prototype(self, function: Function) -> list[str]:
+        lines = [*self.comment(function.doc), *self.signature(function)]
+        lines[-1] += ";"
+        return lines
+
+    def signature(self, function: Function) -> list[str]:
+        kind = f"{self.prefix}_status" if function.returns_status else self.real if function.returns_real else "void"
+        return self.wrap(f"{kind} {self.prefix}_{function.name}(", [self.param(p) for p in function.params], ")")
+
+    def param(self, param: Param) -> str:
+        if param.length is None:
+            return f"{self.type_name(param.type)} {param.name}"
+        factor = param.length // self.program.dimension
+        length = f"{self.macro}_N" if factor == 1 else f"{factor} * {self.macro}_N"
+        return f"{'' if param.output else 'const '}{self.real} {param.name}[{length}]"
+
+    def wrap(self, head: str, parts: list[str], tail: str, width: int = 112) -> list[str]:
+        """`head` + parts separated by commas + `tail`, broken under the opening parenthesis where too long."""
+        lines, line = [], head
+        for k, part in enumerate(parts):
+            piece = part + (tail if k == len(parts) - 1 else ",")
+            if len(line) + len(piece) + 1 > width and line.strip() != head.strip():
+                lines.append(line.rstrip())
+                line = " " * len(head)
+            line += piece if line.endswith("(") or not line.strip() else " " + piece
+        return [*lines, line]
+
+    def comment(self, doc: tuple[str, ...]) -> list[str]:
+        if not doc:
+            return []
+        if len(doc) == 1:
+            return [f"/* {doc[0]} */"]
+        return [f"/* {doc[0]}", *(f" * {line}".rstrip() for line in doc[1:]), " */"]

@@ -1,0 +1,63 @@
+"""The emitted files as something that a build system takes as it is: a CMake package, an Arduino or PlatformIO library."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+from stt_codegen.emit.naming import file_names, selftest_name
+from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.pipeline import Controller
+from stt_codegen.report.design import input_report
+
+KINDS = ("plain", "cmake", "arduino", "platformio")
+PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
+
+
+def loop_period(controller: Controller) -> Fraction:
+    """Seconds between the example's steps: emit.tick_period; else at most `PERIOD` and what is proved for the task's plant, in
+    whole microseconds, and within the steps that an adaptive certificate allows."""
+    task, steps = controller.task, controller.certificate.steps
+    if task.emit.tick_period is not None:
+        return task.emit.tick_period
+    sampling = input_report(controller).sampling
+    proved = None if sampling is None else sampling.at_this_gain
+    period = PERIOD if proved is None else min(PERIOD, Fraction(proved.period))
+    if steps is not None:
+        period = min(max(period, steps[0] + Fraction(1, 10**6)), steps[1])
+    return Fraction(max(1, math.floor(period * 10**6)), 10**6)
+
+
+def package(controller: Controller, kind: str) -> Files:
+    """The files by path: `plain` as they are emitted; else in a folder <p>/ with sources in src/, the certificate and the
+    Python in extras/, and what the build system reads."""
+    prefix = controller.task.name
+    header, source, module, proof = file_names(prefix)
+    if kind == "plain":
+        return controller.files
+    inline = controller.task.emit.math == "inline"
+    period = loop_period(controller)
+    words = {
+        "prefix": prefix,
+        "macro": prefix.upper(),
+        "kind": controller.design.kind,
+        "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "library": "" if inline else "m",
+        "ticks": controller.task.emit.tick_period is not None,
+        "selftest": controller.task.emit.selftest,
+        "hash": design_hash(controller.task, controller.design),
+        "adaptive": controller.design.stateful,
+        "period_us": int(period * 10**6),
+        "period_ms": f"{float(period * 1000):g}",
+        "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
+    }
+    own = {
+        "cmake": {"CMakeLists.txt": "CMakeLists.txt"},
+        "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
+        "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
+    }[kind]
+    sources = [name for name in (header, source, selftest_name(prefix)) if name in controller.files]
+    files = {f"src/{name}": controller.files[name] for name in sources}
+    files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}
+    return {f"{prefix}/{path}": data for path, data in files.items()}

@@ -1,0 +1,285 @@
+"""What Theorem 4.1 and the sampled statements give for one controller and one plant: hypotheses, and bounds with numbers.
+
+`design` shows the short form, `prove TASK` writes all of it to <p>.bounds.json; bounds.py has both as data.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import arb
+
+from stt_codegen.certify.enclosure import Enclosed, enclosed_windows
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model
+from stt_codegen.report.bounds import (
+    BoundsReport,
+    ContinuousBounds,
+    Hypothesis,
+    PlantOverTube,
+    ProvedPeriod,
+    Sampling,
+    TubeBounds,
+    UpdateFunctionBounds,
+    above_float,
+    below_float,
+    rounded,
+)
+from stt_codegen.sampling import Gains, Period, law_of, setting_of
+from stt_codegen.sampling.gains import longest_from
+from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
+from stt_codegen.sampling.statements import STATEMENTS, q
+from stt_codegen.sampling.windows import Windows, refined_windows
+
+Array = npt.NDArray[Any]
+USUAL_PERIOD = 0.001  # seconds; for which the safe gains are told when the task names no tick_period
+
+
+class Analysis:
+    """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured
+    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too)."""
+
+    def __init__(self, controller: Controller, plant: Model | None = None, noise: float = 0.0, latency: float = 0.0) -> None:
+        for name, value in (("--noise", noise), ("--latency", latency)):
+            if not (math.isfinite(value) and value >= 0):
+                raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
+        self.controller, self.noise, self.latency = controller, noise, latency
+        self.plant = plant
+        task = controller.task
+        self.windows = self._windows()
+        law = law_of(task, controller.certificate.edge_error, noise, latency)
+        self.bounds = list(self._bounds())
+        self.setting = setting_of(self.windows, self.bounds, law, [float(v) for v in task.initial_state])
+
+    def _windows(self) -> Windows:
+        design = self.controller.design
+        return refined_windows(design) if isinstance(design, RefinedDesign) else enclosed_windows(self._enclosed)
+
+    @cached_property
+    def _enclosed(self) -> Enclosed:
+        from stt_codegen.certify.enclosure import enclosed_tube
+
+        design = self.controller.design
+        assert isinstance(design, AdaptiveDesign)
+        return enclosed_tube(self.controller.task, design)
+
+    def _bounds(self) -> Iterator[Bounds]:
+        """The plant over every window's box, joined with that of the window before."""
+        task, w = self.controller.task, self.windows
+        if self.plant is None:
+            yield from [bounds_of_task(task)] * len(w.narrow)
+            return
+        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.control.gain > 0 else -1)
+        for k in range(len(w.narrow)):
+            before = max(k - 1, 0)
+            low, high = np.minimum(w.low[k], w.low[before]), np.maximum(w.high[k], w.high[before])
+            yield enclosure.over(list(zip(low.tolist(), high.tolist(), strict=True)))
+
+    def start_at(self, x0: Sequence[float]) -> Array:
+        """|eps(0)| of another start."""
+        law = self.setting.law
+        return setting_of(self.windows, self.bounds, law, x0).start
+
+    @property
+    def name(self) -> str:
+        if self.plant is not None:
+            return self.plant.name
+        told = self.controller.task.plant.model_dump(exclude_none=True)
+        return "[plant] of the task" if told else "xdot = u" if self.controller.task.control.gain > 0 else "xdot = -u"
+
+    # ------------------------------------------------------------------------------------ sampled control
+
+    @cached_property
+    def periods(self) -> dict[str, Period | None]:
+        """By statement, the longest period proved for the task's gain."""
+        return {statement: longest_from(self.shortest, statement, self.setting) for statement in STATEMENTS}
+
+    @property
+    def shortest(self) -> float:
+        """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified."""
+        steps = self.controller.certificate.steps
+        return 0.0 if steps is None else float(steps[0])
+
+    def assumptions(self) -> list[str]:
+        """What the periods rest on and nothing here can show."""
+        task, found = self.controller.task, []
+        if self.plant is None and task.plant.model_dump(exclude_none=True):
+            found.append("inputs are decoupled (g diagonal); `prove TASK --plant` takes any g")
+            if task.plant.g_min is None:
+                found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
+        if self.shortest:
+            found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
+        return found
+
+    @cached_property
+    def period(self) -> Period | None:
+        """The longest of them."""
+        found = [p for p in self.periods.values() if p is not None]
+        return max(found, key=lambda p: p.seconds, default=None)
+
+    @cached_property
+    def gains(self) -> Gains:
+        """What other gains would do."""
+        return Gains(self.setting, self.shortest, self.period)
+
+    @property
+    def best_gain(self) -> tuple[float, Period] | None:
+        """The |k| of the longest period, in two digits, and what is proved for it."""
+        return self.gains.best
+
+    # --------------------------------------------------------------------------------- continuous control
+
+    @cached_property
+    def reach(self) -> Array:
+        """eps* by component (Theorem 4.1 for g that couples nothing): the least E with 4 k g_min q(E)/d+ >= P, and |eps(0)|;
+        infinite where there is none below eps(e_max)."""
+        s = self.setting
+        need = np.where(s.least > 0, s.push * s.windows.wide / (4 * s.law.gain * np.maximum(s.least, 1e-300)), np.inf).max(axis=0)
+        need = np.where(s.cross.sum(axis=(0, 2)) > 0, np.inf, need) * (1 + 1e-9)
+        return np.maximum(_inverse_q(need, s.law.farthest), s.start)
+
+    @cached_property
+    def reach_norm(self) -> float:
+        """eps* in norm, for any g: max(|eps(0)|, max gamma_d Phi/(4 k g_min))."""
+        s = self.setting
+        if not (s.definite > 0).all():
+            return math.inf
+        phi = s.push_norm / s.definite * s.windows.wide.max(axis=1) / (4 * s.law.gain)
+        return max(float(phi.max()) * (1 + 1e-9), float(np.sqrt((s.start**2).sum())))
+
+    @cached_property
+    def effort(self) -> Array:
+        """|u_i| <= max(|u_i(0)|, P_i/g_min,i) under continuous control, for g that couples nothing; else infinite."""
+        s = self.setting
+        with np.errstate(divide="ignore", invalid="ignore"):
+            held = np.where(s.least > 0, s.push / s.least, np.inf).max(axis=0)
+        first = 4 * s.law.gain * q(s.start) / s.windows.narrow[0] * (1 + 1e-9)
+        return np.where(s.cross.sum(axis=(0, 2)) > 0, np.inf, np.maximum(held * (1 + 1e-9), first))
+
+    # ---------------------------------------------------------------------------------------- hypotheses
+
+    def hypotheses(self) -> Iterator[Hypothesis]:
+        s, task, c = self.setting, self.controller.task, self.controller.certificate
+        yield Hypothesis("tube", "the certificate holds: P1 to P7", c.holds)
+        yield Hypothesis("start", "x(0) strictly inside gamma(0)", bool(np.isfinite(s.start).all()))
+        least = float(s.definite.min())
+        sign = "" if task.control.gain > 0 else "-"
+        known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
+        yield Hypothesis("Assumption 2", known, least > 0)
+        clamp = s.law.farthest
+        inside = bool((self.reach < clamp).all()) or self.reach_norm < clamp or self.period is not None
+        told = f"eps* <= eps(e_max) = {clamp:.4g} under continuous control, or a sampled statement holds: the clamp never acts"
+        yield Hypothesis("Theorem 4.1", told, inside)
+        if task.control.u_max is not None:
+            free = self.period is not None or bool((self.effort <= s.law.u_max).all())
+            yield Hypothesis("saturation", "u_max leaves the law what the tube asks for", free)
+        if task.emit.tick_period is not None:
+            period = self.period
+            enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
+            yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
+        if isinstance(self.controller.design, AdaptiveDesign):
+            yield from self._adaptive
+
+    @cached_property
+    def _adaptive(self) -> list[Hypothesis]:
+        """Lemma 3.3 repaired, and the four gaps, for this tube."""
+        found = self.update_function
+        if found.least_gap is None or found.s_star is None:
+            return [Hypothesis("update function", "psi + alpha is bounded away from 0", False)]
+        least, needed, star = found.least_gap, found.ln4_over_nu, found.s_star
+        return [
+            Hypothesis("update function", f"psi + alpha >= s* = {star:g} > 0", star > 0),
+            Hypothesis("four gaps", f"the least gap, {least:g}, is above ln 4/nu = {needed:g}", least > needed),
+        ]
+
+    @cached_property
+    def update_function(self) -> UpdateFunctionBounds:
+        """Of an adaptive tube, enclosed."""
+        tube, design = self._enclosed, self.controller.design
+        assert isinstance(design, AdaptiveDesign)
+        psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
+        low, high = 0, 1
+        upper = (rho[:, :, 1, low] + alpha[:, :, 1, low], beta[:, :, 1, low])
+        lower = (rho[:, :, 0, high] - alpha[:, :, 0, low], beta[:, :, 0, high])
+        gap = min(float((a - b).min()) for a in upper for b in lower)
+        return UpdateFunctionBounds(
+            below_float(float((psi[..., low] + alpha[..., low]).min())),
+            below_float(float(psi[0, ..., low].min())),
+            above_float(float(alpha[..., high].max())),
+            below_float(gap),
+            above_float(math.log(4) / float(design.nu)),
+        )
+
+    # -------------------------------------------------------------------------------------------- reports
+
+    def sampling(self) -> Sampling:
+        """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
+        task, best, own = self.controller.task, self.best_gain, self.period
+        wanted = float(task.emit.tick_period or USUAL_PERIOD)
+        gains = self.gains.safe(wanted + self.latency)
+        sign = 1 if task.control.gain > 0 else -1
+        return Sampling(
+            self.name,
+            self.latency,
+            tuple(self.assumptions()),
+            above_float(self.shortest),
+            float(task.control.gain),
+            None if own is None else ProvedPeriod.of(own),
+            None if best is None else sign * best[0],
+            None if best is None else ProvedPeriod.of(best[1]),
+            wanted,
+            None if gains is None else (sign * gains[0], sign * gains[1]),
+        )
+
+    def report(self) -> BoundsReport:
+        """All that is known of this loop."""
+        controller, s, w = self.controller, self.setting, self.windows
+        return BoundsReport(
+            controller.task.name,
+            controller.design.kind,
+            controller.program.scalar,
+            self.name,
+            self.noise,
+            self.latency,
+            tuple(self.hypotheses()),
+            TubeBounds(
+                rounded(w.low.min(axis=0), below_float),
+                rounded(w.high.max(axis=0), above_float),
+                rounded(w.narrow.min(axis=0), below_float),
+                rounded(w.wide.max(axis=0), above_float),
+                rounded(w.speed.max(axis=0), above_float),
+            ),
+            PlantOverTube(
+                rounded(np.array([b.push for b in self.bounds]).max(axis=0), above_float),
+                rounded(s.least.min(axis=0), below_float),
+                rounded(s.cross.max(axis=(0, 2)), above_float),
+                below_float(float(s.definite.min())),
+                above_float(float(s.norm.max())),
+            ),
+            ContinuousBounds(rounded(self.reach, above_float), above_float(self.reach_norm), rounded(self.effort, above_float)),
+            {name: None if p is None else ProvedPeriod.of(p) for name, p in self.periods.items()},
+            self.sampling(),
+            self.update_function if isinstance(controller.design, AdaptiveDesign) else None,
+        )
+
+
+def _inverse_q(need: Array, most: float) -> Array:
+    """The least E (rounded up) with q(E) >= need, shown in balls; infinite above `most`."""
+    low, high = np.zeros(need.shape), np.full(need.shape, most)
+    for _ in range(60):
+        middle = (low + high) / 2
+        enough = q(middle) >= need
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    high = high * (1 + 1e-9)
+    shown = [
+        bool(q(np.array([arb(e)], dtype=object))[0] >= arb(v)) if math.isfinite(v) else False
+        for e, v in zip(high, need, strict=True)
+    ]
+    return np.where(shown, high, np.inf)

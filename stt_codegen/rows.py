@@ -1,0 +1,131 @@
+"""The rows of a task: what a tube must satisfy, as inequalities that are linear in its edges.
+
+    sum_k c_k E_k^(d) >= bound + keep        for all t, at t = 0, or at t_c
+
+E_k is an edge (dimension, side), d = 0 the edge and d = 1 its rate. A row is data; design puts it into its linear programs with
+the edges' control points as unknowns (tightened by the room that the arithmetic needs), and every certificate evaluates it:
+exactly on Bezier coefficients (exact.py), in balls (enclosure.py), at samples (falsification.py). P4 is a choice: of the rows of
+one set one must hold at every moment, each with a normal n of its own, c_i = n_i on the edge that is nearer to the set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+
+from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
+from stt_codegen.task import Task
+from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
+
+Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
+
+
+@dataclass(frozen=True)
+class Row:
+    """One inequality. terms: (dimension, side, c); keep: the clearance that the bound is raised by, in the units of the row; per:
+    what the slack is divided by to be a distance in the task's units; order: the derivative of the edges."""
+
+    terms: tuple[Term, ...]
+    bound: Fraction
+    keep: Fraction = Fraction(0)
+    per: int = 1
+    order: int = 0
+
+    @property
+    def size(self) -> int:
+        """Sum of |c|: errors of every edge by at most delta change the left side by at most this much times delta."""
+        return sum(abs(c) for _, _, c in self.terms)
+
+    @property
+    def needed(self) -> Fraction:
+        """How much slack, told as a distance, an error of 1 in every edge may take."""
+        return Fraction(self.size, self.per)
+
+    @property
+    def dimension(self) -> int | None:
+        """The one that the row is about, from 0; None where it is about several."""
+        found = {i for i, _, _ in self.terms}
+        return found.pop() if len(found) == 1 else None
+
+
+@dataclass(frozen=True)
+class Avoidance:
+    """P4 for one set: at every moment one of the rows must hold."""
+
+    name: str
+    rows: tuple[Row, ...]
+
+
+def least_width(task: Task) -> Fraction:
+    """What P1 demands: below LEAST_WIDTH the emitted law is another."""
+    return max(task.tube.min_width, LEAST_WIDTH)
+
+
+def width_rows(task: Task) -> tuple[Row, ...]:
+    """P1, for all t: R_i - L_i >= min_width."""
+    return tuple(Row(((i, UPPER, 1), (i, LOWER, -1)), least_width(task)) for i in range(task.dimension))
+
+
+def state_rows(task: Task) -> tuple[Row, ...]:
+    """P2, at t = 0: x(0) between the edges, both sides by dimension."""
+    return _between([(-x, x) for x in task.initial_state], -1)
+
+
+def start_rows(task: Task) -> tuple[Row, ...]:
+    """P2, at t = 0: the tube within the initial set."""
+    return within(task.start)
+
+
+def stay_rows(task: Task) -> tuple[Row, ...]:
+    """P3, for all t: the tube within the state space less the body."""
+    return within(task.free_space)
+
+
+def reach_rows(task: Task) -> tuple[Row, ...]:
+    """P5, at t_c: the tube within the target set."""
+    return within(task.target)
+
+
+def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
+    """P4, for all t: for every unsafe set, grown by the body, a choice of rows."""
+    return tuple(Avoidance(s.name, apart_rows(s, task.tube.clearance)) for s in task.obstacles)
+
+
+def speed_rows(task: Task) -> tuple[Row, ...]:
+    """P6, for all t: both edges of every dimension no faster than max_speed; none where there is no bound."""
+    most = task.tube.max_speed
+    if most is None:
+        return ()
+    edges = ((i, side) for i in range(task.dimension) for side in (LOWER, UPPER))
+    return tuple(Row(((i, side, sign),), -most, order=1) for i, side in edges for sign in (-1, 1))
+
+
+def within(box: BoxSet) -> tuple[Row, ...]:
+    """The tube inside a box: L_i >= lower_i and -R_i >= -upper_i, both sides by dimension."""
+    return _between([(a, -b) for a, b in zip(box.lower, box.upper, strict=True)], 1)
+
+
+def _between(bounds: Iterable[tuple[Fraction, Fraction]], sign: int) -> tuple[Row, ...]:
+    """sign L_i >= first bound, -sign R_i >= second bound."""
+    found = []
+    for i, (low, high) in enumerate(bounds):
+        found += [Row(((i, LOWER, sign),), low), Row(((i, UPPER, -sign),), high)]
+    return tuple(found)
+
+
+def apart_rows(convex: ConvexSet, clearance: Fraction) -> tuple[Row, ...]:
+    """For every normal of the set: low_n(B) >= h(n) + |n|_1 clearance. The slack over |n|_1 is the clearance beyond, in the
+    largest component."""
+    found = []
+    for normal, support in convex.faces:
+        terms, size = _terms(normal)
+        found.append(Row(terms, support, clearance if size == 1 else size * clearance, size))
+    return tuple(found)
+
+
+@cache
+def _terms(normal: Normal) -> tuple[tuple[Term, ...], int]:
+    """low_n as terms, and |n|_1."""
+    return tuple((i, LOWER if c > 0 else UPPER, c) for i, c in enumerate(normal) if c), sum(map(abs, normal))

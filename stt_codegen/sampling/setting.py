@@ -1,0 +1,123 @@
+"""A loop as the sampled statements see it: a tube in time windows, bounds on a plant in each, and the law with its errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from flint import arb
+
+from stt_codegen.program.number import FORMATS
+from stt_codegen.sampling.plant import Bounds
+from stt_codegen.sampling.windows import Windows
+from stt_codegen.task import Task
+
+Array = npt.NDArray[Any]
+# Of the emitted law against (13) on what it sees: relative, and in eps = ln(a/b). Float: less than 32 roundings of 2^-24, the
+# library's logarithm within 4 units; inline adds its 2^-14.9 of eps.
+ROUNDING = {
+    ("float", "libm"): 2.0**-19,
+    ("float", "inline"): 2.0**-14,
+    ("double", "libm"): 2.0**-46,
+    ("double", "inline"): 2.0**-14,
+}
+
+
+@dataclass(frozen=True)
+class Law:
+    """gain = |k|; shift, u_max by component (infinite where u is not limited); rounding relative and in eps."""
+
+    gain: float
+    e_max: float
+    shift: Array
+    u_max: Array
+    rounding: float
+    latency: float = 0.0  # seconds from a sample to the input that it makes
+
+    @property
+    def farthest(self) -> float:
+        """eps(e_max)."""
+        return float(2 * np.arctanh(self.e_max))
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A tube, a plant over it and a law: arrays (W + 1, n) by window, those with `back` the worse of it and the one before."""
+
+    windows: Windows
+    law: Law
+    least: Array
+    most: Array  # back
+    cross: Array  # back (W + 1, n, n)
+    push: Array  # back: P by component
+    narrow: Array  # back
+    definite: Array  # (W + 1)
+    norm: Array  # back (W + 1)
+    push_norm: Array  # back (W + 1): F + S
+    start: Array  # |eps(0)|, (n)
+
+    @property
+    def longest_age(self) -> float:
+        """Of a sample, so that it and what acted before it stem from this window or the one before."""
+        return self.windows.shortest / (2 if self.law.latency else 1)
+
+    def with_gain(self, gain: float) -> Setting:
+        return replace(self, law=replace(self.law, gain=gain))
+
+
+def law_of(task: Task, edge_error: Sequence[Fraction], noise: float = 0.0, latency: float = 0.0) -> Law:
+    """The law of a task; `noise` bounds the error of a measured x, by component, in the task's units; latency in seconds."""
+    n = task.dimension
+    limits = task.control.u_max
+    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
+    rounded = float(FORMATS[task.emit.scalar].roundoff * size) * (1 + 1e-12)
+    return Law(
+        abs(float(task.control.gain)),
+        float(task.control.e_max),
+        np.array([2 * float(e) * (1 + 1e-12) + rounded + noise for e in edge_error]),
+        np.full(n, np.inf) if limits is None else np.array([float(v) * (1 - 2.0**-23) for v in limits]),
+        ROUNDING[task.emit.scalar, task.emit.math],
+        latency,
+    )
+
+
+def setting_of(windows: Windows, plant: Sequence[Bounds], law: Law, x0: Sequence[float]) -> Setting:
+    """`plant`: bounds for every window, over it and the one before it. x0: where the run begins, strictly inside."""
+    push = np.array([p.push for p in plant])
+    speed = back(windows.speed, np.maximum)
+    x = np.array(x0)
+    a, b = x - windows.start[:, 0], windows.start[:, 1] - x
+    a, b = a - 1e-15 * np.abs(x), b - 1e-15 * np.abs(x)  # more than the differences are rounded by
+    with np.errstate(divide="ignore", invalid="ignore"):
+        start = np.where((a > 0) & (b > 0), np.abs(np.log(a / b)) * (1 + 1e-9), np.inf)
+    total = np.sqrt((speed**2).sum(axis=1)) * (1 + 1e-12)
+    return Setting(
+        windows,
+        law,
+        np.array([p.least for p in plant]),
+        np.array([p.most for p in plant]),
+        np.array([p.cross for p in plant]),
+        (push + speed) * (1 + 1e-12),
+        back(windows.narrow, np.minimum),
+        np.array([p.definite for p in plant]),
+        np.array([p.norm for p in plant]),
+        (np.array([p.push_norm for p in plant]) + total) * (1 + 1e-12),
+        start,
+    )
+
+
+def back(values: Array, worse: Callable[[Array, Array], Array]) -> Array:
+    """By window the worse of its value and that of the window before."""
+    return worse(values, np.concatenate([values[:1], values[:-1]]))
+
+
+def in_balls(s: Setting) -> Setting:
+    """The same with balls in place of doubles where a formula calculates."""
+    convert = np.vectorize(arb, otypes=[object])
+    windows = replace(s.windows, **{name: convert(getattr(s.windows, name)) for name in ("narrow", "wide", "speed", "widening")})
+    names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
+    return replace(s, windows=windows, **{name: convert(getattr(s, name)) for name in names})

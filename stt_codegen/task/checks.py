@@ -1,0 +1,130 @@
+"""What no schema can see: how the fields of a task must fit together. Each check returns the message, or None."""
+
+from __future__ import annotations
+
+import keyword
+
+from stt_codegen.decimals import decimal
+from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
+from stt_codegen.task.schema import Box, Task
+
+
+def first_problem(task: Task) -> str | None:
+    """The first thing that no schema can see, in the words of the message; None when there is none."""
+    n = task.dimension
+    return (
+        _name_problem(task.name)
+        or _shape_problem(task, n)
+        or _options_problem(task)
+        or _containment_problem(task, n)
+        or unsafe_problem(task)
+    )
+
+
+def _name_problem(name: str) -> str | None:
+    reserved = C_WORDS | CPP_WORDS | set(keyword.kwlist) | set(keyword.softkwlist)
+    if name in reserved:
+        return f"name: {name!r} is a reserved word of C, C++ or Python; choose another"
+    if name.lower() in LIBRARY_NAMES:
+        return f"name: {name!r} would shadow a header or module of the standard library; choose another"
+    return None
+
+
+def _shape_problem(task: Task, n: int) -> str | None:
+    vectors = [
+        ("state_space.upper", task.state_space.upper),
+        ("initial_state", task.initial_state),
+        ("initial_set.lower", task.initial_set.lower),
+        ("initial_set.upper", task.initial_set.upper),
+        ("target_set.lower", task.target_set.lower),
+        ("target_set.upper", task.target_set.upper),
+    ]
+    for j, unsafe in enumerate(task.unsafe):
+        vectors += [(f"unsafe[{j}].lower", unsafe.lower), (f"unsafe[{j}].upper", unsafe.upper)]
+    if task.body is not None:
+        vectors.append(("body", task.body))
+    if task.control.u_max is not None:
+        vectors.append(("control.u_max", task.control.u_max))
+    for field, vector in vectors:
+        if len(vector) != n:
+            return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
+    boxes: list[tuple[str, Box]] = [
+        ("state_space", task.state_space),
+        ("initial_set", task.initial_set),
+        ("target_set", task.target_set),
+    ]
+    boxes += [(f"unsafe[{j}]", unsafe) for j, unsafe in enumerate(task.unsafe)]
+    for field, box in boxes:
+        for i, (a, b) in enumerate(zip(box.lower, box.upper, strict=True)):
+            if a >= b:
+                return f"{field}: lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
+    return None
+
+
+def _options_problem(task: Task) -> str | None:
+    for i, half in enumerate(task.body or ()):
+        if half < 0:
+            return f"body[{i}]: is {decimal(half)}; half extents must be 0 or greater"
+    if task.control.gain == 0:
+        return "control.gain: is 0; use a positive gain, or a negative one where g_s is negative definite"
+    if not 0 < task.control.e_max < 1:
+        return f"control.e_max: is {decimal(task.control.e_max)}; it must lie strictly between 0 and 1, for example 0.99"
+    for i, bound in enumerate(task.control.u_max or ()):
+        if bound <= 0:
+            return f"control.u_max[{i}]: is {decimal(bound)}; it must be greater than 0"
+    adaptive, kind = task.tube.adaptive, task.tube.design
+    unread = {"bump_steepness": ("adaptive", adaptive.bump_steepness), "target_margin": ("literal", adaptive.target_margin)}
+    for field, (other, value) in unread.items():
+        if value is not None and kind == other:
+            return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
+    if task.tube.max_speed == 0:
+        return "tube.max_speed: is 0; it must be greater than 0, or left out for no bound"
+    low, high = task.plant.g_min, task.plant.g_max
+    if low is not None and high is not None and low > high:
+        return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
+    return None
+
+
+def _containment_problem(task: Task, n: int) -> str | None:
+    space, body = task.free_space, " less the body" if task.body and any(task.body) else ""
+    for i in range(n):
+        if space.lower[i] >= space.upper[i]:
+            return f"body[{i}]: the body does not fit into the state space; make it smaller"
+    for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
+        for i in range(n):
+            if box.lower[i] < space.lower[i]:
+                return (
+                    f"{field}: lower[{i}] = {decimal(box.lower[i])} lies outside the state space{body}; "
+                    f"use at least {decimal(space.lower[i])}"
+                )
+            if box.upper[i] > space.upper[i]:
+                return (
+                    f"{field}: upper[{i}] = {decimal(box.upper[i])} lies outside the state space{body}; "
+                    f"use at most {decimal(space.upper[i])}"
+                )
+    for i, x in enumerate(task.initial_state):
+        a, b = task.initial_set.lower[i], task.initial_set.upper[i]
+        if not a < x < b:
+            return (
+                f"initial_state[{i}]: {decimal(x)} is not strictly inside the initial set; "
+                f"use a value between {decimal(a)} and {decimal(b)}"
+            )
+    return None
+
+
+def unsafe_problem(task: Task) -> str | None:
+    """Names that are taken, and unsafe sets where the start or the target is."""
+    seen: dict[str, int] = {}
+    for j, unsafe in enumerate(task.unsafe):
+        name = unsafe.name or f"U{j + 1}"
+        if name in seen:
+            return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
+        seen[name] = j
+    start, target, body = task.start, task.target, any(task.half_extents)
+    for j, grown in enumerate(task.obstacles):
+        label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
+        if not grown.apart(start.lower, start.upper):
+            return f"initial_set: meets {label}; move or shrink one of them"
+        if grown.covers(target.lower, target.upper):
+            return f"target_set: lies inside {label}; move or shrink one of them"
+    return None

@@ -1,0 +1,258 @@
+"""The question: state space, unsafe sets, initial set, target set, prescribed time (design words: X, U_j, X0, T, t_c).
+
+A frozen `Task` of frozen tables. Decimals stay exact: every number is a `Fraction`. `load.py` makes it of a file, `checks.py`
+looks at how the fields fit together.
+"""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from fractions import Fraction
+from typing import Annotated, Literal
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PrivateAttr,
+    StrictBool,
+    WithJsonSchema,
+)
+
+from stt_codegen.decimals import decimal
+from stt_codegen.task.sets import BoxSet, ConvexSet
+
+MAX_DIMENSION = 64
+MAX_NAME = 20
+MAX_LABEL = 40
+LARGEST, SMALLEST = Fraction(10) ** 9, Fraction(1, 10**9)  # keeps every derived float32 constant normal
+MAX_DIGITS = 40
+
+DesignKind = Literal["refined", "adaptive", "literal"]
+Scalar = Literal["float", "double"]
+
+
+def kind_of(value: object) -> str:
+    """What a value of a TOML file is, in words, at most 40 characters of it."""
+    if isinstance(value, bool):
+        return f"the boolean {str(value).lower()}"
+    if isinstance(value, str):
+        return f"the text {value!r:.40}"
+    if isinstance(value, list | tuple):
+        return "a list"
+    if isinstance(value, dict):
+        return "a table"
+    if isinstance(value, int) and value.bit_length() > 63:
+        return "a very large number"
+    if isinstance(value, int | float | Decimal | Fraction):
+        return f"the number {value!s:.40}"
+    return f"a {type(value).__name__}"
+
+
+def _number(value: object) -> Fraction:
+    """A TOML number as an exact fraction; raises ValueError with the reason when it cannot be one."""
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, bool):
+        raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
+    if not isinstance(value, int | Decimal):
+        raise ValueError(f"is {kind_of(value)}; a number is needed, for example 1.0")
+    if isinstance(value, Decimal):
+        if not value.is_finite():
+            raise ValueError(f"is {value}; a finite number is needed")
+        if value and (value.adjusted() > 9 or value.adjusted() < -10 or len(value.as_tuple().digits) > MAX_DIGITS):
+            raise ValueError(
+                f"is {value!s:.40}; use 0 or a magnitude from 1e-9 to 1e9 of at most {MAX_DIGITS} digits (rescale the units)"
+            )
+    exact = Fraction(value)
+    if exact and not SMALLEST <= abs(exact) <= LARGEST:
+        raise ValueError("is out of range; use 0 or a magnitude from 1e-9 to 1e9 (rescale the units)")
+    return exact
+
+
+def _positive(value: Fraction) -> Fraction:
+    if value <= 0:
+        raise ValueError(f"is {decimal(value)}; it must be greater than 0")
+    return value
+
+
+def _not_negative(value: Fraction) -> Fraction:
+    if value < 0:
+        raise ValueError(f"is {decimal(value)}; it must be 0 or greater")
+    return value
+
+
+Number = Annotated[
+    Fraction,
+    BeforeValidator(_number),
+    PlainSerializer(float, return_type=float),
+    WithJsonSchema({"type": "number"}),
+]
+Positive = Annotated[Number, AfterValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
+NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})]
+
+
+def _vector(value: object) -> object:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"is {kind_of(value)}; a list of numbers is needed, one for each dimension")
+    if not value:
+        raise ValueError("is an empty list; give one number for each dimension")
+    if len(value) > MAX_DIMENSION:
+        raise ValueError(f"has {len(value)} entries; at most {MAX_DIMENSION} dimensions are supported")
+    return value
+
+
+Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
+
+
+def _integer(value: object) -> object:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"is {kind_of(value)}; a whole number is needed")
+    if value.bit_length() > 63:
+        raise ValueError("is out of range; use a whole number below 2^63")
+    return value
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Box(_Table):
+    """An axis-aligned box: `lower` and `upper` edges by dimension, in the task's units."""
+
+    lower: Vector
+    upper: Vector
+
+    def convex(self) -> BoxSet:
+        """The box as a set."""
+        return BoxSet(self.lower, self.upper)
+
+
+class UnsafeSet(Box):
+    """One unsafe set U_j; unnamed sets are called U1, U2, ... in the order of the file."""
+
+    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
+
+    def convex(self) -> BoxSet:
+        return BoxSet(self.lower, self.upper, self.name)
+
+
+class AdaptiveOptions(_Table):
+    """Parameters of the paper's functions (7)-(11). Absent: adaptive lets the search choose, literal takes the case study's."""
+
+    bump_steepness: Positive | None = Field(default=None, description="k^j of (7); literal only: 0.01")
+    overshoot: Positive | None = Field(default=None, description="delta B of (7), units; literal 0.2")
+    theta0: Positive | None = Field(default=None, description="theta_0 of (11), units cubed per second; literal 0.01")
+    kappa: Positive | None = Field(default=None, description="decay of alpha in (11), 1/s; literal 5")
+    mu: Positive | None = Field(default=None, description="tolerance of the trigger in (11), units; literal 1")
+    varsigma: Positive | None = Field(default=None, description="steepness of the trigger's tanh, 1/units; literal 100")
+    nu: Positive | None = Field(default=None, description="sharpness of smooth max and min, 1/units; literal 100")
+    target_margin: NotNegative | None = Field(default=None, description="inset of That, units; adaptive only")
+
+
+class TubeOptions(_Table):
+    """How the tube is designed."""
+
+    design: DesignKind = "refined"
+    clearance: NotNegative = Field(default=Fraction(3, 100), description="kept between tube and unsafe sets")
+    min_width: NotNegative = Field(default=Fraction(5, 100), description="least width of the tube in each dimension")
+    max_speed: NotNegative | None = Field(default=None, description="bound on the speed of every edge of the tube")
+    segments: Annotated[int, BeforeValidator(_integer)] | None = Field(
+        default=None, ge=4, le=8192, description="spline segments; chosen when absent"
+    )
+    seed: Annotated[int, BeforeValidator(_integer)] = Field(default=0, ge=0, description="literal design: the random sides")
+    adaptive: AdaptiveOptions = AdaptiveOptions()
+
+
+class ControlOptions(_Table):
+    """The control law (13)."""
+
+    gain: Number = Field(default=Fraction(1, 2), description="k; negative where g_s is negative definite (Remark 4.2)")
+    e_max: Number = Field(default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1)")
+    u_max: Vector | None = Field(default=None, description="saturation of the emitted u, one bound for each dimension")
+
+
+class EmitOptions(_Table):
+    """What the C looks like."""
+
+    scalar: Scalar = "float"
+    math: Literal["libm", "inline"] = "libm"
+    tick_period: Positive | None = Field(default=None, description="seconds; adds an entry point with an integer tick")
+    selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
+
+
+class PlantBounds(_Table):
+    """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
+
+    f_max: NotNegative | None = None
+    g_min: Positive | None = None
+    g_max: Positive | None = None
+    w_max: NotNegative | None = None
+
+
+class Task(_Table):
+    """A reach-avoid-stay task with prescribed time (Definition 2.1), and the options of its controller."""
+
+    name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)
+    prescribed_time: Positive = Field(description="t_c, seconds")
+    initial_state: Vector = Field(description="x(0), strictly inside the initial set")
+    state_space: Box
+    initial_set: Box
+    target_set: Box
+    body: Vector | None = Field(default=None, description="half extents of the robot")
+    unsafe: tuple[UnsafeSet, ...] = ()
+    tube: TubeOptions = TubeOptions()
+    control: ControlOptions = ControlOptions()
+    emit: EmitOptions = EmitOptions()
+    plant: PlantBounds = PlantBounds()
+
+    _digest: str = PrivateAttr(default="")
+
+    @property
+    def dimension(self) -> int:
+        """n, the number of state components."""
+        return len(self.state_space.lower)
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file's data (comments, spacing and the order of keys do not count)."""
+        return self._digest
+
+    @property
+    def half_extents(self) -> tuple[Fraction, ...]:
+        """Of the robot, by dimension; 0 for a point."""
+        return self.body or (Fraction(0),) * self.dimension
+
+    @property
+    def free_space(self) -> BoxSet:
+        """The state space shrunk by `body`: where the robot's reference point may be."""
+        return self.state_space.convex().grown([-h for h in self.half_extents])
+
+    @property
+    def start(self) -> BoxSet:
+        """The initial set X0."""
+        return self.initial_set.convex()
+
+    @property
+    def target(self) -> BoxSet:
+        """The target set T."""
+        return self.target_set.convex()
+
+    @property
+    def bare(self) -> tuple[ConvexSet, ...]:
+        """The unsafe sets as they are, in the order of the file."""
+        return tuple(s.convex() for s in self.unsafe)
+
+    @property
+    def obstacles(self) -> tuple[ConvexSet, ...]:
+        """The unsafe sets grown by `body`, in the order of the file."""
+        return tuple(s.grown(self.half_extents) for s in self.bare)
+
+    def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
+        """The same task with the options that the command line may override."""
+        tube = self.tube.model_copy(update={"design": design}) if design else self.tube
+        emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
+        return self.model_copy(update={"tube": tube, "emit": emit})
