@@ -12,6 +12,7 @@ from __future__ import annotations
 import argparse
 import math
 import random
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -152,7 +153,7 @@ def factor(loop: Loop, period: Period, start: float, seed: int) -> float:
     return math.inf
 
 
-def main() -> None:
+def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("count", nargs="?", type=int, default=200)
     parser.add_argument("--record", type=Path, metavar="FILE.md")
@@ -181,7 +182,8 @@ def main() -> None:
     print(text)
     if options.record:
         record(options.record, "sampled", f"## Sampled statements against adversaries\n\n`{command()}`\n\n{text}")
+    return 1 if any(row[3] != "0" for row in rows) else 0
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from stt_codegen.bench.arenas import EVERYTHING, Job, Part, Result, run, spread, summary
-from stt_codegen.bench.command import parts_of
+from stt_codegen.bench.command import Arenas, parts_of
 from stt_codegen.bench.families import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.bench.report import record, table
 from stt_codegen.cli.main import app
@@ -62,10 +62,10 @@ def test_a_summary_counts_what_is_there() -> None:
 
 def test_the_plan_has_every_family_and_the_stretch() -> None:
     assert {p.family for p in EVERYTHING} == set(FAMILIES)
-    assert Part("paper", "refined", 500, 0.02, 0.04) in parts_of(None, None, None, None, None)
-    assert parts_of(["dense12"], ["refined"], 7, None, None) == [Part("dense12", "refined", 7)]
+    assert Part("paper", "refined", 500, 0.02, 0.04) in parts_of(Arenas())
+    assert parts_of(Arenas(["dense12"], ["refined"], 7)) == [Part("dense12", "refined", 7)]
     with pytest.raises(BadInput, match="--family moon"):
-        parts_of(["moon"], None, None, None, None)
+        parts_of(Arenas(["moon"]))
 
 
 def test_a_corridor_has_slabs_one_behind_the_other_and_always_a_way() -> None:

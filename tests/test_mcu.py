@@ -29,11 +29,11 @@ def points(controller: Any, count: int = 300) -> tuple[np.ndarray, ...]:
     random = np.random.default_rng(5)
     t = random.uniform(0, 9, count).astype(np.float32)
     alpha = np.full((count, 4), 0.1, np.float32)
-    adapted = any(p.name == "alpha" for p in controller.program.function("control").params)
-    low, high = CompiledC(controller).tube(t, alpha) if adapted else CompiledC(controller).tube(t)
+    stateful = any(p.name == "alpha" for p in controller.program.function("control").params)
+    low, high = CompiledC(controller).tube(t, alpha) if stateful else CompiledC(controller).tube(t)
     x = (low + (high - low) * random.uniform(0.1, 0.9, low.shape)).astype(np.float32)
     wide = ((high - low) > 0.1).all(axis=1)
-    return tuple(v[wide] for v in ((t, alpha, x) if adapted else (t, x)))
+    return tuple(v[wide] for v in ((t, alpha, x) if stateful else (t, x)))
 
 
 @pytest.mark.parametrize(("design", "single"), [("refined", False), ("refined", True), ("adaptive", False), ("adaptive", True)])

@@ -9,7 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from stt_codegen.bench.arenas import EVERYTHING, HEADINGS, Part, Result, failures, row, run, run_peers, spread, summary
@@ -21,23 +21,42 @@ DESIGNS = ("refined", "adaptive", "literal")
 PEER_HEADINGS = ("peer", "asked", "success", "median / 95 %", "guarantees", "does not")
 
 
-def run_arenas(
-    family: list[str] | None,
-    design: list[str] | None,
-    count: int | None,
-    clearance: float | None,
-    min_width: float | None,
-    processes: int,
-    scheduler: str | None,
-    peers: bool,
-    out: Path | None,
-    as_json: bool,
-) -> None:
-    """`stt-codegen bench arenas`; the arguments are its options."""
-    parts = parts_of(family, design, count, clearance, min_width)
-    if out is not None and not (out.parent.is_dir() and os.access(out.parent, os.W_OK)):
-        raise BadInput(f"--record {out}: {out.parent} is no folder that can be written to")
-    processes = processes or os.cpu_count() or 1
+@dataclass(frozen=True)
+class Where:
+    """Where jobs run (processes of this machine, 0 for one a core, or a Dask cluster), and where tables go."""
+
+    processes: int = 0
+    scheduler: str | None = None
+    out: Path | None = None
+    as_json: bool = False
+
+    def __post_init__(self) -> None:
+        if self.out is not None and not (self.out.parent.is_dir() and os.access(self.out.parent, os.W_OK)):
+            raise BadInput(f"--record {self.out}: {self.out.parent} is no folder that can be written to")
+
+    @property
+    def workers(self) -> int:
+        return self.processes or os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class Arenas:
+    """Which arenas `bench arenas` runs; None: all of RESULTS.md. demand: the share of the feasible ones that must be
+    certified."""
+
+    family: list[str] | None = None
+    design: list[str] | None = None
+    count: int | None = None
+    clearance: float | None = None
+    min_width: float | None = None
+    peers: bool = False
+    demand: float = 0.0
+
+
+def run_arenas(wanted: Arenas, where: Where) -> bool:
+    """`stt-codegen bench arenas`. True when every part certifies the share that is demanded."""
+    parts, out, peers, count = parts_of(wanted), where.out, wanted.peers, wanted.count
+    processes, scheduler, as_json = where.workers, where.scheduler, where.as_json
     jobs = [job for part in parts for job in part.jobs()]
     found: list[Result] = []
     with _progress(len(jobs)) as advance:
@@ -56,15 +75,16 @@ def run_arenas(
     else:
         print(text(rows, lines, peer_rows, steps))
     if out is not None:
-        where = f"a Dask cluster, {scheduler}" if scheduler else f"{processes} process{'es' if processes > 1 else ''}"
-        head = f"## Arenas\n\nMade by `{command()}` in {where}; {machine()}."
+        place = f"a Dask cluster, {scheduler}" if scheduler else f"{processes} process{'es' if processes > 1 else ''}"
+        head = f"## Arenas\n\nMade by `{command()}` in {place}; {machine()}."
         record(out, "arenas", f"{head}\n\n{text(rows, lines, peer_rows, steps)}")
+    return all(s.certified_of_feasible >= wanted.demand * s.feasible for _, s in summaries)
 
 
-def parts_of(
-    family: list[str] | None, design: list[str] | None, count: int | None, clearance: float | None, min_width: float | None
-) -> list[Part]:
+def parts_of(wanted: Arenas) -> list[Part]:
     """The rows of the table. Raises `BadInput` for a family or design that there is not."""
+    family, design, count = wanted.family, wanted.design, wanted.count
+    clearance, min_width = wanted.clearance, wanted.min_width
     for option, given, known in (("--family", family, tuple(FAMILIES)), ("--design", design, DESIGNS)):
         for name in given or ():
             if name not in known:
@@ -128,31 +148,30 @@ def _progress(total: int) -> Iterator[Callable[[], None]]:
         yield lambda: bar.advance(task)
 
 
-def run_loop(
-    count: int,
-    rate: float,
-    w_max: float,
-    runs: int,
-    processes: int,
-    scheduler: str | None,
-    peers: bool,
-    out: Path | None,
-    as_json: bool,
-) -> bool:
-    """`stt-codegen bench loop`; the arguments are its options. True when no run of ours failed."""
+@dataclass(frozen=True)
+class Loops:
+    """Which loops `bench loop` runs: so many of the paper's arenas, `runs` each, at rate Hz with |w| <= w_max."""
+
+    count: int = 500
+    rate: float = 1000.0
+    w_max: float = 0.3
+    runs: int = 10
+    peers: bool = False
+
+
+def run_loop(asked: Loops, where: Where) -> bool:
+    """`stt-codegen bench loop`. True when no run of ours failed."""
     from stt_codegen.bench import loop
 
-    if out is not None and not (out.parent.is_dir() and os.access(out.parent, os.W_OK)):
-        raise BadInput(f"--record {out}: {out.parent} is no folder that can be written to")
-    processes, begin = processes or os.cpu_count() or 1, time.perf_counter()
-    wanted, outcomes = loop.jobs(count, rate, w_max, runs, peers), []
+    out, processes, begin = where.out, where.workers, time.perf_counter()
+    wanted, outcomes = loop.jobs(asked.count, asked.rate, asked.w_max, asked.runs, asked.peers), []
     with _progress(len(wanted)) as advance:
-        for outcome in spread(loop.run, wanted, processes, scheduler):
+        for outcome in spread(loop.run, wanted, processes, where.scheduler):
             outcomes.append(outcome)
             advance()
     outcomes.sort(key=lambda o: o.job.seed)
     rows, lines = loop.rows(outcomes), loop.lines(outcomes, time.perf_counter() - begin, processes)
-    if as_json:
+    if where.as_json:
         print(json.dumps({"rows": [dict(zip(loop.HEADINGS, r, strict=True)) for r in rows], "lines": lines}, indent=2))
     else:
         print(table(loop.HEADINGS, rows) + "\n\n" + "\n".join(lines))

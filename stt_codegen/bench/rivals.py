@@ -30,10 +30,10 @@ def casadi_text(controller: Controller, single: bool) -> str:
     body = generator.dump()
     if single:
         body = _LITERAL.sub(r"\1f", _CALLS.sub(r"\1f(", body))
-    p, adapted = controller.task.name, design.stateful
+    p, stateful = controller.task.name, design.stateful
     ok = f"{p.upper()}_OK"
-    takes = f"{p}_real t, " + (f"const {p}_real *alpha, " if adapted else "") + f"const {p}_real *x, {p}_real *u"
-    given = "&t, alpha, x" if adapted else "&t, x"
+    takes = f"{p}_real t, " + (f"const {p}_real *alpha, " if stateful else "") + f"const {p}_real *x, {p}_real *u"
+    given = "&t, alpha, x" if stateful else "&t, x"
     sizes = (function.sz_arg(), function.sz_res(), function.sz_iw(), function.sz_w())
     return (
         f'#include "{p}.h"\n{body}\n{p}_status {p}_control({takes})\n{{\n'

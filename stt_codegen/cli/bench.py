@@ -25,6 +25,7 @@ def arenas(
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
     peers: Annotated[bool, typer.Option("--peers", help="planners, reachability and a barrier filter in the same run")] = False,
+    demand: Annotated[float, typer.Option(min=0, max=1, help="exit code 1 where less of the feasible are certified")] = 0.0,
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
     json: Json = False,
 ) -> None:
@@ -32,9 +33,11 @@ def arenas(
 
     Without options: all of benchmarks/RESULTS.md but the peers, about ten minutes. The workers of a cluster need this package.
     """
-    from stt_codegen.bench.command import run_arenas
+    from stt_codegen.bench.command import Arenas, Where, run_arenas
 
-    run_arenas(family, design, count, clearance, min_width, processes, scheduler, peers, record, json)
+    wanted = Arenas(family, design, count, clearance, min_width, peers, demand)
+    if not run_arenas(wanted, Where(processes, scheduler, record, json)):
+        raise typer.Exit(1)
 
 
 @bench.command()
@@ -74,7 +77,7 @@ def loop(
 
     Exit code 1 when a run of ours collides, leaves, or misses the target. Without peers about three minutes on two cores.
     """
-    from stt_codegen.bench.command import run_loop
+    from stt_codegen.bench.command import Loops, Where, run_loop
 
-    if not run_loop(count, rate, w_max, runs, processes, scheduler, peers, record, json):
+    if not run_loop(Loops(count, rate, w_max, runs, peers), Where(processes, scheduler, record, json)):
         raise typer.Exit(1)
