@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from stt_codegen.decimals import below, decimal
 from stt_codegen.errors import NotCertified
-from stt_codegen.rows import Avoidance, Row, avoid_rows, least_width, reach_rows, speed_rows, start_rows, stay_rows
+from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, speed_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
 
@@ -122,10 +122,10 @@ def arithmetic_allowance(task: Task) -> Fraction:
 
 def arena_of(task: Task) -> Arena:
     """The task as arrays. Raises `NotCertified` when sets are too narrow to hold a tube at all."""
-    unsafe = task.obstacles
+    shapes, sets = task.obstacles, avoid_rows(task)
     n = task.dimension
     allowance = arithmetic_allowance(task)
-    least = least_width(task)
+    least = max(row.bound for row in width_rows(task))
     wide = least + 2 * allowance
     for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
         for i in range(n):
@@ -142,14 +142,13 @@ def arena_of(task: Task) -> Arena:
                 )
     inset = 2 * allowance
 
-    spans = [[s.span(i) for i in range(n)] for s in unsafe]
     return Arena(
-        names=tuple(s.name for s in unsafe),
+        names=tuple(one.name for one in sets),
         space=_bounds(stay_rows(task), allowance, n),
         start=_bounds(start_rows(task), inset, n),
         target=_bounds(reach_rows(task), allowance, n),
-        unsafe=np.array([[[float(v) for v in edge] for edge in zip(*s, strict=True)] for s in spans]).reshape(len(unsafe), 2, n),
-        faces=_faces(avoid_rows(task), unsafe, n),
+        unsafe=_spans(sets, n),
+        faces=_faces(sets, shapes, n),
         initial_state=np.array([float(v) for v in task.initial_state]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
@@ -166,6 +165,17 @@ def _bounds(rows: Sequence[Row], room: Fraction, n: int) -> Array:
         ((i, side, sign),) = row.terms
         box[side, i] = float(sign * (row.bound + room))
     return box
+
+
+def _spans(sets: Sequence[Avoidance], n: int) -> Array:
+    """What rows of single edges say of every unsafe set, without the clearance: shape (J, 2, n)."""
+    spans = np.empty((len(sets), 2, n))
+    for j, one in enumerate(sets):
+        for row in one.rows:
+            if row.dimension is not None:
+                ((i, side, sign),) = row.terms
+                spans[j, 1 - side, i] = float(sign * row.bound)
+    return spans
 
 
 def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], n: int) -> Faces:

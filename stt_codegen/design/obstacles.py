@@ -8,7 +8,7 @@ of space where a face is missing elsewhere.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -34,7 +34,8 @@ class Obstacles:
     def near(self, low: Array, high: Array) -> Obstacles:
         """Without the boxes that do not meet the box [low, high]."""
         between = np.all((self.lower < high) & (self.upper > low), axis=1)
-        return replace(self, lower=self.lower[between], upper=self.upper[between])
+        rest = self.normal, self.offset, self.first, self.corners, self.spans
+        return Obstacles(self.lower[between], self.upper[between], *rest)
 
     def inside(self, points: Array) -> npt.NDArray[np.bool_]:
         """Which points (shape (P, n)) lie in the interior of some set."""
