@@ -24,7 +24,7 @@ from stt_codegen.design.route import Route, find_route, shortest_route
 from stt_codegen.design.shape import SPEED_ROOM, Shape, find_shape
 from stt_codegen.design.sides import choose_sides, limits_by_stretch
 from stt_codegen.design.timing import changes_at, least_times, time_plans
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task
 
@@ -139,8 +139,5 @@ def round_design(task: Task, shape: Shape) -> RefinedDesign:
     bits hold them exactly, in float as in double, so both scalar types share one tube and one certificate."""
     integers = np.rint(np.ldexp(shape.points / 6, 23)).astype(np.int64)
     integers[:, :, -1] = integers[:, :, -3]
-    table = tuple(
-        tuple((int(integers[LOWER, i, j]), int(integers[UPPER, i, j])) for i in range(integers.shape[1]))
-        for j in range(integers.shape[2])
-    )
+    table = tuple(tuple((low, high) for low, high in row) for row in integers.transpose(2, 1, 0).tolist())
     return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, 23 - magnitude(task), table)

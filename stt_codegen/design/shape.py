@@ -111,7 +111,7 @@ def _solve_all(programs: list[_Group], pace: float | None = None, widths: Array 
 def _programs(arena: Arena, start: Array, limits: Limits, segments: int) -> list[_Group]:
     """One linear program for every group of dimensions that the faces in use couple; most groups are one dimension."""
     group = list(range(arena.dimension))
-    for x in np.nonzero(limits.beyond.any(axis=0))[0]:
+    for x in limits.faces:
         joined = {group[i] for i in np.nonzero(arena.faces.normal[x])[0]}
         group = [min(joined) if g in joined else g for g in group]
     members = [[i for i, g in enumerate(group) if g == first] for first in sorted(set(group))]
@@ -140,9 +140,9 @@ class _Group:
         for k, i in enumerate(dimensions):
             self._dimension(arena, start[:, i], limits.edges[:, :, i], k, i)
         place = {i: k for k, i in enumerate(dimensions)}
-        for x in np.nonzero(limits.beyond.any(axis=0))[0]:
+        for x in limits.faces:
             if all(int(i) in place for i in np.nonzero(arena.faces.normal[x])[0]):
-                self._face(arena, int(x), limits.beyond[:, x], place)
+                self._face(arena, x, limits.beyond[:, x], place)
 
     def _dimension(self, arena: Arena, start: Array, bounds: Array, k: int, i: int) -> None:
         """Rows of one dimension. start: the edges at t = 0; bounds: shape (K, 2)."""

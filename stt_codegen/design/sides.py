@@ -37,6 +37,11 @@ class Limits:
     edges: Array
     beyond: npt.NDArray[np.bool_]
 
+    @property
+    def faces(self) -> list[int]:
+        """Those that the tube must be beyond at some time."""
+        return [int(x) for x in np.nonzero(self.beyond.any(axis=0))[0]] if self.beyond.size else []
+
     @classmethod
     def of_space(cls, arena: Arena, count: int) -> Limits:
         """The state space alone."""
