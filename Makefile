@@ -34,7 +34,6 @@ test: $(STAMP) $(if $(CI),$(PEERS))
 # arena with a way and no certificate, a closed loop that collides or leaves.
 integration: $(STAMP) $(if $(CI),$(PEERS))
 	@.ci/tools test
-	$(BIN)/pytest -n auto -m integration
 	$(BIN)/python benchmarks/mutations.py
 	$(BIN)/python benchmarks/lemma_mutants.py
 	$(BIN)/python benchmarks/sampled.py 100

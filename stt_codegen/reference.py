@@ -215,11 +215,11 @@ def adaptive_tube(p: Parameters, now: Lines, alpha: npt.ArrayLike) -> tuple[Arra
     """gamma of (10) and its total rate along (11), shape (P, n, 2), for alpha of that shape."""
     a = np.asarray(alpha, dtype=np.longdouble)
     sign = np.array([-1, 1], dtype=np.longdouble)
-    adapted = now.rho + sign * a
+    moved = now.rho + sign * a
     rate, _ = alpha_rate(p, now.psi, now.theta, a)
     adapted_rate = now.rho_rate + sign * rate
-    gap = np.abs(adapted - now.beta)
-    best = np.where(sign < 0, np.maximum(adapted, now.beta), np.minimum(adapted, now.beta))
+    gap = np.abs(moved - now.beta)
+    best = np.where(sign < 0, np.maximum(moved, now.beta), np.minimum(moved, now.beta))
     gamma = best - sign * np.log1p(np.exp(-p.nu * gap)) / p.nu
-    weight = 1 / (1 + np.exp(np.clip(sign * p.nu * (adapted - now.beta), -10000, 10000)))  # of `adapted`
+    weight = 1 / (1 + np.exp(np.clip(sign * p.nu * (moved - now.beta), -10000, 10000)))  # of `moved`
     return gamma, weight * adapted_rate + (1 - weight) * now.beta_rate

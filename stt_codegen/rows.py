@@ -2,8 +2,8 @@
 
     sum_k c_k E_k^(d) >= bound + keep        for all t, at t = 0, or at t_c
 
-E_k is an edge (dimension, side), d = 0 the edge and d = 1 its rate. A row is data; design puts it into its linear programs with
-the edges' control points as unknowns (tightened by the room that the arithmetic needs), and every certificate evaluates it:
+E_k is an edge (dimension, side), d = 0 the edge and d = 1 its rate. A row is data. Design takes the bounds and normals of its
+linear programs from the rows (design/arena.py, a little tightened for the arithmetic), and every certificate evaluates them:
 exactly on Bezier coefficients (exact.py), in balls (enclosure.py), at samples (falsification.py). P4 is a choice: of the rows of
 one set one must hold at every moment, each with a normal n of its own, c_i = n_i on the edge that is nearer to the set.
 """

@@ -14,7 +14,7 @@ from conftest import ROOT, controller_of
 
 from stt_codegen.errors import BadInput
 from stt_codegen.record.check import check, describe_numbers
-from stt_codegen.record.manifest import write_files
+from stt_codegen.record.files import write_files
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
 SURROUNDINGS = [

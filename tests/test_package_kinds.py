@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.pipeline import Controller, build
-from stt_codegen.record.manifest import write_files
+from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 
 MAIN = """#include <stdio.h>

@@ -260,14 +260,14 @@ def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.5, 0.98])
 def test_eps_at_the_start_is_that_of_gamma_0(share: float) -> None:
     """Not of the first window's hull: x(0) anywhere in gamma(0), and outside of it."""
-    analysis = Analysis(controller_of("omni_s2"))
     names: dict[str, Any] = {}
     exec(controller_of("omni_s2", "double").files["omni_s2.py"], names)
     lower, upper = (np.array(v) for v in names["tube"](0.0))
     x = lower + share * (upper - lower)
     exact = np.abs(np.log((x - lower) / (upper - x)))
-    assert analysis.start_at(x) == pytest.approx(exact, rel=1e-6, abs=1e-6)
-    assert np.isinf(analysis.start_at(upper + 0.001)).all()
+    found, outside = (Analysis(controller_of("omni_s2"), start=at.tolist()).setting.start for at in (x, upper + 0.001))
+    assert found == pytest.approx(exact, rel=1e-6, abs=1e-6)
+    assert np.isinf(outside).all()
 
 
 def test_a_start_near_an_edge_is_not_called_proved() -> None:

@@ -25,7 +25,7 @@ from flint import arb
 
 from stt_codegen import reference
 from stt_codegen.certify.certificate import Certificate, Finding
-from stt_codegen.certify.finder import Finder, double_above, gap, lower_bound
+from stt_codegen.certify.finder import Finder, gap, lower_bound
 from stt_codegen.certify.lines import HIGH, LOW, Lines, ends
 from stt_codegen.certify.slopes import speed_bound
 from stt_codegen.certify.update import Steps, ahead, lower_curve, upper_curve
@@ -38,7 +38,7 @@ from stt_codegen.program.ball_arithmetic import ball, hull
 from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.number import FORMATS, round_to
 from stt_codegen.program.rounding import Inexact, rounding_error
-from stt_codegen.rows import least_width, reach_rows, start_rows, state_rows, stay_rows
+from stt_codegen.rows import least_width, reach_rows, start_rows, state_rows, stay_rows, width_rows
 from stt_codegen.sampling import Windows
 from stt_codegen.task import Task
 
@@ -212,7 +212,7 @@ def _certificate(
     find = Finder(task, lines.times, gamma)
     width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
     least = least_width(task)
-    inside, stay, begin, end = (find.sides(rows(task)) for rows in (state_rows, stay_rows, start_rows, reach_rows))
+    always, begin, end = slice(None), slice(0, 1), slice(-1, None)
     limit, fastest = task.tube.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
     seventh = (
         f"{task.emit.scalar} arithmetic is within the enclosures; "
@@ -220,12 +220,12 @@ def _certificate(
     )
     return Certificate(
         findings=(
-            find.least(gap(double_above(least), width), 0, "P1", f"width >= {decimal(least)} in every dimension"),
-            find.least(inside[:1], 0, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
-            find.least(begin[:1], 0, "P2", "gamma(0) within the initial set"),
-            find.least(stay, 0, "P3", "gamma within the state space"),
+            find.least(width_rows(task), always, "P1", f"width >= {decimal(least)} in every dimension"),
+            find.least(state_rows(task), begin, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
+            find.least(start_rows(task), begin, "P2", "gamma(0) within the initial set"),
+            find.least(stay_rows(task), always, "P3", "gamma within the state space"),
             find.avoid(),
-            find.least(end[-1:], len(end) - 1, "P5", "gamma(t_c) within the target set"),
+            find.least(reach_rows(task), end, "P5", "gamma(t_c) within the target set"),
             Finding(
                 "P6", f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
                 Fraction(0) if limit is None else limit - max(speed), Fraction(0),

@@ -95,8 +95,10 @@ class _Tube:
     def at(self, code: str, statement: str, rows: Sequence[Row], piece: int, point: int, advice: str) -> Finding:
         """Rows at one end, exactly."""
         edges, unit = self.bezier[piece, :, :, point], self.design.unit
-        slack = [sum((c * int(edges[i, side]) for i, side, c in row.terms), Fraction(0)) * unit - row.bound for row in rows]
-        row = slack.index(min(slack))
+        left = [sum((c * int(edges[i, side]) for i, side, c in row.terms), Fraction(0)) * unit for row in rows]
+        slack = [(value - row.bound - row.keep) / row.per for value, row in zip(left, rows, strict=True)]
+        room = [value - self.error * row.needed for value, row in zip(slack, rows, strict=True)]
+        row = room.index(min(room))
         time = Fraction(0) if piece == 0 else self.design.prescribed_time
         where = rows[row].dimension
         return Finding(code, statement, slack[row], self.error, (time, time), None if where is None else where + 1, None, advice)
@@ -135,10 +137,17 @@ class _Tube:
         return self.at("P5", "gamma(t_c) within the target set", reach_rows(self.task), -1, 3, "widen the target set")
 
 
+def _derivative(design: RefinedDesign, bezier: npt.NDArray[np.int64], order: int) -> tuple[npt.NDArray[np.int64], Fraction]:
+    """Bezier coefficients of the edges' derivative of that order, in whole numbers, and the value of one."""
+    for degree in range(3, 3 - order, -1):
+        bezier = degree * np.diff(bezier, axis=3)
+    return bezier, design.unit * (Fraction(design.segments) / design.prescribed_time) ** order
+
+
 def _speed(design: RefinedDesign, bezier: npt.NDArray[np.int64]) -> tuple[Fraction, ...]:
-    """A bound on |gammadot| by dimension: 3 (K / t_c) times the largest step between Bezier coefficients."""
-    steps = np.abs(np.diff(bezier, axis=3)).max(axis=(0, 2, 3))
-    return tuple(3 * int(v) * design.unit * design.segments / design.prescribed_time for v in steps)
+    """A bound on |gammadot| by dimension."""
+    rate, unit = _derivative(design, bezier, 1)
+    return tuple(int(v) * unit for v in np.abs(rate).max(axis=(0, 2, 3)))
 
 
 def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], speed: tuple[Fraction, ...]) -> Finding:
@@ -154,12 +163,16 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
         )  # fmt: skip
     bound = ", ".join(f"{above(v, 4):g}" for v in speed)
     statement = f"gamma is C2, C1 at t_c; |gammadot| <= {bound}"
-    rows, steps = speed_rows(task), np.diff(bezier, axis=3)
-    if task.tube.max_speed is None:
+    rows = speed_rows(task)
+    if not rows:
         return Finding("P6", statement, Fraction(0), Fraction(0))
-    per_second = 3 * design.unit * design.segments / design.prescribed_time
-    slack = [int((int(c) * steps[:, i, side]).min()) * per_second - r.bound for r in rows for i, side, c in r.terms]
-    row = slack.index(min(slack))
-    dimension = rows[row].terms[0][0] + 1
-    told = f"{statement}, within max_speed {decimal(task.tube.max_speed)}"
-    return Finding("P6", told, slack[row], Fraction(0), None, dimension, None, "raise tube.max_speed or prescribed_time")
+    slack = []
+    for row in rows:
+        edges, unit = _derivative(design, bezier, row.order)
+        left = np.sum([c * edges[:, i, side] for i, side, c in row.terms], axis=0)
+        slack.append(int(left.min()) * unit - row.bound)
+    worst = slack.index(min(slack))
+    dimension = rows[worst].dimension
+    told = f"{statement}, within max_speed {decimal(-rows[worst].bound)}"
+    where = None if dimension is None else dimension + 1
+    return Finding("P6", told, slack[worst], Fraction(0), None, where, None, "raise tube.max_speed or prescribed_time")

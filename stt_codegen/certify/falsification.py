@@ -17,7 +17,7 @@ from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import AdaptiveDesign
 from stt_codegen.designs.grid import POINTS, grid_tube
-from stt_codegen.rows import Row, avoid_rows, reach_rows, start_rows, state_rows, stay_rows
+from stt_codegen.rows import Row, avoid_rows, least_width, reach_rows, start_rows, state_rows, stay_rows, width_rows
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -29,11 +29,11 @@ def falsify(task: Task, design: AdaptiveDesign) -> Certificate:
     low, high = gamma[:, :, 0], gamma[:, :, 1]
     settings = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
     findings = [
-        _at(t, (high - low) - float(task.tube.min_width), "P1", f"width >= {decimal(task.tube.min_width)}", settings),
+        _at(t, width_rows(task), (low, high), "P1", f"width >= {decimal(least_width(task))}", settings),
         *_start(task, t, low, high),
-        _at(t, _slack(stay_rows(task), low, high), "P3", "gamma within the state space", settings),
+        _at(t, stay_rows(task), (low, high), "P3", "gamma within the state space", settings),
         _avoid(task, t, low, high, settings),
-        _at(t[-1:], _slack(reach_rows(task), low[-1:], high[-1:]), "P5", "gamma(t_c) within the target set", settings),
+        _at(t[-1:], reach_rows(task), (low[-1:], high[-1:]), "P5", "gamma(t_c) within the target set", settings),
     ]
     speed = np.abs(rate).max(axis=(0, 2))
     bound = ", ".join(f"{v:.4g}" for v in speed)
@@ -69,20 +69,21 @@ def _slack(rows: Sequence[Row], low: Array, high: Array) -> Array:
     return np.stack(found, axis=1)
 
 
-def _at(t: Array, slack: Array, code: str, statement: str, advice: str) -> Finding:
-    """A finding from slack of shape (S, n); of both sides of every dimension, (S, 2 n), the worse one counts."""
+def _at(t: Array, rows: Sequence[Row], tube: tuple[Array, Array], code: str, statement: str, advice: str) -> Finding:
+    """The row that holds by least at these times. tube: lower and upper edges, (S, n) each."""
+    slack = _slack(rows, *tube)
     slack = np.where(np.isnan(slack), -np.inf, slack)
-    slack = slack if code == "P1" else slack.reshape(len(slack), -1, 2).min(axis=2)
-    k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
-    time = _exact(float(t[k]))
-    return Finding(code, statement, _exact(float(slack[k, i])), Fraction(0), (time, time), int(i) + 1, None, advice)
+    k, r = np.unravel_index(int(np.argmin(slack)), slack.shape)
+    time, dimension = _exact(float(t[k])), rows[int(r)].dimension
+    where = None if dimension is None else dimension + 1
+    return Finding(code, statement, _exact(float(slack[k, r])), Fraction(0), (time, time), where, None, advice)
 
 
 def _start(task: Task, t: Array, low: Array, high: Array) -> list[Finding]:
-    inside, within = (_slack(rows(task), low[:1], high[:1]) for rows in (state_rows, start_rows))
+    tube = low[:1], high[:1]
     return [
-        _at(t[:1], inside, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
-        _at(t[:1], within, "P2", "gamma(0) within the initial set", "use another design"),
+        _at(t[:1], state_rows(task), tube, "P2", "x(0) inside gamma(0)", "move initial_state inside the initial set"),
+        _at(t[:1], start_rows(task), tube, "P2", "gamma(0) within the initial set", "use another design"),
     ]
 
 

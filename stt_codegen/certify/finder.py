@@ -40,17 +40,14 @@ class Finder:
         found = gap(double_above(row.bound + row.keep), left)
         return found if row.per == 1 else np.nextafter(found / float(row.per), -np.inf)
 
-    def sides(self, rows: Sequence[Row]) -> Array:
-        """The slack of rows that come in pairs, the worse of each: (N + 1, n)."""
-        each = [self.slack(row) for row in rows]
-        return np.stack([np.minimum(a, b) for a, b in zip(each[::2], each[1::2], strict=True)], axis=1)
-
-    def least(self, slack: Array, first: int, code: str, statement: str, advice: str = SETTINGS) -> Finding:
-        """The least slack (shape (cells, n), from cell `first` on) as a finding."""
-        k, i = np.unravel_index(int(np.argmin(slack)), slack.shape)
-        return Finding(
-            code, statement, lower_bound(slack[k, i]), Fraction(0), self.interval(first + int(k)), int(i) + 1, None, advice
-        )
+    def least(self, rows: Sequence[Row], cells: slice, code: str, statement: str, advice: str = SETTINGS) -> Finding:
+        """The row that holds by least over some of the cells, as a finding."""
+        slack = np.stack([self.slack(row) for row in rows], axis=1)
+        k, r = np.unravel_index(int(np.argmin(slack[cells])), slack[cells].shape)
+        first, dimension = range(len(slack))[cells][0], rows[int(r)].dimension
+        where = None if dimension is None else dimension + 1
+        found = lower_bound(slack[cells][k, r])
+        return Finding(code, statement, found, Fraction(0), self.interval(first + int(k)), where, None, advice)
 
     def avoid(self) -> Finding:
         """P4: in every cell the best row of each unsafe set."""

@@ -29,8 +29,8 @@ def generate(
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
     from stt_codegen.pipeline import build
+    from stt_codegen.record.files import write_files
     from stt_codegen.record.manifest import record as record_controller
-    from stt_codegen.record.manifest import write_files
     from stt_codegen.record.package import package as packed
 
     if record is not None and package != "plain":

@@ -52,7 +52,7 @@ def prove(
 def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
     from stt_codegen.lemmas.book import page, prove_all
     from stt_codegen.lemmas.lemma import Verdict
-    from stt_codegen.record.manifest import write_files
+    from stt_codegen.record.files import write_files
 
     if out.suffix not in (".md", ".tex"):
         raise BadInput(f"--out {out}: the book is written as .md or .tex")
@@ -86,7 +86,7 @@ def _prove_task(
 ) -> bool:
     from stt_codegen.cli.show import show_bounds
     from stt_codegen.plants import plant_of
-    from stt_codegen.record.manifest import write_files
+    from stt_codegen.record.files import write_files
     from stt_codegen.report.analysis import Analysis
 
     task = controller.task

@@ -35,7 +35,10 @@ def simulate(
     from stt_codegen.task import load_task
 
     with patience(f"simulating {task}"):
-        request = Request(plant, rate, disturbance, w_max, noise, lost, latency, start, seed, gain)
+        request = Request(
+            plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
+            seed=seed, gain=gain,
+        )  # fmt: skip
         report = simulate_task(load_task(task).with_options(design, scalar), request, uncertified, out)
     if json:
         print_json(report.document())

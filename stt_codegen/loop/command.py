@@ -12,7 +12,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
 from stt_codegen.plants import Model, Plant, plant_of
-from stt_codegen.record.manifest import write_files
+from stt_codegen.record.files import write_files
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import above_float
 from stt_codegen.task import Task
@@ -38,7 +38,10 @@ class Request:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
         rate = self.rate if self.rate is not None else float(1 / (task.emit.tick_period or Fraction(1, 1000)))
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
-        scenario = Scenario(rate, self.disturbance, strength, self.seed, self.noise, self.lost, None, self.latency)
+        scenario = Scenario(
+            rate=rate, disturbance=self.disturbance, strength=strength, seed=self.seed, noise=self.noise, lost=self.lost,
+            latency=self.latency,
+        )  # fmt: skip
         if self.disturbance != "none" and strength == 0:
             raise BadInput(
                 f"--disturbance {self.disturbance}: of which size? give --w-max, its greatest norm in units per second"
@@ -147,9 +150,7 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     """What `prove TASK` says of this loop before it is run."""
     if not controller.certificate.holds:
         return ["the tube is not certified: nothing is proved"]
-    analysis = Analysis(controller, plant, scenario.noise, scenario.latency)
-    if scenario.start is not None:
-        analysis.setting = replace(analysis.setting, start=analysis.start_at(scenario.start))
+    analysis = Analysis(controller, plant, scenario.noise, scenario.latency, scenario.start)
     failed = [h.statement for h in analysis.hypotheses() if not h.holds]
     lines = [f"does not hold: {statement}" for statement in failed]
     age, period = scenario.age, analysis.period

@@ -6,20 +6,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-
-from stt_codegen.report.picture import draw_sets, outline, patch
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
+from matplotlib.figure import Figure
 
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.picture import COLOURS, draw_arena, draw_dimension, save
+from stt_codegen.report.picture import COLOURS, draw_arena, draw_dimension, draw_sets, outline, patch, save
 
 Array = npt.NDArray[Any]
 PATH = "#d35400"
@@ -36,9 +30,8 @@ def draw_run(controller: Controller, run: Run, path: Path) -> None:
     low, high = tube_at(controller.design, grid)
     names = [*(f"x{i + 1}" for i in range(n)), "u"]
     rows: list[Any] = [["arena", name] if n > 1 else [name, name] for name in names]
-    figure, axes = plt.subplot_mosaic(
-        rows, figsize=(11, max(5.2, 1.8 * (n + 1))), width_ratios=[1, 1.25], constrained_layout=True
-    )
+    figure = Figure(figsize=(11, max(5.2, 1.8 * (n + 1))), layout="constrained")
+    axes: Any = figure.subplot_mosaic(rows, width_ratios=[1, 1.25])
     if n > 1:
         draw_arena(axes["arena"], controller, low, high)
         axes["arena"].plot(x[:, 0], x[:, 1], color=PATH, linewidth=1.6)
@@ -66,7 +59,7 @@ def _reason(run: Run) -> str:
 def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) -> None:
     """The paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
     down, across = (len(pairs) + 2) // 2, 2
-    figure = plt.figure(figsize=(10.5, 4.8 * down), constrained_layout=True)
+    figure = Figure(figsize=(10.5, 4.8 * down), layout="constrained")
     axis = figure.add_subplot(down, across, 1)
     first = pairs[0][0]
     draw_sets(axis, first.task)
@@ -117,7 +110,7 @@ def _tube3(axis: Any, controller: Controller, colour: str) -> None:
 
 
 def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
-    """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adapted tube, all in
+    """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adaptive tube, all in
     three dimensions."""
     from stt_codegen import reference
     from stt_codegen.designs.grid import parameters_of
@@ -129,14 +122,14 @@ def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
     low, high = tube_at(controller.design, t)
     pushed = [b.dimension for b in design.bumps]  # type: ignore[union-attr]
     i = max(set(pushed), key=pushed.count) if pushed else 0
-    figure = plt.figure(figsize=(17, 3.9), constrained_layout=True)
+    figure = Figure(figsize=(17, 3.9), layout="constrained")
     axes: list[Any] = [figure.add_subplot(1, 5, k + 1) for k in range(4)]
     draw_sets(axes[0], task)
     axes[0].add_patch(patch(task.start, COLOURS["start"], fill=False, linewidth=1.8))
     axes[0].plot(run.trace[:, 1], run.trace[:, 2], color="black", linestyle=":")
     axes[0].set_title("(a) state space and path", fontsize=9)
     rho, beta = lines.rho[:, i].astype(float), lines.beta[:, i].astype(float)
-    for axis, name in zip(axes[1:], ("(b) reachability tube", "(c) circumvent functions", "(d) adapted tube"), strict=True):
+    for axis, name in zip(axes[1:], ("(b) reachability tube", "(c) circumvent functions", "(d) adaptive tube"), strict=True):
         axis.set_title(f"{name}, $x_{i + 1}$", fontsize=9)
         axis.set(xlabel="t [s]", ylim=(float(task.state_space.lower[i]), float(task.state_space.upper[i])))
     for axis in axes[1:3]:

@@ -1,6 +1,8 @@
-"""The operations of a Program, one row each: what every printer and every reader knows of it stands here and nowhere else.
+"""The operations of a Program, one row each: what printers and readers need to know of one.
 
-A new operation is a new row. `tests/test_program.py` prints, runs, encloses and bounds every one.
+A new function of one argument is a new row and nothing else (tests/test_operations.py adds one). Beside the rows stand only the
+rules by which errors pass through + - * / and powers (running.py, rounding.py), and what a comparison's opposite is
+(symbols.py).
 """
 
 from __future__ import annotations

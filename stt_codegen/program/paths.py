@@ -10,35 +10,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import sympy as sp
 
 from stt_codegen.program.nodes import (
-    Assign,
-    Call,
     Const,
-    Expression,
-    For,
     Function,
-    IsFinite,
     Kernel,
-    Load,
-    Op,
-    Operand,
     Program,
     Return,
-    Select,
-    Statement,
     Status,
-    Store,
-    Trunc,
-    Var,
 )
 from stt_codegen.program.operations import OPERATIONS, REAL
 from stt_codegen.program.symbols import formula_of
+from stt_codegen.program.walk import Walk
 
 Value = Any
 
@@ -86,15 +74,13 @@ class _Left(Exception):
         self.result = result
 
 
-@dataclass
-class _Walk:
-    program: Program
-    given: Mapping[str, Value]
-    taken: list[bool] | None  # decisions to take; None: decide by number and note
-    opaque: frozenset[str]
-    known: dict[str, Value] = field(default_factory=dict)
-    arrays: dict[str, list[Value]] = field(default_factory=dict)
-    decisions: list[bool] = field(default_factory=list)
+class _Walk(Walk):
+    """taken: decisions to take; None: decide by number and note."""
+
+    def __init__(self, program: Program, given: Mapping[str, Value], taken: list[bool] | None, opaque: frozenset[str]) -> None:
+        super().__init__(program)
+        self.given, self.taken, self.opaque = given, taken, opaque
+        self.decisions: list[bool] = []
 
     @property
     def symbolic(self) -> bool:
@@ -114,68 +100,37 @@ class _Walk:
         outputs = {p.name: tuple(self.arrays[p.name]) for p in function.outputs}
         return Path(outputs, result, tuple(self.decisions))
 
-    def statements(self, body: Sequence[Statement]) -> None:
-        for statement in body:
-            match statement:
-                case Assign(var=var, value=value):
-                    self.known[var.name] = self.value(value)
-                case Call(results=results, kernel=kernel, args=args):
-                    values = self.kernel(self.program.kernel(kernel), [self.operand(a) for a in args])
-                    self.known |= dict(zip((r.name for r in results), values, strict=True))
-                case Store(array=array, index=index, value=value):
-                    self.arrays[array][self.operand(index)] = self.operand(value)
-                case For(index=index, count=count, body=inner, carries=carries):
-                    self.known |= {c.var.name: self.operand(c.initial) for c in carries}
-                    for k in range(count):
-                        self.known[index.name] = k
-                        self.statements(inner)
-                        self.known |= {c.var.name: self.operand(c.next) for c in carries}
-                case Return(status=status, when=when, body=inner):
-                    if when is None or self.operand(when):
-                        self.statements(inner)
-                        raise _Left(None if status is None else self.value(status))
+    def leave(self, statement: Return) -> None:
+        if statement.when is None or self.operand(statement.when):
+            self.statements(statement.body)
+            raise _Left(None if statement.status is None else self.value(statement.status))
 
     def kernel(self, kernel: Kernel, args: Sequence[Value]) -> list[Value]:
         if self.symbolic and kernel.name in self.opaque:
             return [sp.Function(f"{kernel.name}_{k}", real=True)(*args) for k in range(len(kernel.outputs))]
-        outer, self.known = self.known, dict(zip((v.name for v in kernel.inputs), args, strict=True))
-        quiet = kernel.name in self.opaque  # its decisions are not the frame's
         noted = len(self.decisions)
-        for assign in kernel.body:
-            self.known[assign.var.name] = self.value(assign.value)
-        outputs = [self.operand(o) for o in kernel.outputs]
-        self.known = outer
-        if quiet:
+        outputs = super().kernel(kernel, args)
+        if kernel.name in self.opaque:  # its decisions are not the frame's
             del self.decisions[noted:]
         return outputs
 
-    def operand(self, operand: Operand) -> Value:
-        if isinstance(operand, Var):
-            return self.known[operand.name]
-        number = operand.value
+    def constant(self, constant: Const) -> Value:
+        number = constant.value
         if number is None:
             return sp.nan if self.symbolic else math.nan
-        if isinstance(number, bool | Status) or operand.type is not REAL:
+        if isinstance(number, bool | Status) or constant.type is not REAL:
             return number
         exact = Fraction(number)
         return sp.Rational(exact.numerator, exact.denominator) if self.symbolic else float(exact)
 
-    def value(self, expression: Expression) -> Value:
-        match expression:
-            case Var() | Const():
-                return self.operand(expression)
-            case Select(condition=condition, then=then, other=other):
-                return self.operand(then) if self.operand(condition) else self.operand(other)
-            case IsFinite(arg=arg):
-                return self.decide(math.isfinite, self.operand(arg))
-            case Trunc(arg=arg):
-                number = self.operand(arg)
-                return sp.floor(number) if self.symbolic else math.trunc(number)
-            case Load(array=array, index=index):
-                return self.load(array, self.operand(index))
-            case Op(name=name, args=args):
-                return self.operation(name, [self.operand(a) for a in args])
-        raise NotImplementedError(f"{expression}")
+    def select(self, condition: Value, then: Value, other: Value) -> Value:
+        return then if condition else other
+
+    def finite(self, value: Value) -> Value:
+        return self.decide(math.isfinite, value)
+
+    def trunc(self, value: Value) -> Value:
+        return sp.floor(value) if self.symbolic else math.trunc(value)
 
     def operation(self, name: str, args: list[Value]) -> Value:
         row = OPERATIONS[name]
@@ -194,9 +149,7 @@ class _Walk:
         self.decisions.append(outcome)
         return outcome
 
-    def load(self, array: str, index: Value) -> Value:
-        if array in self.arrays:
-            return self.arrays[array][index]
+    def entry(self, table: str, index: Value) -> Value:
         if self.symbolic:
-            return sp.Function(array, real=True)(sp.expand(index))
-        return float(self.program.table(array).values[index])
+            return sp.Function(table, real=True)(sp.expand(index))
+        return float(self.program.table(table).values[index])

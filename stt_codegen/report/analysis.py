@@ -44,9 +44,17 @@ USUAL_PERIOD = 0.001  # seconds; for which the safe gains are told when the task
 
 class Analysis:
     """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured
-    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too)."""
+    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too), `start` is
+    x(0), the task's own where it is None."""
 
-    def __init__(self, controller: Controller, plant: Model | None = None, noise: float = 0.0, latency: float = 0.0) -> None:
+    def __init__(
+        self,
+        controller: Controller,
+        plant: Model | None = None,
+        noise: float = 0.0,
+        latency: float = 0.0,
+        start: Sequence[float] | None = None,
+    ) -> None:
         for name, value in (("--noise", noise), ("--latency", latency)):
             if not (math.isfinite(value) and value >= 0):
                 raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
@@ -56,7 +64,7 @@ class Analysis:
         self.windows = self._windows()
         law = law_of(task, controller.certificate.edge_error, noise, latency)
         self.bounds = list(self._bounds())
-        self.setting = setting_of(self.windows, self.bounds, law, [float(v) for v in task.initial_state])
+        self.setting = setting_of(self.windows, self.bounds, law, start or [float(v) for v in task.initial_state])
 
     def _windows(self) -> Windows:
         design = self.controller.design
@@ -81,11 +89,6 @@ class Analysis:
             before = max(k - 1, 0)
             low, high = np.minimum(w.low[k], w.low[before]), np.maximum(w.high[k], w.high[before])
             yield enclosure.over(list(zip(low.tolist(), high.tolist(), strict=True)))
-
-    def start_at(self, x0: Sequence[float]) -> Array:
-        """|eps(0)| of another start."""
-        law = self.setting.law
-        return setting_of(self.windows, self.bounds, law, x0).start
 
     @property
     def name(self) -> str:

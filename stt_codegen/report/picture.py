@@ -9,19 +9,15 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
 
 from stt_codegen.designs.grid import tube_at
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller
 from stt_codegen.rows import Row, avoid_rows
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
-
-mpl.use("Agg")
-
-import matplotlib.pyplot as plt
-from matplotlib.patches import Polygon, Rectangle
-
-from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
 
 Array = npt.NDArray[np.float64]
 COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb"}
@@ -29,17 +25,19 @@ BOXES = 46  # tube boxes drawn over the arena
 
 
 def draw(controller: Controller, path: Path) -> None:
-    """Save one PNG: on the left the arena in the first two dimensions, on the right every dimension over time."""
+    """Save one PNG of `figure_of`."""
+    save(figure_of(controller), path)
+
+
+def figure_of(controller: Controller) -> Figure:
+    """On the left the arena in the first two dimensions, on the right every dimension over time. The figure belongs to no window
+    and changes no backend of the caller's."""
     task, n = controller.task, controller.task.dimension
     t = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller.design, t)
     rows: list[Any] = [["arena", f"x{i + 1}"] if n > 1 else ["x1", "x1"] for i in range(n)]
-    figure, axes = plt.subplot_mosaic(
-        rows,
-        figsize=(11, max(4.6, 1.9 * n)),
-        width_ratios=[1, 1.25],
-        constrained_layout=True,
-    )
+    figure = Figure(figsize=(11, max(4.6, 1.9 * n)), layout="constrained")
+    axes: Any = figure.subplot_mosaic(rows, width_ratios=[1, 1.25])
     if n >= 2:
         draw_arena(axes["arena"], controller, low, high)
     for i in range(n):
@@ -47,12 +45,13 @@ def draw(controller: Controller, path: Path) -> None:
         axes[f"x{i + 1}"].set_xlabel("t [s]" if i == n - 1 else "")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
-    save(figure, path)
+    return figure
 
 
 def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
     """Save one PNG with the arenas of several controllers beside each other, boxes that meet an unsafe set outlined."""
-    figure, axes = plt.subplots(1, len(controllers), figsize=(5.2 * len(controllers), 5), constrained_layout=True)
+    figure = Figure(figsize=(5.2 * len(controllers), 5), layout="constrained")
+    axes = figure.subplots(1, len(controllers))
     for axis, controller, title in zip(np.atleast_1d(axes), controllers, titles, strict=True):
         t = np.linspace(0.0, float(controller.task.prescribed_time), 1801)
         low, high = tube_at(controller.design, t)
@@ -81,13 +80,12 @@ def slack_at(row: Row, low: Array, high: Array) -> Array:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write and close a figure. Raises `BadInput` where it cannot be written."""
+    """Write a figure. Raises `BadInput` where it cannot be written."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=110, metadata={"Software": None})
     except OSError as error:
         raise BadInput(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
-    plt.close(figure)
 
 
 def outline(convex: ConvexSet) -> Array:
@@ -140,7 +138,11 @@ def draw_arena(axis: Any, controller: Controller, low: Array, high: Array) -> No
         shade = k / (len(low) - 1)
         axis.add_patch(
             Rectangle(
-                tuple(low[k, :2]), *(high[k, :2] - low[k, :2]), facecolor=plt.cm.viridis(shade), alpha=0.28, edgecolor="none"
+                tuple(low[k, :2]),
+                *(high[k, :2] - low[k, :2]),
+                facecolor=mpl.colormaps["viridis"](shade),
+                alpha=0.28,
+                edgecolor="none",
             )
         )
     draw_sets(axis, task)

@@ -6,10 +6,10 @@ import keyword
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
-from stt_codegen.task.schema import Box, Task
+from stt_codegen.task.schema import Box, TaskTables
 
 
-def first_problem(task: Task) -> str | None:
+def first_problem(task: TaskTables) -> str | None:
     """The first thing that no schema can see, in the words of the message; None when there is none."""
     n = task.dimension
     return (
@@ -30,17 +30,15 @@ def _name_problem(name: str) -> str | None:
     return None
 
 
-def _shape_problem(task: Task, n: int) -> str | None:
-    vectors = [
-        ("state_space.upper", task.state_space.upper),
-        ("initial_state", task.initial_state),
-        ("initial_set.lower", task.initial_set.lower),
-        ("initial_set.upper", task.initial_set.upper),
-        ("target_set.lower", task.target_set.lower),
-        ("target_set.upper", task.target_set.upper),
+def _shape_problem(task: TaskTables, n: int) -> str | None:
+    tables: list[tuple[str, Box]] = [
+        ("state_space", task.state_space),
+        ("initial_set", task.initial_set),
+        ("target_set", task.target_set),
     ]
-    for j, unsafe in enumerate(task.unsafe):
-        vectors += [(f"unsafe[{j}].lower", unsafe.lower), (f"unsafe[{j}].upper", unsafe.upper)]
+    tables += [(f"unsafe[{j}]", unsafe) for j, unsafe in enumerate(task.unsafe)]
+    vectors = [("initial_state", task.initial_state)]
+    vectors += [(f"{field}.{name}", vector) for field, table in tables for name, vector in table.vectors()]
     if task.body is not None:
         vectors.append(("body", task.body))
     if task.control.u_max is not None:
@@ -48,20 +46,11 @@ def _shape_problem(task: Task, n: int) -> str | None:
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
-    boxes: list[tuple[str, Box]] = [
-        ("state_space", task.state_space),
-        ("initial_set", task.initial_set),
-        ("target_set", task.target_set),
-    ]
-    boxes += [(f"unsafe[{j}]", unsafe) for j, unsafe in enumerate(task.unsafe)]
-    for field, box in boxes:
-        for i, (a, b) in enumerate(zip(box.lower, box.upper, strict=True)):
-            if a >= b:
-                return f"{field}: lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
-    return None
+    found = (table.problem() for _, table in tables)
+    return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None)
 
 
-def _options_problem(task: Task) -> str | None:
+def _options_problem(task: TaskTables) -> str | None:
     for i, half in enumerate(task.body or ()):
         if half < 0:
             return f"body[{i}]: is {decimal(half)}; half extents must be 0 or greater"
@@ -85,7 +74,7 @@ def _options_problem(task: Task) -> str | None:
     return None
 
 
-def _containment_problem(task: Task, n: int) -> str | None:
+def _containment_problem(task: TaskTables, n: int) -> str | None:
     space, body = task.free_space, " less the body" if task.body and any(task.body) else ""
     for i in range(n):
         if space.lower[i] >= space.upper[i]:
@@ -112,7 +101,7 @@ def _containment_problem(task: Task, n: int) -> str | None:
     return None
 
 
-def unsafe_problem(task: Task) -> str | None:
+def unsafe_problem(task: TaskTables) -> str | None:
     """Names that are taken, and unsafe sets where the start or the target is."""
     seen: dict[str, int] = {}
     for j, unsafe in enumerate(task.unsafe):

@@ -6,7 +6,7 @@ looks at how the fields fit together.
 
 from __future__ import annotations
 
-from decimal import Decimal
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Annotated, Literal
 
@@ -17,8 +17,8 @@ from pydantic import (
     ConfigDict,
     Field,
     PlainSerializer,
-    PrivateAttr,
     StrictBool,
+    ValidationInfo,
     WithJsonSchema,
 )
 
@@ -30,6 +30,7 @@ MAX_NAME = 20
 MAX_LABEL = 40
 LARGEST, SMALLEST = Fraction(10) ** 9, Fraction(1, 10**9)  # keeps every derived float32 constant normal
 MAX_DIGITS = 40
+FILE = "file"  # in the context of a validation: the values are those of a file
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
@@ -52,12 +53,14 @@ def kind_of(value: object) -> str:
     return f"a {type(value).__name__}"
 
 
-def _number(value: object) -> Fraction:
-    """A TOML number as an exact fraction; raises ValueError with the reason when it cannot be one."""
-    if isinstance(value, Fraction):
-        return value
-    if isinstance(value, bool):
+def _number(value: object, info: ValidationInfo) -> Fraction:
+    """A number as an exact fraction; raises ValueError with the reason when it cannot be one. In a file only numbers of TOML
+    will do; from Python also floats (each means its shortest decimal), NumPy's numbers, fractions that are decimals, and
+    decimals as text."""
+    if isinstance(value, bool) or type(value).__name__ == "bool":
         raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
+    if not (info.context and info.context.get(FILE)):
+        value = _from_python(value)
     if not isinstance(value, int | Decimal):
         raise ValueError(f"is {kind_of(value)}; a number is needed, for example 1.0")
     if isinstance(value, Decimal):
@@ -71,6 +74,31 @@ def _number(value: object) -> Fraction:
     if exact and not SMALLEST <= abs(exact) <= LARGEST:
         raise ValueError("is out of range; use 0 or a magnitude from 1e-9 to 1e9 (rescale the units)")
     return exact
+
+
+def _from_python(value: object) -> object:
+    """What a file could hold: an int or a decimal, where the value is one."""
+    if isinstance(value, float) or type(value).__module__ == "numpy":
+        shape = getattr(value, "shape", ())
+        if shape not in ((), None):
+            raise ValueError(f"is an array of shape {shape}; a number is needed, for example 1.0")
+        value = str(value)  # of a NumPy number too the shortest decimal
+    if isinstance(value, str):
+        try:
+            return Decimal(value)
+        except ArithmeticError:
+            return value
+    if isinstance(value, Fraction):
+        rest = value.denominator
+        for prime in (2, 5):
+            while rest % prime == 0:
+                rest //= prime
+        if rest != 1:
+            raise ValueError(f"is {value}, which is no decimal; round it, for example to {float(value):.9g}")
+        with localcontext() as context:
+            context.prec = 2 * (MAX_DIGITS + value.denominator.bit_length())
+            return Decimal(value.numerator) / value.denominator
+    return value
 
 
 def _positive(value: Fraction) -> Fraction:
@@ -96,6 +124,8 @@ NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"
 
 
 def _vector(value: object) -> object:
+    if getattr(value, "ndim", None) == 1:
+        value = list(value)  # type: ignore[call-overload]  # a NumPy array
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {kind_of(value)}; a list of numbers is needed, one for each dimension")
     if not value:
@@ -125,6 +155,17 @@ class Box(_Table):
 
     lower: Vector
     upper: Vector
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        """What must have one entry for each dimension, by name."""
+        return [("lower", self.lower), ("upper", self.upper)]
+
+    def problem(self) -> str | None:
+        """What makes it no set."""
+        for i, (a, b) in enumerate(zip(self.lower, self.upper, strict=True)):
+            if a >= b:
+                return f"lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
+        return None
 
     def convex(self) -> BoxSet:
         """The box as a set."""
@@ -193,8 +234,18 @@ class PlantBounds(_Table):
     w_max: NotNegative | None = None
 
 
-class Task(_Table):
-    """A reach-avoid-stay task with prescribed time (Definition 2.1), and the options of its controller."""
+def _named(sets: tuple[UnsafeSet, ...]) -> tuple[UnsafeSet, ...]:
+    """With U1, U2, ... for those without a name; the name that was not given does not count as data."""
+    named = []
+    for j, one in enumerate(sets, 1):
+        copy = one.model_copy()
+        copy.__dict__["name"] = one.name or f"U{j}"
+        named.append(copy)
+    return tuple(named)
+
+
+class TaskTables(_Table):
+    """All tables of a task, and the sets that they describe. Users have `Task`, which is checked."""
 
     name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)
     prescribed_time: Positive = Field(description="t_c, seconds")
@@ -203,23 +254,16 @@ class Task(_Table):
     initial_set: Box
     target_set: Box
     body: Vector | None = Field(default=None, description="half extents of the robot")
-    unsafe: tuple[UnsafeSet, ...] = ()
+    unsafe: Annotated[tuple[UnsafeSet, ...], AfterValidator(_named)] = ()
     tube: TubeOptions = TubeOptions()
     control: ControlOptions = ControlOptions()
     emit: EmitOptions = EmitOptions()
     plant: PlantBounds = PlantBounds()
 
-    _digest: str = PrivateAttr(default="")
-
     @property
     def dimension(self) -> int:
         """n, the number of state components."""
         return len(self.state_space.lower)
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the file's data (comments, spacing and the order of keys do not count)."""
-        return self._digest
 
     @property
     def half_extents(self) -> tuple[Fraction, ...]:
@@ -250,9 +294,3 @@ class Task(_Table):
     def obstacles(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets grown by `body`, in the order of the file."""
         return tuple(s.grown(self.half_extents) for s in self.bare)
-
-    def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
-        """The same task with the options that the command line may override."""
-        tube = self.tube.model_copy(update={"design": design}) if design else self.tube
-        emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
-        return self.model_copy(update={"tube": tube, "emit": emit})

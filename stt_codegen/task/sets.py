@@ -61,7 +61,7 @@ class ConvexSet(ABC):
 
     @cached_property
     def faces(self) -> tuple[tuple[Normal, Fraction], ...]:
-        """Half-spaces normal.x <= offset whose intersection is the set."""
+        """Half-spaces normal.x <= offset that hold the set; for a polytope with all faces among its normals they meet in it."""
         return tuple((n, self.support(n)) for n in self.normals)
 
     def span(self, i: int) -> tuple[Fraction, Fraction]:
@@ -74,7 +74,8 @@ class ConvexSet(ABC):
         return Grown(self, tuple(half)) if any(half) else self
 
     def apart(self, lower: Vector, upper: Vector) -> bool:
-        """Whether the box and the set have no point in common, edges included."""
+        """True only where the box and the set have no point in common, edges included; true wherever they have none if the faces
+        are all of the set's and, beyond the plane, of the difference of both (for boxes and polygons they are)."""
         return any(low_of(n, lower, upper) > h for n, h in self.faces)
 
     def covers(self, lower: Vector, upper: Vector) -> bool:

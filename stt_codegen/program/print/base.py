@@ -1,7 +1,8 @@
 """What every printer does alike: the order of statements, of expressions, of a table's rows. A language overrides `format_*`.
 
 An operation is printed from its row in operations.py, by its infix sign or its call; a language that writes one differently has a
-method `format_<operation>`. A new target language is a subclass, and nothing else (see print/c.py, print/python.py).
+method `op_<operation>`. A new target language is a subclass with these methods, a template that places what it prints, and its
+file's name in emit/ (see print/c.py, print/python.py).
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from stt_codegen.program.nodes import (
     For,
     Function,
     IsFinite,
+    Kernel,
     Load,
     Op,
     Operand,
@@ -64,7 +66,7 @@ class Printer(ABC):
 
     def operation(self, op: Op, name: str, args: Sequence[str]) -> str:
         """By a method of the language's own, the row's infix sign, or the row's call. Raises `NotImplementedError`."""
-        own = getattr(self, f"format_{name}", None)
+        own = getattr(self, f"op_{name}", None)
         if own is not None:
             return str(own(*args))
         row = OPERATIONS[name]
@@ -154,12 +156,23 @@ class Printer(ABC):
     @abstractmethod
     def format_leave(self, status: Expression | None) -> list[str]: ...
 
-    # ---- tables
+    # ---- tables and functions
+
+    def format_entry(self, constant: Const) -> str:
+        """A number of a table."""
+        return self.literal(constant)
+
+    @abstractmethod
+    def table(self, table: Table) -> list[str]: ...
+    @abstractmethod
+    def kernel(self, kernel: Kernel) -> list[str]: ...
+    @abstractmethod
+    def function(self, function: Function) -> list[str]: ...
 
     def rows(self, table: Table) -> list[str]:
         """The literals of a table, its rows begun anew, LITERALS_A_LINE a line, each line ended by a comma."""
         lines = []
         for start in range(0, len(table.values), table.row):
-            row = [self.literal(Const(v)).strip("()") for v in table.values[start : start + table.row]]
+            row = [self.format_entry(Const(v)) for v in table.values[start : start + table.row]]
             lines += [INDENT + ", ".join(row[k : k + LITERALS_A_LINE]) + "," for k in range(0, len(row), LITERALS_A_LINE)]
         return lines

@@ -96,6 +96,10 @@ class CPrinter(Printer):
         text += "F" if self.program.scalar == "float" else ""
         return f"({text})" if text.startswith("-") else text
 
+    def format_entry(self, constant: Const) -> str:
+        """In a table a negative number needs no brackets."""
+        return self.literal(constant).strip("()")
+
     # ---- expressions
 
     def array(self, name: str) -> str:
@@ -114,30 +118,30 @@ class CPrinter(Printer):
         """The C library's function in the program's own precision."""
         return f"{name}{'f' if self.program.scalar == 'float' else ''}({', '.join(args)})"
 
-    def format_neg(self, a: str) -> str:
+    def op_neg(self, a: str) -> str:
         return f"-{a}"
 
-    def format_not(self, a: str) -> str:
+    def op_not(self, a: str) -> str:
         return f"!{a}"
 
-    def format_real(self, a: str) -> str:
+    def op_real(self, a: str) -> str:
         return f"({self.real}){a}"
 
-    def format_int(self, a: str) -> str:
+    def op_int(self, a: str) -> str:
         return f"(int32_t){a}"
 
-    def format_exponent(self, a: str) -> str:
+    def op_exponent(self, a: str) -> str:
         return f"{self.prefix}_exponent({a})"
 
-    def format_mantissa(self, a: str) -> str:
+    def op_mantissa(self, a: str) -> str:
         return f"{self.prefix}_mantissa({a})"
 
-    def format_eq(self, a: str, b: str) -> str:
+    def op_eq(self, a: str, b: str) -> str:
         """== on reals is refused by -Wfloat-equal; this is the same, false for NaN included."""
         return f"({a} <= {b}) && ({b} <= {a})"
 
-    def format_ne(self, a: str, b: str) -> str:
-        return f"!({self.format_eq(a, b)})"
+    def op_ne(self, a: str, b: str) -> str:
+        return f"!({self.op_eq(a, b)})"
 
     # ---- statements
 

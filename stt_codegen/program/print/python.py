@@ -70,38 +70,38 @@ class PythonPrinter(Printer):
     def format_math(self, name: str, args: Sequence[str]) -> str:
         return f"math.{name}({', '.join(args)})"
 
-    def format_floor(self, a: str) -> str:
+    def op_floor(self, a: str) -> str:
         """Python's returns a whole number of another type, and so does its ceil."""
         return f"float(math.floor({a}))"
 
-    def format_ceil(self, a: str) -> str:
+    def op_ceil(self, a: str) -> str:
         return f"float(math.ceil({a}))"
 
-    def format_pow(self, a: str, b: str) -> str:
+    def op_pow(self, a: str, b: str) -> str:
         return f"{a} ** {b}"
 
-    def format_eq(self, a: str, b: str) -> str:
+    def op_eq(self, a: str, b: str) -> str:
         return f"{a} == {b}"
 
-    def format_ne(self, a: str, b: str) -> str:
+    def op_ne(self, a: str, b: str) -> str:
         return f"{a} != {b}"
 
-    def format_neg(self, a: str) -> str:
+    def op_neg(self, a: str) -> str:
         return f"-{a}"
 
-    def format_not(self, a: str) -> str:
+    def op_not(self, a: str) -> str:
         return f"not {a}"
 
-    def format_real(self, a: str) -> str:
+    def op_real(self, a: str) -> str:
         return f"float({a})"
 
-    def format_int(self, a: str) -> str:
+    def op_int(self, a: str) -> str:
         return a
 
-    def format_exponent(self, a: str) -> str:
+    def op_exponent(self, a: str) -> str:
         return f"_split({a})[1]"
 
-    def format_mantissa(self, a: str) -> str:
+    def op_mantissa(self, a: str) -> str:
         return f"_split({a})[0]"
 
     def format_assign(self, var: Var, value: str) -> str:

@@ -1,0 +1,231 @@
+"""The package for notebooks and scripts, behind `import stt_codegen as stt`; every name is documented here.
+
+task = stt.load("cart.toml")                    # or stt.Task(name="cart", prescribed_time=6, ...)
+controller = stt.build(task)                    # a certified controller
+lower, upper = controller.tube(t)               # t a number or an array
+controller.write("src")                         # cart.h, cart.c, cart.py, cart.certificate.json
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen import pipeline
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.compare.toolchain import load_module
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
+from stt_codegen.task import Box, Task, UnsafeSet, load_task, parse_task
+
+__all__ = [
+    "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task", "UnsafeSet",
+    "build", "certify", "design", "load", "parse",
+]  # fmt: skip
+
+
+Array = npt.NDArray[np.float64]
+Design = RefinedDesign | AdaptiveDesign
+
+
+def load(path: str | Path) -> Task:
+    """Read and check a task file.
+
+    Raises `BadInput` with file, field, what is wrong and what would be right.
+
+    >>> load("tasks/omni_s2.toml").dimension  # doctest: +SKIP
+    2
+    """
+    return load_task(path)
+
+
+def parse(text: str) -> Task:
+    """As `load`, from the text of a task file."""
+    return parse_task(text)
+
+
+def design(task: Task) -> Design:
+    """Find a tube for the task, as `tube.design` says: the numbers that fix it, not yet certified.
+
+    Raises `NotCertified` with the reason and, where there is one, the option that would do.
+    """
+    pipeline.require_supported(task)
+    return pipeline.design_tube(task)
+
+
+def certify(task: Task, tube: Design) -> Certificate:
+    """P1 to P7 of a tube for the task, each with its margin; `holds` says whether all of them do."""
+    return pipeline.certify(task, tube, pipeline.build_program(task, tube))
+
+
+def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
+    """Design, certify and emit a controller; nothing is written. A path is loaded first.
+
+    Raises `NotCertified` when no tube is found or, unless `uncertified`, the certificate fails; `BadInput` for a bad task.
+    """
+    made = pipeline.build_task(task if isinstance(task, Task) else load(task), uncertified)
+    return Controller(made.task, made.design, made.program, made.certificate, made.files)
+
+
+class Controller(pipeline.Controller):
+    """A task's controller: the emitted functions, vectorised, and what one does with them.
+
+    n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then
+    states are of shape (n,) or (P, n), and so are results. Values are those of the emitted Python, in double arithmetic.
+    """
+
+    def __repr__(self) -> str:
+        verdict = "certified" if self.certificate.holds else "NOT CERTIFIED"
+        width = f"least width {float(self.certificate.least_width):.3g}"
+        kind = f"{self.design.kind} tube, {self.design.size}"
+        return f"<Controller {self.task.name}: {kind}, {verdict}, {width}, {self.program.scalar}>"
+
+    def _repr_png_(self) -> bytes:
+        from stt_codegen.report.picture import figure_of
+
+        data = io.BytesIO()
+        figure_of(self).savefig(data, format="png", dpi=80)
+        return data.getvalue()
+
+    # ---- the emitted functions
+
+    @cached_property
+    def module(self) -> Any:
+        """The emitted Python, as a module."""
+        return load_module(self.task.name, self.files[f"{self.task.name}.py"])
+
+    def alpha(self, t: npt.ArrayLike) -> Array:
+        """The update function alpha of an adaptive or literal tube by emitted steps from 0, as long as the certificate allows:
+        shape (2 n,) or (P, 2 n). Raises `BadInput` for a refined tube, which has none."""
+        if not self.design.stateful:
+            raise BadInput(f"{self.task.name}: a {self.design.kind} tube has no alpha")
+        times, single = self._times(t)
+        steps = self.certificate.steps
+        longest = float(steps[1]) if steps is not None else float(self.task.prescribed_time) / 2000
+        now, alpha, found = 0.0, self.module.alpha_init(), {}
+        for later in np.unique(np.maximum(times, 0.0)):
+            count = int(np.ceil((later - now) / longest)) if later > now else 0
+            for k in range(count):
+                alpha = self.module.alpha_step(now + k * (later - now) / count, (later - now) / count, alpha)
+            now, found[float(later)] = float(later), alpha
+        rows = np.array([found[float(v)] for v in np.maximum(times, 0.0)])
+        return rows[0] if single else rows
+
+    def tube(self, t: npt.ArrayLike) -> tuple[Array, Array]:
+        """Lower and upper edges of the tube at times t, each of shape (n,) or (P, n)."""
+        lower, upper = self._at("tube", t)
+        return lower, upper
+
+    def tube_rate(self, t: npt.ArrayLike) -> tuple[Array, Array]:
+        """Rates of the edges at times t, each of shape (n,) or (P, n), in units per second."""
+        lower, upper = self._at("tube_rate", t)
+        return lower, upper
+
+    def control(self, t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[Any, Array]:
+        """Status (0 inside, 1 outside the tube, 2 bad input) and u at times t for states x: a number and (n,), or (P,) and (P,
+        n)."""
+        status, u = self._at("control", t, x)
+        return status, u
+
+    def margin(self, t: npt.ArrayLike, x: npt.ArrayLike) -> Any:
+        """How far x is from leaving the tube: 0.5 in the middle, 0 at an edge; a number, or (P,)."""
+        (share,) = self._at("margin", t, x)
+        return share
+
+    def _times(self, t: npt.ArrayLike) -> tuple[Array, bool]:
+        times = np.asarray(t, dtype=float)
+        if times.ndim > 1:
+            raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed")
+        return np.atleast_1d(times), times.ndim == 0
+
+    def _at(self, name: str, t: npt.ArrayLike, x: npt.ArrayLike | None = None) -> list[Any]:
+        """An emitted function at every time; outputs without the first axis where t is a number and x is one state."""
+        times, single = self._times(t)
+        n = self.task.dimension
+        arguments: list[Any] = []
+        if x is not None:
+            states = np.asarray(x, dtype=float)
+            if states.ndim not in (1, 2) or states.shape[-1] != n or (states.ndim == 2 and len(times) not in (1, len(states))):
+                wanted = f"({n},) or ({'P' if single else len(times)}, {n})"
+                raise BadInput(f"x: has shape {states.shape}; {wanted} is needed, one number for each dimension")
+            single = single and states.ndim == 1
+            count = len(states) if states.ndim == 2 else len(times)
+            times, states = np.broadcast_to(times, count), np.broadcast_to(states, (count, n))
+            arguments = [states]
+        if self.design.stateful:
+            arguments = [np.atleast_2d(self.alpha(times)), *arguments]
+        function = getattr(self.module, name)
+        rows = [function(float(v), *(a[k] for a in arguments)) for k, v in enumerate(times)]
+        columns = [np.array(c) for c in zip(*rows, strict=True)] if isinstance(rows[0], tuple) else [np.array(rows)]
+        return [c[0] for c in columns] if single else columns
+
+    # ---- what one does with it
+
+    def casadi(self) -> Mapping[str, Any]:
+        """Every emitted function of seconds as a CasADi function, from the very statements that are printed, and the derivatives
+        `du_dx` and `du_dt` of u. Columns in, columns out; call them with numbers, SX or MX.
+
+        Keys: tube, tube_rate, control, margin, transform; for adaptive tubes, whose functions take alpha too, alpha_rate (the
+        update equation and its Jacobian) and alpha_step.
+        """
+        import casadi as ca
+
+        from stt_codegen.program import REAL
+        from stt_codegen.program.as_casadi import casadi_function
+
+        names = [f.name for f in self.program.functions if all(p.type is REAL for p in f.params) and f.inputs]
+        double = replace(self.program, scalar="double") if self.program.scalar == "double" else self.program
+        found = {name: casadi_function(double, name) for name in names}
+        law = found["control"]
+        symbols = [ca.SX.sym(law.name_in(k), *law.size_in(k)) for k in range(law.n_in())]
+        _, u = law(*symbols)
+        for name, by in (("du_dx", "x"), ("du_dt", "t")):
+            jacobian = ca.jacobian(u, symbols[law.index_in(by)])
+            found[name] = ca.Function(name, symbols, [jacobian], law.name_in(), [name])
+        return found
+
+    def write(self, folder: str | Path) -> list[Path]:
+        """Write the files into a folder, all or none; their paths. Raises `BadInput` where it cannot be written."""
+        from stt_codegen.record.files import write_files
+
+        write_files(Path(folder), self.files)
+        return [Path(folder) / name for name in self.files]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the tube: the whole picture as a matplotlib Figure, or the arena alone into `ax`. No backend is changed."""
+        from stt_codegen.designs.grid import tube_at
+        from stt_codegen.report.picture import draw_arena, draw_dimension, figure_of
+
+        if ax is None:
+            return figure_of(self)
+        t = np.linspace(0.0, float(self.task.prescribed_time), 1801)
+        low, high = tube_at(self.design, t)
+        if self.task.dimension > 1:
+            draw_arena(ax, self, low, high)
+        else:
+            draw_dimension(ax, self, 0, t, low, high)
+        return ax
+
+    def simulate(self, plant: Any = "integrator", **scenario: Any) -> Any:
+        """Drive a plant with the compiled C, held between samples.
+
+        plant: a name, the path of a Python file, or a `Plant`. scenario: fields of `loop.simulate.Scenario` (rate in Hz,
+        disturbance, strength, noise, lost, latency, start, seed). Returns a `Run` with its trace: rows of t, x, u, lower, upper,
+        w, status. Raises `MissingTool` without a C compiler.
+        """
+        from stt_codegen.loop.simulate import Loop, Scenario
+        from stt_codegen.plants import plant_of
+
+        model = plant_of(plant, self.task.dimension) if isinstance(plant, str) else plant
+        try:
+            asked = Scenario(**scenario)
+        except TypeError as error:
+            raise BadInput(f"simulate: {error}") from None
+        return Loop(self, model).run(asked, trace=True)

@@ -1,0 +1,100 @@
+"""A function of a Program run statement by statement, whatever its values are: numbers, SymPy's formulas (paths.py), CasADi's
+graphs (as_casadi.py). Loops are unrolled; a reader says what its nodes make."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from stt_codegen.program.nodes import (
+    Assign,
+    Call,
+    Const,
+    Expression,
+    For,
+    IsFinite,
+    Kernel,
+    Load,
+    Op,
+    Operand,
+    Program,
+    Return,
+    Select,
+    Statement,
+    Store,
+    Trunc,
+    Var,
+)
+
+
+class Walk(ABC):
+    """known: values by name; arrays: parameters that are arrays, entry by entry."""
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        self.known: dict[str, Any] = {}
+        self.arrays: dict[str, list[Any]] = {}
+
+    def statements(self, body: Iterable[Statement]) -> None:
+        for statement in body:
+            match statement:
+                case Assign(var=var, value=value):
+                    self.known[var.name] = self.value(value)
+                case Call(results=results, kernel=kernel, args=args):
+                    values = self.kernel(self.program.kernel(kernel), [self.operand(a) for a in args])
+                    self.known |= dict(zip((r.name for r in results), values, strict=True))
+                case Store(array=array, index=index, value=value):
+                    self.arrays[array][self.operand(index)] = self.operand(value)
+                case For(index=index, count=count, body=inner, carries=carries):
+                    self.known |= {c.var.name: self.operand(c.initial) for c in carries}
+                    for k in range(count):
+                        self.known[index.name] = k
+                        self.statements(inner)
+                        self.known |= {c.var.name: self.operand(c.next) for c in carries}
+                case Return():
+                    self.leave(statement)
+
+    def kernel(self, kernel: Kernel, args: Sequence[Any]) -> list[Any]:
+        """The outputs of a kernel; its names are its own."""
+        outer, self.known = self.known, dict(zip((v.name for v in kernel.inputs), args, strict=True))
+        for assign in kernel.body:
+            self.known[assign.var.name] = self.value(assign.value)
+        outputs = [self.operand(o) for o in kernel.outputs]
+        self.known = outer
+        return outputs
+
+    def operand(self, operand: Operand) -> Any:
+        return self.known[operand.name] if isinstance(operand, Var) else self.constant(operand)
+
+    def value(self, expression: Expression) -> Any:
+        match expression:
+            case Var() | Const():
+                return self.operand(expression)
+            case Select(condition=condition, then=then, other=other):
+                return self.select(*(self.operand(v) for v in (condition, then, other)))
+            case IsFinite(arg=arg):
+                return self.finite(self.operand(arg))
+            case Trunc(arg=arg):
+                return self.trunc(self.operand(arg))
+            case Load(array=array, index=index):
+                at = self.operand(index)
+                return self.arrays[array][at] if array in self.arrays else self.entry(array, at)
+            case Op(name=name, args=args):
+                return self.operation(name, [self.operand(a) for a in args])
+
+    @abstractmethod
+    def leave(self, statement: Return) -> None: ...
+    @abstractmethod
+    def constant(self, constant: Const) -> Any: ...
+    @abstractmethod
+    def select(self, condition: Any, then: Any, other: Any) -> Any: ...
+    @abstractmethod
+    def finite(self, value: Any) -> Any: ...
+    @abstractmethod
+    def trunc(self, value: Any) -> Any: ...
+    @abstractmethod
+    def operation(self, name: str, args: list[Any]) -> Any: ...
+    @abstractmethod
+    def entry(self, table: str, index: Any) -> Any:
+        """One entry of a table."""

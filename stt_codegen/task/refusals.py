@@ -1,0 +1,73 @@
+"""What pydantic finds wrong with a task, in this project's words."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from stt_codegen.task.schema import MAX_LABEL, MAX_NAME, TaskTables, kind_of
+
+
+def explain(error: ValidationError) -> str:
+    """The first of pydantic's findings in this project's words."""
+    first = error.errors(include_url=False)[0]
+    where = _field(first["loc"])
+    kind = first["type"]
+    value = first.get("input")
+    if kind == "missing":
+        return f"{where}: is missing; add it (see the task files in tasks/)"
+    if kind == "extra_forbidden":
+        known = _known_keys(first["loc"])
+        close = difflib.get_close_matches(str(first["loc"][-1]), known, 1)
+        hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(known)}"
+        return f"{where}: unknown key; {hint}"
+    if kind == "value_error":
+        return f"{where}: {first['ctx']['error']}"
+    if kind in ("string_pattern_mismatch", "string_too_long"):
+        if first["loc"][0] == "unsafe":
+            return (
+                f"{where}: {value!r:.40} is no name; use letters, digits, spaces or . _ ( ) # + -, at most {MAX_LABEL} characters"
+            )
+        return f"{where}: {value!r:.40} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
+    if kind == "literal_error":
+        return f"{where}: is {kind_of(value)}; use one of {first['ctx']['expected']}"
+    if kind in ("greater_than_equal", "less_than_equal"):
+        bound = first["ctx"].get("ge", first["ctx"].get("le"))
+        return f"{where}: is {value}; it must be {'at least' if kind == 'greater_than_equal' else 'at most'} {bound}"
+    if kind in ("model_type", "model_attributes_type"):
+        return f"{where}: is {kind_of(value)}; a table is needed"
+    if kind == "tuple_type":
+        return f"{where}: is {kind_of(value)}; a list of tables [[{where}]] is needed"
+    if kind == "bool_type":
+        return f"{where}: is {kind_of(value)}; use true or false, without quotes"
+    if kind == "string_type":
+        return f"{where}: is {kind_of(value)}; text in quotes is needed"
+    return f"{where}: is {kind_of(value)}; {first['msg']}"
+
+
+def _field(location: tuple[int | str, ...]) -> str:
+    text = ""
+    for part in location:
+        shown = part if isinstance(part, int) or part.isidentifier() else f"{part!r:.40}"
+        text += f"[{part}]" if isinstance(part, int) else f".{shown}" if text else str(shown)
+    return text or "the file"
+
+
+def _known_keys(location: tuple[int | str, ...]) -> list[str]:
+    """The keys of the table that a field is in, from the models themselves."""
+    model: type[BaseModel] = TaskTables
+    for part in location[:-1]:
+        field = model.model_fields.get(str(part))
+        model = next(iter(_tables_in(field.annotation)), model) if field is not None else model
+    return list(model.model_fields)
+
+
+def _tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
+    """The tables that a field's type is made of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for inner in get_args(annotation):
+        yield from _tables_in(inner)

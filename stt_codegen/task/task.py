@@ -1,0 +1,79 @@
+"""`Task`: the tables of a task, checked, wherever they come from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+from pydantic import BaseModel, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
+
+from stt_codegen.errors import BadInput
+from stt_codegen.task.checks import first_problem
+from stt_codegen.task.refusals import explain
+from stt_codegen.task.schema import TaskTables
+
+
+class Task(TaskTables):
+    """A reach-avoid-stay task with prescribed time (Definition 2.1), and the options of its controller.
+
+    Made from a file by `load_task`, or in Python from the same names: numbers may be floats (each means its shortest decimal),
+    ints, fractions that are decimals, decimals as text, NumPy numbers; vectors lists, tuples or arrays of one axis; tables
+    dictionaries. Raises `BadInput`, with the field and what would be right, for whatever a file would be refused for.
+    """
+
+    _digest: str = PrivateAttr(default="")
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _checked(cls, data: Any, handler: ModelWrapValidatorHandler[Task]) -> Task:
+        """`BadInput` is no ValueError, so pydantic lets it through."""
+        try:
+            task = handler(data)
+        except ValidationError as error:
+            raise BadInput(explain(error)) from None
+        problem = first_problem(task)
+        if problem:
+            raise BadInput(problem)
+        task._digest = document_digest(task)
+        return task
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of the file's data (comments, spacing and the order of keys do not count)."""
+        return self._digest
+
+    def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
+        """The same task with the options that the command line may override."""
+        tube = self.tube.model_copy(update={"design": design}) if design else self.tube
+        emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
+        return self.model_copy(update={"tube": tube, "emit": emit})
+
+    def changed(self, **values: Any) -> Task:
+        """The same task with other values for some fields, checked like a new one."""
+        given = {name: getattr(self, name) for name in self.model_fields_set}
+        return Task(**{**given, **values})
+
+
+def document_digest(document: object) -> str:
+    """SHA-256 of a task's data, of a parsed file or of the tables made of it: JSON with sorted keys, every number as a reduced
+    fraction "p/q". Only what was given counts, so a task made in Python has the digest of a file that says the same."""
+
+    def plain(value: object) -> object:
+        if isinstance(value, BaseModel):
+            given = {name: getattr(value, name) for name in value.model_fields_set}
+            return plain({name: v for name, v in given.items() if v is not None})
+        if isinstance(value, dict):
+            return {k: plain(v) for k, v in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(v) for v in value]
+        if isinstance(value, bool | str):
+            return value
+        assert isinstance(value, int | Decimal | Fraction)
+        number = Fraction(value)
+        return f"{number.numerator}/{number.denominator}"
+
+    text = json.dumps(plain(document), sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,255 @@
+"""`import stt_codegen as stt`: what a notebook sees."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from fractions import Fraction
+
+import casadi as ca
+import numpy as np
+import pytest
+from conftest import ADAPTABLE, ROOT, TASK_FILES
+from hypothesis import given
+from hypothesis import strategies as st
+
+import stt_codegen as stt
+from stt_codegen import api
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.pipeline import require_supported
+from stt_codegen.task.load import parse_task
+
+CART = {
+    "name": "cart",
+    "prescribed_time": 6.0,
+    "initial_state": [0.5, 0.5],
+    "state_space": {"lower": [0, 0], "upper": [4, 3]},
+    "initial_set": {"lower": [0, 0], "upper": [1, 1]},
+    "target_set": {"lower": [3, 2], "upper": [4, 3]},
+    "unsafe": [{"name": "pillar", "lower": [1.6, 0.8], "upper": [2.2, 1.8]}],
+    "tube": {"clearance": 0.05},
+    "control": {"gain": 0.5},
+}
+README = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
+
+
+def run(code: str) -> str:
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+
+
+# ------------------------------------------------------------------------------------------------------------- importing
+
+
+def test_importing_loads_nothing_heavy_and_changes_no_backend() -> None:
+    heavy = "casadi control sympy highspy matplotlib pydantic flint numpy".split()
+    loaded = json.loads(run("import sys, json, stt_codegen; print(json.dumps([m for m in sys.modules]))"))
+    assert not set(heavy) & set(loaded)
+    code = "import matplotlib; matplotlib.use('svg'); import stt_codegen.report.picture, stt_codegen.loop.picture; print(matplotlib.get_backend())"
+    assert run(code).strip() == "svg"
+
+
+def test_the_face_is_the_interface() -> None:
+    """What the package offers, what the module behind it has, and what type checkers are told are the same names."""
+    stub = (ROOT / "stt_codegen" / "__init__.pyi").read_text()
+    told = [line.split(" as ")[1] for line in stub.splitlines() if " as " in line]
+    assert sorted(stt.__all__) == sorted(api.__all__) == sorted(told)
+    for name in stt.__all__:
+        assert getattr(stt, name) is getattr(api, name)
+        assert getattr(api, name).__doc__
+    with pytest.raises(AttributeError, match="nothing"):
+        _ = stt.nothing
+    assert (ROOT / "stt_codegen" / "py.typed").exists()
+
+
+# ---------------------------------------------------------------------------------------------------------- tasks in code
+
+
+@pytest.mark.parametrize("path", TASK_FILES, ids=lambda p: p.stem)
+def test_a_task_made_in_code_is_the_task_of_the_file(path) -> None:
+    loaded = stt.load(path)
+    made = stt.Task(**{name: getattr(loaded, name) for name in loaded.model_fields_set})
+    assert made == loaded
+    assert made.digest == loaded.digest
+
+
+def test_numbers_of_every_kind_are_the_same_number() -> None:
+    plain = stt.Task(**CART)
+    assert plain.digest == stt.parse(README).digest
+    for convert in (np.array, tuple, lambda v: [str(x) for x in v], lambda v: [Fraction(str(x)) for x in v], lambda v: np.array(v, np.float32)):
+        boxes = {k: {e: convert(v) for e, v in CART[k].items()} for k in ("state_space", "initial_set", "target_set")}
+        unsafe = [{"name": "pillar", "lower": convert([1.6, 0.8]), "upper": convert([2.2, 1.8])}]
+        assert stt.Task(**{**CART, **boxes, "unsafe": unsafe}) == plain
+
+
+@given(st.floats(allow_nan=True, allow_infinity=True))
+def test_a_float_means_its_shortest_decimal(value: float) -> None:
+    try:
+        made = stt.Task(**{**CART, "prescribed_time": value})
+    except stt.BadInput as error:
+        assert "prescribed_time" in str(error)
+        assert not 1e-9 <= value <= 1e9
+        return
+    assert made.prescribed_time == Fraction(repr(value))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        ({"body": [-1, -1]}, "body[0]"),
+        ({"target_set": {"lower": [3, 2], "upper": [4.5, 3]}}, "target_set"),
+        ({"control": {"gain": 0}}, "control.gain"),
+        ({"control": {"gain": 0.5, "u_max": [-1, 1]}}, "control.u_max[0]"),
+        ({"name": "int"}, "name"),
+        ({"initial_state": [0.5]}, "initial_state"),
+        ({"initial_state": np.zeros((2, 2))}, "initial_state"),
+        ({"initial_state": np.zeros(0)}, "initial_state"),
+        ({"prescribed_time": np.array([1.0, 2.0])}, "prescribed_time"),
+        ({"prescribed_time": True}, "boolean"),
+        ({"prescribed_time": np.bool_(True)}, "boolean"),
+        ({"prescribed_time": Fraction(1, 3)}, "no decimal"),
+        ({"prescribed_time": "soon"}, "prescribed_time"),
+        ({"colour": "red"}, "colour"),
+        ({"unsafe": [{"lower": [0, 0], "upper": [1, 1]}]}, "initial_set"),
+    ],
+    ids=str,
+)
+def test_construction_refuses_what_a_file_is_refused_for(change: dict, told: str) -> None:
+    with pytest.raises(stt.BadInput, match=told.replace("[", r"\[")):
+        stt.Task(**{**CART, **change})
+    with pytest.raises(stt.BadInput, match=told.replace("[", r"\[")):
+        stt.Task(**CART).changed(**change)
+
+
+def test_a_file_may_not_hold_numbers_as_text() -> None:
+    with pytest.raises(stt.BadInput, match="prescribed_time"):
+        parse_task(README.replace("prescribed_time = 6.0", 'prescribed_time = "6.0"'))
+
+
+# ---------------------------------------------------------------------------------------------------------- controllers
+
+
+@pytest.fixture(scope="module")
+def controller():
+    return stt.build(stt.Task(**CART))
+
+
+def points(c, count: int = 60):
+    rng = np.random.default_rng(5)
+    t = np.sort(rng.uniform(-0.2, 1.2, count)) * float(c.task.prescribed_time)
+    lower, upper = c.tube(t)
+    return t, lower + (upper - lower) * rng.uniform(-0.2, 1.2, lower.shape)
+
+
+def test_a_controller_says_what_it_is_in_a_line(controller) -> None:
+    text = repr(controller)
+    assert len(text) < 120
+    for part in ("cart", "refined", "certified", "float"):
+        assert part in text
+    assert controller._repr_png_().startswith(b"\x89PNG")
+
+
+def test_vectorised_calls_are_the_single_ones(controller) -> None:
+    t, x = points(controller)
+    lower, upper = controller.tube(t)
+    status, u = controller.control(t, x)
+    margin = controller.margin(t, x)
+    assert lower.shape == u.shape == x.shape
+    for k in range(0, len(t), 7):
+        assert np.array_equal(controller.tube(t[k])[0], lower[k])
+        assert np.array_equal(controller.tube(float(t[k]))[1], upper[k])
+        one = controller.control(t[k], x[k])
+        assert (one[0], one[1].tolist(), controller.margin(t[k], x[k])) == (status[k], u[k].tolist(), margin[k])
+    assert np.array_equal(controller.control(1.0, x)[1][3], controller.control(1.0, x[3])[1])
+
+
+@pytest.mark.parametrize("shape", [(1,), (3,), (1, 3), (3, 2), (2, 2, 2), ()])
+def test_wrong_shapes_are_refused(controller, shape) -> None:
+    with pytest.raises(stt.BadInput, match="shape"):
+        controller.control(np.array([1.0, 2.0]), np.zeros(shape))
+
+
+@pytest.mark.parametrize("shape", [(4, 1), (4, 3), (3, 2), (4,)])
+def test_the_compiled_backend_refuses_them_before_a_pointer_is_passed(controller, shape, tool) -> None:
+    tool("gcc")
+    with pytest.raises(ValueError, match="shape"):
+        CompiledC(controller).control(np.zeros(4), np.zeros(shape))
+
+
+@pytest.mark.parametrize("design", ["refined", "adaptive"])
+@pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
+def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
+    """Values to 1e-12 relative, for SX and MX; derivatives against differences of the emitted function."""
+    assert name in ADAPTABLE
+    c = stt.build(stt.load(ROOT / "tasks" / f"{name}.toml").with_options(design))
+    functions = c.casadi()
+    t, x = points(c, 25)
+    alpha = [[a] for a in c.alpha(t)] if c.design.stateful else [[]] * len(t)
+    _, u = c.control(t, x)
+    lower, upper = c.tube(t)
+    rates = c.tube_rate(t)
+    for k in range(len(t)):
+        got = np.array(functions["control"](t[k], *alpha[k], x[k])[1]).ravel()
+        assert np.all(np.abs(got - u[k]) <= 1e-12 * np.maximum(np.abs(u[k]), 1))
+        edges = np.array(functions["tube"](t[k], *alpha[k])).reshape(2, -1)
+        assert np.allclose(edges, [lower[k], upper[k]], rtol=1e-12, atol=1e-13)
+        slopes = np.array(functions["tube_rate"](t[k], *alpha[k])).reshape(2, -1)
+        assert np.allclose(slopes, [rates[0][k], rates[1][k]], rtol=1e-10, atol=1e-12)
+        inside = np.all((lower[k] + 0.1 * (upper[k] - lower[k]) < x[k]) & (x[k] < upper[k] - 0.1 * (upper[k] - lower[k])))
+        if inside and not c.design.stateful:
+            step = 1e-6 * (upper[k] - lower[k])
+            for i in range(len(step)):
+                ahead, back = (c.control(t[k], x[k] + s * step * np.eye(len(step))[i])[1] for s in (1, -1))
+                jacobian = np.array(functions["du_dx"](t[k], x[k]))[:, i]
+                assert np.allclose(jacobian, (ahead - back) / (2 * step[i]), rtol=1e-4, atol=1e-4 * np.abs(jacobian).max())
+    symbol = ca.MX.sym("t")
+    assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.stateful else []))[0].shape == (c.task.dimension, 1)
+
+
+def test_inline_logarithms_are_casadis_too(tmp_path) -> None:
+    c = stt.build(stt.load(ROOT / "tasks" / "omni_board.toml"))
+    assert c.task.emit.math == "inline"
+    law = c.casadi()["control"]
+    t, x = points(c, 25)
+    status, u = c.control(t, x)
+    for k in range(len(t)):
+        found, got = law(t[k], x[k])
+        assert int(found) == status[k]
+        assert np.allclose(np.array(got).ravel(), u[k], rtol=1e-12, atol=1e-12)
+
+
+def test_write_plot_simulate(controller, tmp_path, tool) -> None:
+    tool("gcc")
+    written = controller.write(tmp_path / "src")
+    assert sorted(p.name for p in written) == sorted(controller.files)
+    assert (tmp_path / "src" / "cart.c").read_bytes() == controller.files["cart.c"]
+    figure = controller.plot()
+    axis = figure.add_subplot()
+    assert controller.plot(ax=axis) is axis
+    run_ = controller.simulate("integrator", rate=500.0, disturbance="nearest", strength=0.1)
+    assert run_.good
+    assert run_.trace.shape[1] == 5 * 2 + 2
+    with pytest.raises(stt.BadInput, match="speed"):
+        controller.simulate(speed=3)
+
+
+def test_refusals_are_the_familys(tmp_path) -> None:
+    wall = [{"name": "wall", "lower": [1.5, 0], "upper": [2.5, 3]}]
+    with pytest.raises(stt.NotCertified, match="P4"):
+        stt.build(stt.Task(**{**CART, "unsafe": wall}))
+    with pytest.raises(stt.BadInput, match="cannot be read"):
+        stt.build(tmp_path / "none.toml")
+    with pytest.raises(stt.BadInput, match="alpha"):
+        stt.build(stt.Task(**CART)).alpha(0.0)
+    with pytest.raises(stt.BadInput, match=r"emit\.math"):
+        require_supported(stt.Task(**{**CART, "emit": {"math": "inline"}, "tube": {"design": "adaptive"}}))
+
+
+def test_prove_outside_a_repository_says_where_the_book_goes(tmp_path) -> None:
+    """It writes no generated/ folder into whatever folder one stands in."""
+    command = [sys.executable, "-m", "stt_codegen.cli", "prove"]
+    result = subprocess.run(command, cwd=tmp_path, env={**os.environ}, capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "--out" in result.stderr
+    assert not any(tmp_path.iterdir())
