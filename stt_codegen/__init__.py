@@ -6,6 +6,8 @@
 The names are those of `stt_codegen.api`, taken from there when they are first used: importing this package costs next to nothing.
 """
 
+import sys
+from types import ModuleType
 from typing import Any
 
 __version__ = "0.1.0"
@@ -15,13 +17,25 @@ __all__ = [
 ]  # fmt: skip
 
 
-def __getattr__(name: str) -> Any:
-    if name in __all__:
-        from stt_codegen import api
+class _Face(ModuleType):
+    """Python puts a package's folders into its names as they are imported; `design` and `certify` are folders too. As properties
+    the interface's functions come first, whatever has been imported."""
 
-        return getattr(api, name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+    def __getattr__(self, name: str) -> Any:
+        if name in __all__:
+            from stt_codegen import api
+
+            return getattr(api, name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}; it has {', '.join(__all__)}")
+
+    def __dir__(self) -> list[str]:
+        return [*__all__, "__version__"]
 
 
-def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+def _function(name: str) -> property:
+    return property(lambda self: self.__getattr__(name), lambda self, folder: None)
+
+
+for _name in ("certify", "design"):
+    setattr(_Face, _name, _function(_name))
+sys.modules[__name__].__class__ = _Face

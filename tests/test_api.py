@@ -55,6 +55,7 @@ def test_the_face_is_the_interface() -> None:
     stub = (ROOT / "stt_codegen" / "__init__.pyi").read_text()
     told = [line.split(" as ")[1] for line in stub.splitlines() if " as " in line]
     assert sorted(stt.__all__) == sorted(api.__all__) == sorted(told)
+
     for name in stt.__all__:
         assert getattr(stt, name) is getattr(api, name)
         assert getattr(api, name).__doc__
@@ -77,7 +78,13 @@ def test_a_task_made_in_code_is_the_task_of_the_file(path) -> None:
 def test_numbers_of_every_kind_are_the_same_number() -> None:
     plain = stt.Task(**CART)
     assert plain.digest == stt.parse(README).digest
-    for convert in (np.array, tuple, lambda v: [str(x) for x in v], lambda v: [Fraction(str(x)) for x in v], lambda v: np.array(v, np.float32)):
+    for convert in (
+        np.array,
+        tuple,
+        lambda v: [str(x) for x in v],
+        lambda v: [Fraction(str(x)) for x in v],
+        lambda v: np.array(v, np.float32),
+    ):
         boxes = {k: {e: convert(v) for e, v in CART[k].items()} for k in ("state_space", "initial_set", "target_set")}
         unsafe = [{"name": "pillar", "lower": convert([1.6, 0.8]), "upper": convert([2.2, 1.8])}]
         assert stt.Task(**{**CART, **boxes, "unsafe": unsafe}) == plain
@@ -204,7 +211,10 @@ def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
                 jacobian = np.array(functions["du_dx"](t[k], x[k]))[:, i]
                 assert np.allclose(jacobian, (ahead - back) / (2 * step[i]), rtol=1e-4, atol=1e-4 * np.abs(jacobian).max())
     symbol = ca.MX.sym("t")
-    assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.stateful else []))[0].shape == (c.task.dimension, 1)
+    assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.stateful else []))[0].shape == (
+        c.task.dimension,
+        1,
+    )
 
 
 def test_inline_logarithms_are_casadis_too(tmp_path) -> None:

@@ -21,6 +21,9 @@ Array = npt.NDArray[Any]
 SETTINGS = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
 
 
+EXACT = 1 << 53  # whole numbers below this are doubles
+
+
 @dataclass(frozen=True)
 class Finder:
     """Findings from the enclosure of gamma, shape (N + 1, n, 2 sides, 2 ends), over the cells between `times`."""
@@ -35,10 +38,11 @@ class Finder:
         left: Any = None
         for i, side, c in row.terms:
             edge = self.gamma[:, i, side, LOW if c > 0 else HIGH]
-            term = float(c) * edge if abs(c) == 1 else np.nextafter(float(c) * edge, -np.inf)
-            left = term if left is None else np.nextafter(left + term, -np.inf)
+            term = edge * c if abs(c) == 1 else _down(float(c) * edge, 1 if abs(c) < EXACT else 3)
+            left = term if left is None else _down(left + term, 1)
         found = gap(double_above(row.bound + row.keep), left)
-        return found if row.per == 1 else np.nextafter(found / float(row.per), -np.inf)
+        found = found if row.per == 1 else _down(found / float(row.per), 1 if row.per < EXACT else 3)
+        return np.where(np.isnan(found), -np.inf, found)  # where an enclosure says nothing, nothing is shown
 
     def least(self, rows: Sequence[Row], cells: slice, code: str, statement: str, advice: str = SETTINGS) -> Finding:
         """The row that holds by least over some of the cells, as a finding."""
@@ -66,6 +70,13 @@ class Finder:
     def interval(self, cell: int) -> tuple[Fraction, Fraction]:
         t_c = self.task.prescribed_time
         return (t_c, t_c) if cell >= len(self.times) - 1 else (lower_bound(self.times[cell]), lower_bound(self.times[cell + 1]))
+
+
+def _down(value: Any, steps: int) -> Array:
+    """So many doubles lower: one for each rounding, and two for a factor that is no double itself."""
+    for _ in range(steps):
+        value = np.nextafter(value, -np.inf)
+    return np.asarray(value)
 
 
 def gap(low: Any, high: Any) -> Array:

@@ -11,6 +11,8 @@ import typer
 from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, PlantOption, ScalarOption, patience, print_json, say
 from stt_codegen.errors import BadInput
 
+BOOK = Path("generated/lemmas.md")  # of a repository that keeps one
+
 
 def prove(
     task: Annotated[Path | None, typer.Argument(metavar="[TASK]", help="a task file; without one, the lemma book")] = None,
@@ -36,7 +38,9 @@ def prove(
         if plant is not None or noise or latency or design is not None or scalar is not None:
             told = "--plant, --noise, --latency, --design and --scalar belong to a TASK"
             raise BadInput(f"prove: {told}; the book is about every task")
-        good = _prove_book(out or Path("generated/lemmas.md"), check, fresh, json)
+        if out is None and not BOOK.is_file():
+            raise BadInput(f"prove: there is no {BOOK} here, which the book replaces; say with --out where it goes (.md or .tex)")
+        good = _prove_book(out or BOOK, check, fresh, json)
     else:
         if fresh:
             raise BadInput("prove: --fresh is for the lemma book; bounds of a TASK are always made anew")

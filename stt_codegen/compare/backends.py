@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import numpy.typing as npt
 
 from stt_codegen.compare.toolchain import STRICT, find_compiler, load_module, run_compiler
 from stt_codegen.pipeline import Controller
-from stt_codegen.program import REAL, TICK
+from stt_codegen.program import REAL, TICK, Param
 
 Array = npt.NDArray[Any]
 
@@ -28,6 +29,13 @@ class Backend(ABC):
     @abstractmethod
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         """A public function at every point: the status first where it returns one, then its outputs in order."""
+
+    def check_shapes(self, params: Sequence[Param], inputs: Sequence[Array]) -> None:
+        """Raises ValueError where an argument is not of shape (P,) or (P, length), P that of the first."""
+        for p, values in zip(params, inputs, strict=True):
+            wanted = (len(inputs[0]),) if p.length is None else (len(inputs[0]), p.length)
+            if np.shape(values) != wanted:
+                raise ValueError(f"{p.name}: has shape {np.shape(values)}; {wanted} is needed")
 
     def tube(self, *inputs: Array) -> tuple[Array, ...]:
         return self.call("tube", *inputs)
@@ -67,6 +75,7 @@ class CompiledC(Backend):
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         params = self.program.function(function).params
+        self.check_shapes(self.program.function(function).inputs, inputs)
         call = getattr(self.library, f"{self.program.prefix}_{function}")
         call.restype = self.real if self.program.function(function).returns_real else ctypes.c_int
         scalars = {REAL: self.real, TICK: ctypes.c_uint32}

@@ -163,7 +163,7 @@ def _bounds(rows: Sequence[Row], room: Fraction, n: int) -> Array:
     box = np.empty((2, n))
     for row in rows:
         ((i, side, sign),) = row.terms
-        box[side, i] = float(sign * (row.bound + room))
+        box[side, i] = float((row.bound + room) / sign)
     return box
 
 
@@ -174,7 +174,7 @@ def _spans(sets: Sequence[Avoidance], n: int) -> Array:
         for row in one.rows:
             if row.dimension is not None:
                 ((i, side, sign),) = row.terms
-                spans[j, 1 - side, i] = float(sign * row.bound)
+                spans[j, 1 - side, i] = float(row.bound / sign)
     return spans
 
 
@@ -217,6 +217,25 @@ def normalised(arena: Arena, exponent: int) -> Arena:
     )
 
 
+def _cut_beyond(arena: Arena, box: Array, room: float, x: int) -> tuple[Array, int]:
+    """The box cut back to keep the clearance beyond face x, `room` of which it has: along the component of its normal in which
+    x(0) is farthest from the edge that moves, for what the cut takes there."""
+    lack = (arena.clearance - room) * float(arena.faces.size[x]) * (1 + 1e-12)
+    cut = box.copy()
+
+    def left(i: int) -> float:
+        c = float(arena.faces.normal[x, i])
+        if not c:
+            return -math.inf
+        state = float(arena.initial_state[i])
+        return (state - float(box[0, i]) if c > 0 else float(box[1, i]) - state) - lack / abs(c)
+
+    i = max(range(arena.dimension), key=left)
+    c = float(arena.faces.normal[x, i])
+    cut[0 if c > 0 else 1, i] += lack / c
+    return cut, i
+
+
 def starting_box(arena: Arena) -> Array:
     """gamma(0): the initial set less the allowance, cut back where an unsafe set is nearer than the clearance.
 
@@ -229,9 +248,13 @@ def starting_box(arena: Arena) -> Array:
         above = box[0] - arena.unsafe[j, 1]
         gap = np.maximum(below, above)
         i = int(np.argmax(gap))
-        if gap[i] >= arena.clearance or any(arena.faces.beyond(x, box) >= arena.clearance for x in arena.faces.of(j)):
+        slanted = [(float(arena.faces.beyond(x, box)), x) for x in arena.faces.of(j)]
+        nearest = max([float(gap[i]), *(room for room, _ in slanted)])
+        if nearest >= arena.clearance:
             continue
-        if below[i] >= above[i]:
+        if slanted and max(slanted)[0] > gap[i]:
+            box, i = _cut_beyond(arena, box, *max(slanted))
+        elif below[i] >= above[i]:
             box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
         else:
             box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
@@ -239,7 +262,7 @@ def starting_box(arena: Arena) -> Array:
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
             size = arena.length_unit
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(float(gap[i]), 0.0) * size:.6g} from the initial set in dimension {i + 1}, "
+                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in dimension {i + 1}, "
                 f"nearer than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {x * size:.6g} there "
                 "leaves no room to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
             )

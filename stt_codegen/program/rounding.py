@@ -7,6 +7,7 @@ edges (10), and what has a range in its row; a kernel with other nodes is an err
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -85,6 +86,6 @@ def _of_library(name: str, a: Inexact, rounded: Callable[[Fraction, Fraction, Fr
     if found is None or row.ulps is None:
         raise NotImplementedError(f"no rounding bound for operation {name!r} on [{float(a.low):g}, {float(a.high):g}]")
     result = Inexact(*found)
-    for _ in range(round(2 * row.ulps)):
+    for _ in range(math.ceil(2 * row.ulps)):
         result = rounded(result.low, result.high, result.error)
     return result

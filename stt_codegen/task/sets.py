@@ -79,7 +79,7 @@ class ConvexSet(ABC):
         return any(low_of(n, lower, upper) > h for n, h in self.faces)
 
     def covers(self, lower: Vector, upper: Vector) -> bool:
-        """Whether the whole box lies in the set."""
+        """Whether the whole box lies in all of the set's half-spaces: in the set, where its faces are all there."""
         return all(-low_of(tuple(-v for v in n), lower, upper) <= h for n, h in self.faces)
 
 
