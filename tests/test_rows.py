@@ -125,7 +125,7 @@ def test_an_enclosure_that_says_nothing_shows_nothing() -> None:
     task = with_sets(polygon_of("tri", ("2", "1"), ("3", "1"), ("3", "2")))
     gamma = np.zeros((1, 2, 2, 2))
     gamma[..., 1] = 0.5
-    gamma[:, 0] = np.nan
+    gamma[...] = np.nan
     found = Finder(task, np.array([0.0, 1.0]), gamma).avoid()
     assert not found.holds
     assert found.obstacle == "tri"
