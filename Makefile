@@ -10,7 +10,7 @@ PEERS := $(VENV)/.peers
 TASKS := $(sort $(wildcard tasks/*.toml))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test integration generate check peers lock clean help
+.PHONY: demo test integration generate check peers ends lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -68,6 +68,10 @@ $(PEERS): peers.lock $(STAMP)
 	@echo "installing the peers of the arenas benchmark (once)..."
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r peers.lock
 	@touch $@
+
+# The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
+ends: $(STAMP)
+	@$(BIN)/python benchmarks/ends.py
 
 # After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
 lock:

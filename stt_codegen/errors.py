@@ -1,5 +1,8 @@
 """The one exception family. Every stage raises these; `cli.main` alone turns them into exit codes."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 
 class SttError(Exception):
     """Anything the user can act on. The message says what was found, where, and what would be right."""
@@ -23,3 +26,12 @@ class MissingTool(SttError):
     """A tool outside the package is needed and absent (exit code 4)."""
 
     exit_code = 4
+
+
+@contextmanager
+def about(where: object) -> Iterator[None]:
+    """Errors of the block begin with the file that they are about."""
+    try:
+        yield
+    except SttError as error:
+        raise type(error)(f"{where}: {error}") from None

@@ -26,7 +26,7 @@ from pathlib import Path
 
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
-from stt_codegen.errors import BadInput, NotCertified, SttError
+from stt_codegen.errors import BadInput, NotCertified, about
 from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task
 
@@ -51,10 +51,8 @@ def build(path: str | Path, design: str | None = None, scalar: str | None = None
     the certificate fails.
     """
     task = load_task(path).with_options(design, scalar)
-    try:
+    with about(path):
         return build_task(task, uncertified)
-    except SttError as error:
-        raise type(error)(f"{path}: {error}") from None
 
 
 def build_task(task: Task, uncertified: bool = False) -> Controller:

@@ -78,13 +78,52 @@ def test_an_unknown_option_is_exit_code_2() -> None:
     assert run("generate", TASK, "--out", "a", "--record", "b").returncode == 2
 
 
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("desing",), "desing"),
+        (("simulate", TASK, "--w-max", "-1"), "--w-max"),
+        (("certify", TASK, "nowhere.c", "nowhere.json"), "nowhere.c cannot be read"),
+        (("certify", TASK, TASK, TASK), "give task, C file, certificate"),
+        (("simulate", TASK, "--design", "literal"), TASK),
+        (("design", TASK, "--design", "literal"), TASK),
+        (("check", "nowhere"), "nowhere"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_the_json_document_too(arguments: tuple[str, ...], told: str) -> None:
+    result = run(*arguments, "--json")
+    document = json.loads(result.stdout)
+    assert document["exit_code"] == result.returncode in (2, 3)
+    assert told in document["error"]
+
+
+def test_a_reader_who_has_seen_enough_is_no_error() -> None:
+    """The pipe is closed before anything is written: what comes out at once, and what comes while a command runs."""
+    for arguments in (("schema",), ("--help",), ("design", TASK), ("check", "generated")):
+        reader, writer = os.pipe()
+        os.close(reader)
+        command = [sys.executable, "-u", "-m", "stt_codegen.cli", *arguments]
+        try:
+            result = subprocess.run(command, cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+        finally:
+            os.close(writer)
+        assert (result.returncode, result.stderr) == (0, ""), arguments
+
+
+def test_compare_says_in_one_line_that_all_agree_and_the_rest_when_asked() -> None:
+    lines = run("compare", TASK, "--points", "50").stdout.splitlines()
+    assert len(lines) == 1
+    assert all(backend in lines[0] for backend in ("CasADi", "Python", "C double", "C float"))
+    assert len(run("compare", TASK, "--points", "50", "--verbose").stdout.splitlines()) > 8
+
+
 def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
     from stt_codegen.cli import main as cli
 
     def broken() -> None:
         raise RuntimeError("boom")
 
-    monkeypatch.setattr(cli, "app", broken)
+    monkeypatch.setattr(cli, "_run", broken)
     monkeypatch.delenv("STT_CODEGEN_DEBUG", raising=False)
     with pytest.raises(SystemExit) as caught:
         cli.main()

@@ -6,6 +6,7 @@ import itertools
 import re
 from dataclasses import replace
 from fractions import Fraction
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -211,7 +212,7 @@ def test_a_wide_route_that_is_too_fast_does_not_hide_a_slower_one(seed: int, mon
     """The speed that the shortest route alone needs is enough with wide routes tried before it."""
     task = arena_task(PAPER, seed)
     with monkeypatch.context() as only_shortest:
-        only_shortest.setattr("stt_codegen.design.refine.WIDE_ROUTES", ())
+        only_shortest.setattr(import_module("stt_codegen.design.refine"), "WIDE_ROUTES", ())
         with pytest.raises(NotCertified, match="raise tube.max_speed to that") as caught:
             build_task(limited(task, Fraction("0.01")))
     needed = Fraction(str(caught.value).split("needs ")[1].split(",")[0])

@@ -182,7 +182,7 @@ def test_nothing_stands_unused() -> None:
         if path.name == "checker.py" or path.parent.name in PUBLIC or path.stem in PUBLIC:
             continue  # the checker stands alone, and is run as a file
         for name in defined(tree):
-            dunder, printed = name.startswith("__"), name.startswith(("format_", "op_"))
+            dunder, printed = name.startswith("__"), name.startswith(("format_", "op_", "on_"))
             if name not in known and not dunder and not printed and name not in entry:
                 found.append(f"{path.relative_to(ROOT)}: {name}")
     assert found == []

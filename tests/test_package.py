@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import tarfile
 import zipfile
 
 import pytest
@@ -43,7 +44,20 @@ def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
         entry = next(n for n in names if n.endswith("entry_points.txt"))
         assert "stt-codegen = stt_codegen.cli.main:main" in archive.read(entry).decode()
     assert {f"stt_codegen/templates/controller.{kind}.j2" for kind in ("h", "c", "py")} <= set(names)
+    assert {"stt_codegen/py.typed", "stt_codegen/__init__.pyi"} <= set(names)  # type checkers see the interface
     assert not [n for n in names if n.startswith(("tests/", "generated/", "benchmarks/"))]
+
+
+def test_a_wheel_built_from_the_source_distribution_holds_the_same_files(wheel, tmp_path) -> None:
+    build = [sys.executable, "-m", "build", "--no-isolation", "--outdir", str(tmp_path)]
+    subprocess.run([*build, "--sdist", str(ROOT)], check=True, capture_output=True)
+    with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
+        archive.extractall(tmp_path, filter="data")
+    (source,) = [p for p in tmp_path.iterdir() if p.is_dir()]
+    subprocess.run([*build, "--wheel", str(source)], check=True, capture_output=True)
+    again = next(tmp_path.glob("*.whl"))
+    with zipfile.ZipFile(wheel) as one, zipfile.ZipFile(again) as other:
+        assert {n: one.read(n) for n in one.namelist()} == {n: other.read(n) for n in other.namelist()}
 
 
 @pytest.mark.parametrize("lock", ["requirements.lock", "peers.lock"])
@@ -56,8 +70,13 @@ def test_the_lock_pins_every_package_with_a_hash_and_names_no_host(lock: str) ->
     project = (ROOT / "pyproject.toml").read_text()
     if lock == "requirements.lock":
         project = re.sub(r"^peers = \[.*?^\]\n", "", project, flags=re.M | re.S)
-    named = re.findall(r'"([\w-]+)==([\w.]+)"', project)
+    named = re.findall(r'"([\w-]+)(==|>=)([\w.]+)"', project)
     assert len(named) >= 15
-    for name, version in named:
+    for name, relation, version in named:
         assert name in pinned
-        assert re.search(rf"^{name}=={re.escape(version)}\b", text, re.M)
+        (locked,) = re.findall(rf"^{name}==([\w.]+)", text, re.M)
+        assert locked == version if relation == "==" else parts(locked) >= parts(version)
+
+
+def parts(version: str) -> list[int]:
+    return [int(n) for n in re.findall(r"\d+", version)]

@@ -281,10 +281,11 @@ def main(arguments: list[str]) -> int:
         print(f"checker: NO: {error}")
         return 1
     except (OSError, Unusable) as error:
-        print(f"checker: cannot check: {error}", file=sys.stderr)
+        told = f"{error.filename} cannot be read ({error.strerror})" if isinstance(error, OSError) else error
+        print(f"checker: cannot check: {told}", file=sys.stderr)
         return 2
     except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
-        print(f"checker: cannot check: a file is not what it should be ({type(error).__name__}: {error})", file=sys.stderr)
+        print(f"checker: cannot check: give task, C file, certificate ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
     size = f"{tube.segments} segments, {task.n} dimensions"
     print(f"checker: yes: {task.name}: P1 to P7 hold for the coefficients in the C file, {size}")

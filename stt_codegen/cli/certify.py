@@ -21,10 +21,13 @@ def certify(
     import io
 
     from stt_codegen.certify.checker import main as check_files
+    from stt_codegen.errors import BadInput
 
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said):
+    said, failed = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(failed):
         code = check_files([str(task), str(source), str(certificate)])
+    if failed.getvalue():
+        raise BadInput(failed.getvalue().strip())
     if json:
         print_json({"holds": code == 0, "message": said.getvalue().strip()})
     else:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -50,11 +50,32 @@ def _options(
     pass
 
 
+# Typer's own words for a wrong command line are a Click UsageError, which it does not export; its subclass is.
+UsageError: Any = typer.BadParameter.__mro__[1]
+
+
+def _run() -> int:
+    """The exit code of the command asked for. The context is made here, because `app()` would answer a closed pipe with 1."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("stt-codegen", sys.argv[1:]) as context:
+            command.invoke(context)
+        return 0
+    except typer.Exit as end:
+        return end.exit_code
+    finally:
+        sys.stdout.flush()
+
+
 def main() -> None:
     """Run the command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
     try:
-        app()
-        sys.stdout.flush()
+        sys.exit(_run())
+    except UsageError as error:
+        error.show()
+        if "--json" in sys.argv:
+            print_json({"error": error.format_message(), "exit_code": 2})
+        sys.exit(2)
     except SttError as error:
         say(f"stt-codegen: {error}")
         if "--json" in sys.argv:

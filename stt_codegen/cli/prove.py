@@ -77,12 +77,14 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
             print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
         for e in still_open:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
-        print(f"{out}: {_compared(check, differs)}")
+        print(f"{out}: {_compared(out, check, differs)}")
     return not still_open and not differs
 
 
-def _compared(check: bool, differs: bool) -> str:
-    return "differs; run without --check to write it" if differs else "as it should be" if check else "written"
+def _compared(path: Path, check: bool, differs: bool) -> str:
+    if differs:
+        return f"{'differs' if path.is_file() else 'is missing'}; run without --check to write it"
+    return "as it should be" if check else "written"
 
 
 def _prove_task(
@@ -107,5 +109,5 @@ def _prove_task(
         print_json({**report.document(), "file_differs": differs})
     else:
         show_bounds(report)
-        print(f"{path}: {_compared(check, differs)}")
+        print(f"{path}: {_compared(path, check, differs)}")
     return report.good and not differs

@@ -17,9 +17,15 @@ from stt_codegen.report.bounds import BoundsReport, Sampling
 from stt_codegen.report.design import DesignReport
 
 
+class _Console(Console):
+    def on_broken_pipe(self) -> None:
+        """Rich leaves with exit code 1 here; a reader who has seen enough is no error."""
+        raise BrokenPipeError
+
+
 def _console() -> Any:
     """Where tables go: as wide as the terminal, or 120 columns in a file."""
-    return Console(highlight=False, width=None if sys.stdout.isatty() else 120)
+    return _Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
 def show_design(report: DesignReport) -> None:
@@ -170,6 +176,15 @@ def show_run(report: RunReport) -> None:
 
 def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
+
+
+def show_agreement(title: str, rows: Sequence[Row]) -> None:
+    """A comparison in which every row holds, in one line: who was compared, and which came nearest to its bound."""
+    nearest = max(rows, key=lambda r: r.share)
+    print(
+        f"{title}: {', '.join(dict.fromkeys(r.backend for r in rows))} agree with the reference within derived bounds; "
+        f"nearest to its bound: {nearest.quantity} by {nearest.backend}, {nearest.share:.0%} (--verbose for all)"
+    )
 
 
 def show_rows(title: str, rows: Sequence[Row]) -> None:

@@ -10,11 +10,11 @@ from typing import Any
 
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
-from stt_codegen.pipeline import Controller, build_program, build_task, render_files
+from stt_codegen.pipeline import Controller, build_program, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.bounds import above_float
+from stt_codegen.report.bounds import above_float, below_float
 from stt_codegen.task import Task
 
 
@@ -87,9 +87,9 @@ class RunReport:
         }
 
 
-def simulate_task(task: Task, request: Request, uncertified: bool, out: Path | None) -> RunReport:
+def simulate(controller: Controller, request: Request, out: Path | None) -> RunReport:
     """One run; its trace and picture go to the folder `out`, where one is named."""
-    controller = build_task(task, uncertified)
+    task = controller.task
     plant = plant_of(request.plant, task.dimension)
     scenario = request.scenario(task, plant)
     windy = with_wind(plant, scenario.strength)
@@ -156,9 +156,11 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
-    most, here, e = f"{1e3 * period.seconds:.4g} ms", f"{1e3 * age:.4g} ms", f"|e| stays below {above_float(period.e):g}"
+    e = f"|e| stays below {above_float(period.e):g}"
+    most, here = f"{1e3 * below_float(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:
-        return [*lines, f"not proved: alpha may not be stepped more often than every {1e3 * analysis.shortest:.4g} ms"]
+        least = f"{1e3 * above_float(analysis.shortest):.4g} ms"
+        return [*lines, f"not proved: alpha may not be stepped more often than every {least}"]
     if age <= period.seconds:
         return [*lines, f"proved: {e}, with samples up to {most} old (here {here})"]
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved"]

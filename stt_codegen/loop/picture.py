@@ -40,8 +40,8 @@ def draw_run(controller: Controller, run: Run, path: Path) -> None:
         axes[f"x{i + 1}"].plot(t, x[:, i], color=PATH, linewidth=1.2)
     for i in range(n):
         axes["u"].plot(t, u[:, i], linewidth=0.8, label=f"$u_{i + 1}$")
-    axes["u"].set(xlabel="t [s]", ylabel="$u$")
-    axes["u"].legend(loc="upper right", fontsize=7)
+    axes["u"].set(xlabel="t [s]", ylabel="$u$", xlim=axes["x1"].get_xlim())
+    axes["u"].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)  # beside the curves, never over them
     told = "task fulfilled" if run.good else _reason(run)
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {float(task.control.gain):g}, {told}")
     save(figure, path)

@@ -9,7 +9,7 @@ import tomllib
 from decimal import Decimal
 from pathlib import Path
 
-from stt_codegen.errors import BadInput
+from stt_codegen.errors import BadInput, about
 from stt_codegen.task.schema import FILE
 from stt_codegen.task.task import Task
 
@@ -37,10 +37,8 @@ def parse_task(text: str, source: str = "task") -> Task:
         raise BadInput(f"{source}: not valid TOML: {where}") from None
     except (ValueError, ArithmeticError, RecursionError):
         raise BadInput(f"{source}: not valid TOML: a number is too long or the nesting is too deep") from None
-    try:
+    with about(source):
         return Task.model_validate(document, context={FILE: True})
-    except BadInput as error:
-        raise BadInput(f"{source}: {error}") from None
 
 
 def json_schema() -> str:
