@@ -55,9 +55,8 @@ check: $(STAMP)
 
 $(STAMP): requirements.lock pyproject.toml
 	@.ci/tools python
-	@echo "setting up $(VENV) (once)..."
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	@$(BIN)/python .ci/install requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
@@ -65,8 +64,7 @@ $(STAMP): requirements.lock pyproject.toml
 peers: $(PEERS)
 
 $(PEERS): peers.lock $(STAMP)
-	@echo "installing the peers of the arenas benchmark (once)..."
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r peers.lock
+	@$(BIN)/python .ci/install peers.lock
 	@touch $@
 
 # The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.

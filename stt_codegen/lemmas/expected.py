@@ -1,4 +1,5 @@
-"""What the functions of a refined tube, and every law, status and margin, are put together to be, by regime."""
+"""The formulas that the emitted functions of a refined tube must equal: tube, rates, law, status and margin. One formula for each
+regime, which is a stretch of time and a side of the tube."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""What the functions of an adaptive tube are put together to be: (4)-(11) by dimension and side, by regime."""
+"""The formulas that the emitted functions of an adaptive tube must equal: (4)-(11) by dimension and side. One formula for each
+regime, as in expected.py."""
 
 from __future__ import annotations
 

@@ -46,19 +46,24 @@ class Law:
 
 @dataclass(frozen=True)
 class Setting:
-    """A tube, a plant over it and a law: arrays (W + 1, n) by window, those with `back` the worse of it and the one before."""
+    """A tube, a plant over it and a law. Arrays are (W + 1, n), by window and component, where nothing else is said; each value is
+    the worst over its window and the one before, because a sample may stem from there.
+
+    least, most, cross (W + 1, n, n), definite, norm (both (W + 1)): of g, as `plant.Bounds`. push: what moves x or an edge apart
+    from u, P = |f + w| + the edges' speed; push_norm (W + 1): the same as a norm. narrow: the tube's width. start (n): |eps(0)|.
+    """
 
     windows: Windows
     law: Law
     least: Array
-    most: Array  # back
-    cross: Array  # back (W + 1, n, n)
-    push: Array  # back: P by component
-    narrow: Array  # back
-    definite: Array  # (W + 1)
-    norm: Array  # back (W + 1)
-    push_norm: Array  # back (W + 1): F + S
-    start: Array  # |eps(0)|, (n)
+    most: Array
+    cross: Array
+    push: Array
+    narrow: Array
+    definite: Array
+    norm: Array
+    push_norm: Array
+    start: Array
 
     @property
     def longest_age(self) -> float:

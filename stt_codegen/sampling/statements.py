@@ -31,7 +31,11 @@ from stt_codegen.sampling.setting import Setting, back
 
 @dataclass(frozen=True)
 class Condition:
-    """What must be positive in every window (and component): an array, of doubles or of balls. lemma: of the book, why."""
+    """An inequality of a sampled statement: it holds where every entry of `values` is positive.
+
+    values: by window, and by component where the inequality is about one; doubles, or balls for a proof. lemma: the one of the
+    book that shows why the inequality is enough.
+    """
 
     lemma: str
     values: Any
