@@ -46,7 +46,7 @@ class Law:
 
 @dataclass(frozen=True)
 class Setting:
-    """A tube, a plant over it and a law. Arrays are (W + 1, n), by window and component, where nothing else is said; each value is
+    """A tube, a plant over it and a law. Arrays are (W + 1, n), by window and component, where nothing else is said; a value is
     the worst over its window and the one before, because a sample may stem from there.
 
     least, most, cross (W + 1, n, n), definite, norm (both (W + 1)): of g, as `plant.Bounds`. push: what moves x or an edge apart
