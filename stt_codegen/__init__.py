@@ -13,7 +13,7 @@ from typing import Any
 __version__ = "0.1.0"
 __all__ = [
     "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task", "UnsafeSet",
-    "build", "certify", "design", "load", "parse",
+    "build", "certify", "certify_tube", "design", "load", "parse",
 ]  # fmt: skip
 
 

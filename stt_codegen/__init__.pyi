@@ -10,6 +10,7 @@ from stt_codegen.api import Task as Task
 from stt_codegen.api import UnsafeSet as UnsafeSet
 from stt_codegen.api import build as build
 from stt_codegen.api import certify as certify
+from stt_codegen.api import certify_tube as certify_tube
 from stt_codegen.api import design as design
 from stt_codegen.api import load as load
 from stt_codegen.api import parse as parse

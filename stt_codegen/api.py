@@ -21,13 +21,14 @@ import numpy.typing as npt
 from stt_codegen import pipeline
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.compare.toolchain import load_module
+from stt_codegen.design.own import fitted_tube, spline_tube
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 from stt_codegen.task import Box, Task, UnsafeSet, load_task, parse_task
 
 __all__ = [
     "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task", "UnsafeSet",
-    "build", "certify", "design", "load", "parse",
+    "build", "certify", "certify_tube", "design", "load", "parse",
 ]  # fmt: skip
 
 
@@ -71,6 +72,28 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     Raises `NotCertified` when no tube is found or, unless `uncertified`, the certificate fails; `BadInput` for a bad task.
     """
     made = pipeline.build_task(task if isinstance(task, Task) else load(task), uncertified)
+    return Controller(made.task, made.design, made.program, made.certificate, made.files)
+
+
+def certify_tube(
+    task: Task, *, points: npt.ArrayLike | None = None, samples: tuple[Any, Any, Any] | None = None, uncertified: bool = False
+) -> Controller:
+    """A tube of your own, certified and emitted like ours. Give one of the two:
+
+    points: control points of uniform cubic B-splines over [0, t_c], of shape (K + 3, n, 2) for K segments, in the task's units;
+    the last equals the last but two, for the tube is constant after t_c. Coefficients are rounded inwards, to 24 bits.
+
+    samples: (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c. The nearest spline tube is taken, of
+    tube.segments segments or 32; `controller.distance(*samples)` says how far it is from them.
+
+    Raises `BadInput` for other shapes, `NotCertified` with property, time and amount where the tube does not do.
+    """
+    if (points is None) == (samples is None):
+        raise BadInput("certify_tube: give points or samples")
+    if task.tube.design != "refined":
+        raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
+    own = spline_tube(task, points) if samples is None else fitted_tube(task, *samples)
+    made = pipeline.build_task(task, uncertified, own)
     return Controller(made.task, made.design, made.program, made.certificate, made.files)
 
 
@@ -138,6 +161,13 @@ class Controller(pipeline.Controller):
         """How far x is from leaving the tube: 0.5 in the middle, 0 at an edge; a number, or (P,)."""
         (share,) = self._at("margin", t, x)
         return share
+
+    def distance(self, t: npt.ArrayLike, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Array:
+        """How far the tube's edges are, at most, from others at times t: by dimension, (n,), in the task's units."""
+        edges = np.stack([np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)])
+        far = np.abs(np.stack(self.tube(t)) - edges).reshape(-1, self.task.dimension)
+        found: Array = far.max(axis=0)
+        return found
 
     def _times(self, t: npt.ArrayLike) -> tuple[Array, bool]:
         times = np.asarray(t, dtype=float)

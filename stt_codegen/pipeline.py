@@ -55,10 +55,10 @@ def build(path: str | Path, design: str | None = None, scalar: str | None = None
         return build_task(task, uncertified)
 
 
-def build_task(task: Task, uncertified: bool = False) -> Controller:
-    """As `build`, for a task already loaded."""
+def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> Controller:
+    """As `build`, for a task already loaded; `tube`: one that is there already, in place of the search."""
     require_supported(task)
-    design = design_tube(task)
+    design = tube or design_tube(task)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds and not uncertified:

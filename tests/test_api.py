@@ -17,7 +17,9 @@ from hypothesis import strategies as st
 
 import stt_codegen as stt
 from stt_codegen import api
+from stt_codegen.certify.checker import main as check_files
 from stt_codegen.compare.backends import CompiledC
+from stt_codegen.design.own import spline_tube
 from stt_codegen.pipeline import require_supported
 from stt_codegen.task.load import parse_task
 
@@ -263,3 +265,83 @@ def test_prove_outside_a_repository_says_where_the_book_goes(tmp_path) -> None:
     assert result.returncode == 2
     assert "--out" in result.stderr
     assert not any(tmp_path.iterdir())
+
+
+# ------------------------------------------------------------------------------------------------------ a tube of one's own
+
+
+def control_points(controller) -> np.ndarray:
+    design = controller.design
+    return 6 * design.integers() * float(design.unit)
+
+
+@pytest.mark.parametrize("path", TASK_FILES, ids=lambda p: p.stem)
+def test_our_tube_given_as_ones_own_is_emitted_to_the_same_bytes(path) -> None:
+    ours = stt.build(path)
+    assert stt.certify_tube(ours.task, points=control_points(ours)).files == ours.files
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40))
+def test_rounding_goes_inwards_and_by_less_than_a_step(seed: int, segments: int) -> None:
+    task, rng = stt.Task(**CART), np.random.default_rng(seed)
+    points = rng.uniform(0, 3, (segments + 3, 2, 2))
+    points[-1] = points[-3]
+    made = spline_tube(task, points)
+    inwards = (made.integers() * float(made.unit) - points / 6) * [1, -1]
+    assert (inwards > -1e-15).all()  # points / 6 is at most 1/2, rounded to 2^-54
+    assert (inwards < float(made.unit)).all()
+
+
+def straight(share, lower=(0.1, 0.1), upper=(0.9, 0.9), way=(3.0, 2.0)):
+    """Edges of a box that moves along `way`, at rest at both ends."""
+    moved = (share**2 * (3 - 2 * share))[:, None] * way
+    return moved + lower, moved + upper
+
+
+def test_samples_of_a_cubic_are_met_certified_and_checked_from_the_c_alone(tmp_path) -> None:
+    empty = README.partition("[[unsafe]]")[0] + "[tube]\nclearance = 0.05\nmin_width = 0.1\nsegments = 16\n"
+    (tmp_path / "task.toml").write_text(empty)
+    task, t = stt.parse(empty), np.linspace(0, 6, 60)
+    samples = (t, *straight(t / 6))
+    made = stt.certify_tube(task, samples=samples)
+    assert made.certificate.holds
+    assert (made.distance(*samples) < 2.0 ** (2 - 20)).all()  # a spline holds a cubic; control points of 6 units of 2^-21 inwards
+    made.write(tmp_path)
+    assert check_files([str(tmp_path / name) for name in ("task.toml", "cart.c", "cart.certificate.json")]) == 0
+
+
+def test_a_tube_through_an_obstacle_is_refused_with_place_and_amount() -> None:
+    task, t = stt.Task(**CART), np.linspace(0, 6, 60)
+    with pytest.raises(stt.NotCertified, match=r"P4 avoid.*pillar"):
+        stt.certify_tube(task, samples=(t, *straight(t / 6)))
+    made = stt.certify_tube(task, samples=(t, *straight(t / 6)), uncertified=True)
+    assert not made.certificate.holds
+    assert b"NOT CERTIFIED" in made.files["cart.c"]
+
+
+T = np.linspace(0, 6, 60)
+LOW, HIGH = straight(T / 6)
+
+
+@pytest.mark.parametrize(
+    ("given_tube", "told"),
+    [
+        ({}, "give points or samples"),
+        ({"points": np.zeros((9, 2, 2)), "samples": (T, LOW, HIGH)}, "give points or samples"),
+        ({"points": np.zeros((9, 3, 2))}, "shape"),
+        ({"points": np.zeros((3, 2, 2))}, "shape"),
+        ({"points": [[1, 2], [3]]}, "numbers"),
+        ({"points": np.arange(36.0).reshape(9, 2, 2)}, "rest"),
+        ({"points": np.full((9, 2, 2), np.nan)}, "NaN"),
+        ({"points": np.full((9, 2, 2), 1e9)}, "further out"),
+        ({"samples": (T, LOW[:, :1], HIGH)}, "shape"),
+        ({"samples": (T[::-1], LOW, HIGH)}, "rise"),
+        ({"samples": (T / 2, LOW, HIGH)}, "rise"),
+        ({"samples": (np.concatenate([T[:59] / 1e3, T[59:]]), LOW, HIGH)}, "not determined"),
+    ],
+)
+def test_what_is_no_tube_is_refused(given_tube, told) -> None:
+    with pytest.raises(stt.BadInput, match=told):
+        stt.certify_tube(stt.Task(**CART), **given_tube)
+    with pytest.raises(stt.BadInput, match=r"tube\.design"):
+        stt.certify_tube(stt.Task(**{**CART, "tube": {"design": "adaptive"}}), points=np.zeros((9, 2, 2)))

@@ -1,0 +1,82 @@
+"""A tube of the user's own as the numbers of a refined design: from control points, or fitted to samples of its edges.
+
+Rounding goes inwards, lower edges up and upper edges down. B-splines are monotone in their control points, so the rounded tube
+lies within the one that was given, but for the rounding of a double. What it is worth, the certificate says.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.design.arena import magnitude
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.errors import BadInput
+from stt_codegen.task import Task
+
+Array = npt.NDArray[np.float64]
+USUAL_SEGMENTS = 32
+
+
+def spline_tube(task: Task, points: Any) -> RefinedDesign:
+    """The tube of uniform cubic B-splines with these control points, (K + 3, n, 2) for K segments over [0, t_c]: (lower, upper).
+
+    Raises `BadInput` for another shape, and where the edges do not come to rest at t_c, after which the tube is constant.
+    """
+    c = _numbers("control points", points)
+    if c.ndim != 3 or c.shape[0] < 4 or c.shape[1:] != (task.dimension, 2):
+        raise BadInput(f"control points: have the shape {c.shape}; (K + 3, {task.dimension}, 2) is needed, for K segments")
+    if (c[-1] != c[-3]).any():
+        raise BadInput("control points: the tube moves at t_c, where it must rest; make the last equal to the last but two")
+    scaled = np.ldexp(c / 6, 23 - magnitude(task))
+    if (np.abs(scaled) >= 1 << 24).any():
+        raise BadInput("control points: one is further out than the state space is large; nothing there can be certified")
+    table = np.stack([np.ceil(scaled[..., 0]), np.floor(scaled[..., 1])], axis=-1).astype(np.int64)
+    rows = tuple(tuple((low, high) for low, high in row) for row in table.tolist())
+    return RefinedDesign(task.prescribed_time, len(rows) - 3, 23 - magnitude(task), rows)
+
+
+def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:
+    """The spline tube nearest to samples of its edges, by least squares, at rest at t_c.
+
+    t: (M,), rising from 0 to t_c; lower, upper: (M, n). It has tube.segments segments, or 32, or as many as M samples determine.
+    """
+    times, low, high = _numbers("t", t), _numbers("lower", lower), _numbers("upper", upper)
+    t_c, n = float(task.prescribed_time), task.dimension
+    if times.ndim != 1 or low.shape != (len(times), n) or high.shape != low.shape:
+        shapes = f"{times.shape}, {low.shape} and {high.shape}"
+        raise BadInput(f"samples: t, lower and upper have the shapes {shapes}; (M,), (M, {n}) and (M, {n}) are needed")
+    if len(times) < 4 or times[0] != 0 or times[-1] != t_c or (np.diff(times) <= 0).any():
+        raise BadInput(f"samples: t must rise from 0 to t_c = {t_c:g}, at four times or more")
+    segments = task.tube.segments or min(USUAL_SEGMENTS, len(times) - 3)
+    matrix = spline_basis(times / t_c, segments)
+    matrix[:, -3] += matrix[:, -1]
+    solved, _, rank, _ = np.linalg.lstsq(matrix[:, :-1], np.stack([low, high], axis=-1).reshape(len(times), -1), rcond=None)
+    if rank < segments + 2:
+        raise BadInput(f"samples: {segments} segments are not determined; give more of them, evenly, or set tube.segments")
+    return spline_tube(task, np.concatenate([solved, solved[-2:-1]]).reshape(segments + 3, n, 2))
+
+
+def spline_basis(share: Array, segments: int) -> Array:
+    """What every control point is worth at these shares of t_c: (M, K + 3), rows of sum 1."""
+    u = share * segments
+    k = np.minimum(u.astype(int), segments - 1)
+    s = u - k
+    weights = ((1 - s) ** 3, 3 * s**3 - 6 * s**2 + 4, -3 * s**3 + 3 * s**2 + 3 * s + 1, s**3)
+    matrix = np.zeros((len(u), segments + 3))
+    for j, weight in enumerate(weights):
+        matrix[np.arange(len(u)), k + j] = weight / 6
+    return matrix
+
+
+def _numbers(name: str, given: Any) -> Array:
+    """Finite doubles."""
+    try:
+        found = np.asarray(given, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise BadInput(f"{name}: {error}; an array of numbers is needed") from None
+    if not np.isfinite(found).all():
+        raise BadInput(f"{name}: holds a NaN or an infinity; finite numbers are needed")
+    return found
