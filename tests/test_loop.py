@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import re
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +21,7 @@ from stt_codegen.bench.loop import LONGER, Job, jobs, lines, rows
 from stt_codegen.bench.loop import run as run_job
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.command import with_gain, with_wind
+from stt_codegen.loop.command import foretold, with_gain, with_wind
 from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, starts
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS, Plant
@@ -205,6 +207,22 @@ def test_a_gain_far_off_is_told_beforehand_and_then_fails(gain: str, rate: str, 
     report = json.loads(result.stdout)
     assert not report["kept"]
     assert any("not" in line or "no sampling period" in line for line in report["foretold"])
+
+
+@pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "omni_s3", "omni_heading"])
+def test_what_is_foretold_is_never_more_than_what_is_proved(name: str) -> None:
+    """Rounded to the nearest instead of down, half of these gains would print a longer period than the proved one."""
+    plant, told = with_wind(PLANTS["integrator"], 0.05), 0
+    for k in range(8):
+        made = with_gain(controller(name), 0.05 * 1.13**k)
+        scenario = Scenario(1000.0, strength=0.05)
+        period = Analysis(made, plant, scenario.noise, scenario.latency, scenario.start).period
+        for line in foretold(made, plant, scenario):
+            for number in re.findall(r"up to ([\d.e+-]+) ms", line):
+                assert period is not None
+                assert Fraction(number) / 1000 <= Fraction(period.seconds)
+                told += 1
+    assert told >= 4
 
 
 # ---------------------------------------------------------------------------------------------- the command

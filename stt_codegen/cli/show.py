@@ -182,7 +182,8 @@ def show_agreement(title: str, rows: Sequence[Row]) -> None:
     """A comparison in which every row holds, in one line: who was compared, and which came nearest to its bound."""
     nearest = max(rows, key=lambda r: r.share)
     print(
-        f"{title}: {', '.join(dict.fromkeys(r.backend for r in rows))} agree with the reference within derived bounds; "
+        f"{title}: {', '.join(dict.fromkeys(r.backend for r in rows))} agree with the reference within derived bounds, "
+        f"{sum(r.points for r in rows):,} values compared; "
         f"nearest to its bound: {nearest.quantity} by {nearest.backend}, {nearest.share:.0%} (--verbose for all)"
     )
 
