@@ -4,6 +4,8 @@ task = stt.load("cart.toml")                    # or stt.Task(name="cart", presc
 controller = stt.build(task)                    # a certified controller
 lower, upper = controller.tube(t)               # t a number or an array
 controller.write("src")                         # cart.h, cart.c, cart.py, cart.certificate.json
+
+Long because the documentation of every name is here; the work is done elsewhere.
 """
 
 from __future__ import annotations
@@ -39,37 +41,87 @@ Design = RefinedDesign | AdaptiveDesign
 def load(path: str | Path) -> Task:
     """Read and check a task file.
 
-    Raises `BadInput` with file, field, what is wrong and what would be right.
+    Raises
+    ------
+    BadInput
+        With file, field, what is wrong and what would be right.
 
-    >>> load("tasks/omni_s2.toml").dimension  # doctest: +SKIP
+    Examples
+    --------
+    >>> load("tasks/omni_s2.toml").dimension
     2
     """
     return load_task(path)
 
 
 def parse(text: str) -> Task:
-    """As `load`, from the text of a task file."""
+    """Read and check the text of a task file, as `load` does a file's.
+
+    Examples
+    --------
+    >>> parse(open("tasks/omni_s2.toml").read()) == load("tasks/omni_s2.toml")
+    True
+    """
     return parse_task(text)
 
 
 def design(task: Task) -> Design:
     """Find a tube for the task, as `tube.design` says: the numbers that fix it, not yet certified.
 
-    Raises `NotCertified` with the reason and, where there is one, the option that would do.
+    Raises
+    ------
+    NotCertified
+        No tube is found: with the reason and, where there is one, the option that would do.
+    BadInput
+        The task asks for something that its kind of tube does not offer.
+
+    Examples
+    --------
+    >>> design(load("tasks/omni_s2.toml")).kind
+    'refined'
     """
     pipeline.require_supported(task)
     return pipeline.design_tube(task)
 
 
 def certify(task: Task, tube: Design) -> Certificate:
-    """P1 to P7 of a tube for the task, each with its margin; `holds` says whether all of them do."""
+    """Certify a tube for the task: P1 to P7, each with its margin in the task's units.
+
+    Returns
+    -------
+    Certificate
+        `holds` says whether all of them do, `findings` which and by how much.
+
+    Examples
+    --------
+    >>> task = load("tasks/omni_s2.toml")
+    >>> certify(task, design(task)).holds
+    True
+    """
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 
 def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
-    """Design, certify and emit a controller; nothing is written. A path is loaded first.
+    """Design, certify and emit a controller; nothing is written.
 
-    Raises `NotCertified` when no tube is found or, unless `uncertified`, the certificate fails; `BadInput` for a bad task.
+    Parameters
+    ----------
+    task
+        A task, or the path of its file.
+    uncertified
+        Make the controller also where the certificate fails; every file then says so.
+
+    Raises
+    ------
+    NotCertified
+        No tube is found or, unless `uncertified`, the certificate fails.
+    BadInput
+        The task's file is refused.
+
+    Examples
+    --------
+    >>> build("tasks/omni_s2.toml").certificate.holds
+    True
     """
     made = pipeline.build_task(task if isinstance(task, Task) else load(task), uncertified)
     return Controller(made.task, made.design, made.program, made.certificate, made.files)
@@ -78,15 +130,38 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
 def certify_tube(
     task: Task, *, points: npt.ArrayLike | None = None, samples: tuple[Any, Any, Any] | None = None, uncertified: bool = False
 ) -> Controller:
-    """A tube of your own, certified and emitted like ours. Give one of the two:
+    """Certify and emit a tube of your own, like one that was designed. Give `points` or `samples`.
 
-    points: control points of uniform cubic B-splines over [0, t_c], of shape (K + 3, n, 2) for K segments, in the task's units;
-    the last equals the last but two, for the tube is constant after t_c. Coefficients are rounded inwards, to 24 bits.
+    Parameters
+    ----------
+    points
+        Control points of uniform cubic B-splines over [0, t_c], of shape (K + 3, n, 2) for K segments, lower edge first, in the
+        task's units. The last equals the last but two, for the tube rests at t_c. They are rounded inwards, to 24 bits.
+    samples
+        (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c: of any curves, a cubic spline on knots of its
+        own as well. The nearest spline tube is taken, of tube.segments segments or 32; `Controller.distance` says how far it is.
+    uncertified
+        As in `build`.
 
-    samples: (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c. The nearest spline tube is taken, of
-    tube.segments segments or 32; `controller.distance(*samples)` says how far it is from them.
+    Raises
+    ------
+    BadInput
+        Other shapes, or a tube that still moves at t_c.
+    NotCertified
+        The tube does not do: with property, time and amount.
 
-    Raises `BadInput` for other shapes, `NotCertified` with property, time and amount where the tube does not do.
+    Examples
+    --------
+    A tube whose edges are given by a few points, joined by a cubic spline of SciPy's (t_c is 9 s here):
+
+    >>> import numpy as np
+    >>> from scipy.interpolate import CubicSpline
+    >>> way = [0.25, 0.25], [0.5, 1.2], [1.1, 2.0], [2.4, 2.0], [3.5, 2.7], [4.2, 3.7], [4.75, 4.75]
+    >>> t, middle = np.linspace(0, 9, 600), CubicSpline(np.linspace(0, 9, 7), way, bc_type="clamped")
+    >>> samples = t, middle(t) - 0.1, middle(t) + 0.1
+    >>> own = certify_tube(load("tasks/omni_s2.toml"), samples=samples)
+    >>> own.certificate.holds, bool(own.distance(*samples).max() < 0.001)
+    (True, True)
     """
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
@@ -101,7 +176,14 @@ class Controller(pipeline.Controller):
     """A task's controller: the emitted functions, vectorised, and what one does with them.
 
     n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then
-    states are of shape (n,) or (P, n), and so are results. Values are those of the emitted Python, in double arithmetic.
+    states are of shape (n,) or (P, n), and so are results. Other shapes raise `BadInput`. Values are those of the emitted Python,
+    in double arithmetic.
+
+    Examples
+    --------
+    >>> controller = build("tasks/omni_s2.toml")
+    >>> controller
+    <Controller omni_s2: refined tube, 32 segments, certified, least width 0.18, float>
     """
 
     def __repr__(self) -> str:
@@ -125,8 +207,18 @@ class Controller(pipeline.Controller):
         return load_module(self.task.name, self.files[f"{self.task.name}.py"])
 
     def alpha(self, t: npt.ArrayLike) -> Array:
-        """The update function alpha of an adaptive or literal tube by emitted steps from 0, as long as the certificate allows:
-        shape (2 n,) or (P, 2 n). Raises `BadInput` for a refined tube, which has none."""
+        """The update function alpha of an adaptive or literal tube by emitted steps from 0, as long as the certificate allows.
+
+        Returns
+        -------
+        alpha
+            alpha_L, then alpha_U: shape (2 n,) or (P, 2 n).
+
+        Raises
+        ------
+        BadInput
+            A refined tube has no alpha.
+        """
         if not self.design.stateful:
             raise BadInput(f"{self.task.name}: a {self.design.kind} tube has no alpha")
         times, single = self._times(t)
@@ -142,7 +234,14 @@ class Controller(pipeline.Controller):
         return rows[0] if single else rows
 
     def tube(self, t: npt.ArrayLike) -> tuple[Array, Array]:
-        """Lower and upper edges of the tube at times t, each of shape (n,) or (P, n)."""
+        """Lower and upper edges of the tube at times t, each of shape (n,) or (P, n).
+
+        Examples
+        --------
+        >>> lower, upper = build("tasks/omni_s2.toml").tube([0.0, 4.5, 9.0])
+        >>> lower.shape, bool((upper - lower).min() > 0.49)
+        ((3, 2), True)
+        """
         lower, upper = self._at("tube", t)
         return lower, upper
 
@@ -152,13 +251,32 @@ class Controller(pipeline.Controller):
         return lower, upper
 
     def control(self, t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[Any, Array]:
-        """Status (0 inside, 1 outside the tube, 2 bad input) and u at times t for states x: a number and (n,), or (P,) and (P,
-        n)."""
+        """Status and input at times t for states x.
+
+        Returns
+        -------
+        status
+            0 inside, 1 outside the tube, 2 bad input: a number or (P,).
+        u
+            The input, of shape (n,) or (P, n).
+
+        Examples
+        --------
+        >>> status, u = build("tasks/omni_s2.toml").control(0.0, [0.1, 0.4])
+        >>> int(status), bool(u[0] > 0 > u[1])
+        (0, True)
+        """
         status, u = self._at("control", t, x)
         return status, u
 
     def margin(self, t: npt.ArrayLike, x: npt.ArrayLike) -> Any:
-        """How far x is from leaving the tube: 0.5 in the middle, 0 at an edge; a number, or (P,)."""
+        """How far x is from leaving the tube, as a share of its width: 0.5 in the middle, 0 at an edge; a number, or (P,).
+
+        Examples
+        --------
+        >>> round(float(build("tasks/omni_s2.toml").margin(0.0, [0.25, 0.25])), 3)
+        0.5
+        """
         (share,) = self._at("margin", t, x)
         return share
 
@@ -204,6 +322,16 @@ class Controller(pipeline.Controller):
 
         Keys: tube, tube_rate, control, margin, transform; for adaptive tubes, whose functions take alpha too, alpha_rate (the
         update equation and its Jacobian) and alpha_step.
+
+        Examples
+        --------
+        u along a symbolic state, for an optimisation problem of one's own:
+
+        >>> import casadi as ca
+        >>> x = ca.MX.sym("x", 2)
+        >>> status, u = build("tasks/omni_s2.toml").casadi()["control"](1.0, x)
+        >>> u.shape
+        (2, 1)
         """
         import casadi as ca
 
@@ -222,14 +350,38 @@ class Controller(pipeline.Controller):
         return found
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write the files into a folder, all or none; their paths. Raises `BadInput` where it cannot be written."""
+        """Write the files into a folder, all or none.
+
+        Returns
+        -------
+        list of Path
+            What was written.
+
+        Raises
+        ------
+        BadInput
+            The folder cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     [path.name for path in build("tasks/omni_s2.toml").write(folder)]
+        ['omni_s2.h', 'omni_s2.c', 'omni_s2.py', 'omni_s2.certificate.json']
+        """
         from stt_codegen.record.files import write_files
 
         write_files(Path(folder), self.files)
         return [Path(folder) / name for name in self.files]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the tube: the whole picture as a matplotlib Figure, or the arena alone into `ax`. No backend is changed."""
+        """Draw the tube: the whole picture as a matplotlib Figure, or the arena alone into `ax`. No backend is changed.
+
+        Examples
+        --------
+        >>> len(build("tasks/omni_s2.toml").plot().axes)
+        3
+        """
         from stt_codegen.designs.grid import tube_at
         from stt_codegen.report.picture import draw_arena, draw_dimension, figure_of
 
@@ -246,9 +398,27 @@ class Controller(pipeline.Controller):
     def simulate(self, plant: Any = "integrator", **scenario: Any) -> Any:
         """Drive a plant with the compiled C, held between samples.
 
-        plant: a name, the path of a Python file, or a `Plant`. scenario: fields of `loop.simulate.Scenario` (rate in Hz,
-        disturbance, strength, noise, lost, latency, start, seed). Returns a `Run` with its trace: rows of t, x, u, lower, upper,
-        w, status. Raises `MissingTool` without a C compiler.
+        Parameters
+        ----------
+        plant
+            A name, the path of a Python file, or a `Plant`.
+        scenario
+            Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, lost, latency, start, seed.
+
+        Returns
+        -------
+        Run
+            With its trace: rows of t, x, u, lower, upper, w, status.
+
+        Raises
+        ------
+        MissingTool
+            There is no C compiler.
+
+        Examples
+        --------
+        >>> build("tasks/omni_s2.toml").simulate(rate=1000).good
+        True
         """
         from stt_codegen.loop.simulate import Loop, Scenario
         from stt_codegen.plants import plant_of

@@ -127,5 +127,5 @@ def apart_rows(convex: ConvexSet, clearance: Fraction) -> tuple[Row, ...]:
 
 @cache
 def _terms(normal: Normal) -> tuple[tuple[Term, ...], int]:
-    """low_n as terms, and |n|_1."""
+    """The terms of low_n, the least of n.x over the tube's box, and |n|_1."""
     return tuple((i, LOWER if c > 0 else UPPER, c) for i, c in enumerate(normal) if c), sum(map(abs, normal))

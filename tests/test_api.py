@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import json
 import os
 import subprocess
@@ -64,6 +65,19 @@ def test_the_face_is_the_interface() -> None:
     with pytest.raises(AttributeError, match="nothing"):
         _ = stt.nothing
     assert (ROOT / "stt_codegen" / "py.typed").exists()
+
+
+def test_examples_are_true_and_every_function_has_one(monkeypatch, tool) -> None:
+    tool("gcc")
+    monkeypatch.chdir(ROOT)
+    found = doctest.DocTestFinder().find(api, globs=vars(api).copy())
+    examples = {one.name.removeprefix("stt_codegen.api."): one for one in found if one.examples}
+    functions = [name for name in api.__all__ if not isinstance(getattr(api, name), type)]
+    methods = [f"Controller.{name}" for name in ("tube", "control", "margin", "casadi", "write", "plot", "simulate")]
+    assert {*functions, *methods, "Controller"} <= set(examples)
+    runner = doctest.DocTestRunner()
+    for one in examples.values():
+        assert runner.run(one).failed == 0, one.name
 
 
 # ---------------------------------------------------------------------------------------------------------- tasks in code

@@ -81,7 +81,7 @@ def run(job: Job) -> Result:
 
 @cache
 def _warm(design: str) -> None:
-    """Imports, and what is made once a process."""
+    """Pay for imports and caches before the first time is taken."""
     from stt_codegen.pipeline import build_program, certify, design_tube
 
     task = arena_task(FAMILIES["paper"], 0).with_options(design)
@@ -182,7 +182,7 @@ class Summary:
 
 
 def summary(results: Iterable[Result]) -> Summary:
-    """Of the results of one family and design."""
+    """Counts and quantiles over the results of one family and design."""
     found = sorted(results, key=lambda r: r.job.seed)
     good = [r for r in found if r.certified]
 

@@ -68,7 +68,7 @@ class Enclosed:
 
 
 def certify_enclosed(task: Task, design: AdaptiveDesign) -> Certificate:
-    """The findings, each proved for all t where it holds."""
+    """Prove P1 to P7 of an adaptive or literal tube in balls: every finding that holds, holds for all t."""
     return enclosed_tube(task, design).certificate
 
 
@@ -245,7 +245,7 @@ def _certificate(
 
 
 def enclosed_windows(tube: Enclosed) -> Windows:
-    """WINDOWS windows, or as many as there are cells."""
+    """The tube in WINDOWS time windows, or as many as it has cells, for the sampled statements."""
     times, gamma = tube.lines.times, tube.gamma
     count = len(times) - 1
     cuts = np.unique(np.linspace(0, count, min(WINDOWS, count) + 1).astype(int))

@@ -82,7 +82,7 @@ class _Tube:
     bezier: npt.NDArray[np.int64]
 
     def always(self, code: str, statement: str, block: RowBlock, advice: str) -> Finding:
-        """Rows that hold for all t."""
+        """The finding of rows that must hold for all t: the least slack over all segments, and where it is."""
         least = least_slack(self.bezier, block, self.error / self.design.unit)
         scale = self.design.prescribed_time / self.design.segments
         chosen = block.rows[least.row]
@@ -93,7 +93,7 @@ class _Tube:
         )  # fmt: skip
 
     def at(self, code: str, statement: str, rows: Sequence[Row], piece: int, point: int, advice: str) -> Finding:
-        """Rows at one end, exactly."""
+        """The finding of rows about one moment, the control point `point` of segment `piece`: 0 or t_c."""
         edges, unit = self.bezier[piece, :, :, point], self.design.unit
         left = [sum((c * int(edges[i, side]) for i, side, c in row.terms), Fraction(0)) * unit for row in rows]
         slack = [(value - row.bound - row.keep) / row.per for value, row in zip(left, rows, strict=True)]
@@ -118,13 +118,13 @@ class _Tube:
         ]
 
     def stay(self) -> Finding:
-        """P3."""
+        """P3: both edges within the state space, for the body's middle."""
         statement = "gamma within the state space" + (" less the body" if any(self.task.half_extents) else "")
         block = RowBlock.of(stay_rows(self.task), self.design.unit)
         return self.always("P3", statement, block, "enlarge the state space there, or design the tube again")
 
     def avoid(self) -> Finding:
-        """P4."""
+        """P4: at every moment at least the clearance from every unsafe set, along one of its normals."""
         sets = avoid_rows(self.task)
         if not sets:
             return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))

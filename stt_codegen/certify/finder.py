@@ -80,7 +80,7 @@ def _down(value: Any, steps: int) -> Array:
 
 
 def gap(low: Any, high: Any) -> Array:
-    """A lower bound on high - low."""
+    """A lower bound on how far `high` is above `low`."""
     return np.asarray(np.nextafter(np.asarray(high, dtype=float) - low, -np.inf))
 
 

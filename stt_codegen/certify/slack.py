@@ -49,12 +49,12 @@ class RowBlock:
 
     @classmethod
     def of(cls, rows: Sequence[Row], unit: Fraction) -> RowBlock:
-        """All of these must hold."""
+        """A block whose rows must all hold."""
         return cls._made(tuple(rows), unit, list(range(len(rows))), ())
 
     @classmethod
     def choice(cls, sets: Sequence[Avoidance], unit: Fraction) -> RowBlock:
-        """Of each set one."""
+        """A block of which, for each unsafe set, one row must hold at every moment."""
         rows = [row for one in sets for row in one.rows]
         first = np.cumsum([0, *(len(one.rows) for one in sets[:-1])]).tolist()
         return cls._made(tuple(rows), unit, first, tuple(one.name for one in sets))

@@ -127,7 +127,7 @@ class _Rows:
         )
 
     def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
-        """e, epsilon and xi for the same boxes and states."""
+        """Compare e, epsilon and xi of (13), for the same boxes and states in every backend."""
         own = logarithm_error(controller)
         e, epsilon, xi = reference.transform(lower, upper, x, controller.task.control.e_max)
         got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)

@@ -89,7 +89,7 @@ def kernels_of_the_paper() -> Kernels:
 
 
 def _hold() -> Kernel:
-    """t held within [0, t_c]."""
+    """The kernel that holds t within [0, t_c]."""
     t, t_c = Var("t", REAL), Var("t_c", REAL)
     block = Block({"t", "t_c"})
     positive = block.op("positive", "lt", real(0), t)

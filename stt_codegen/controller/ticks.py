@@ -47,7 +47,7 @@ def _fitting(design: RefinedDesign, period: Fraction) -> Ticks | None:
 
 
 def _to_digits(value: Fraction, digits: int) -> Fraction:
-    """The value to so many decimal digits."""
+    """The value rounded to so many significant decimal digits."""
     return Fraction(f"{float(value):.{digits}g}")
 
 

@@ -129,7 +129,7 @@ def _empty_design(task: Task, arena: Arena, start: Array, settings: Settings) ->
 
 
 class _Model:
-    """The tube under pushes, on the search's time grid."""
+    """The adaptive tube on the search's time grid, as the parameters of its circumvent functions change."""
 
     def __init__(self, arena: Arena, design: AdaptiveDesign, settings: Settings) -> None:
         self.arena, self.design, self.settings = arena, design, settings

@@ -36,14 +36,14 @@ class Faces:
     vertices: tuple[Array | None, ...]
 
     def only(self, keep: Sequence[int]) -> Faces:
-        """Those of some of the sets."""
+        """The faces of the sets whose numbers are in `keep`, numbered anew."""
         kept = np.isin(self.owner, keep)
         owner = np.array([keep.index(j) for j in self.owner[kept]], dtype=np.int64)
         vertices = tuple(self.vertices[j] for j in keep)
         return Faces(self.normal[kept], self.bound[kept], self.size[kept], owner, vertices)
 
     def scaled(self, unit: float) -> Faces:
-        """With lengths in other units."""
+        """The same faces with lengths measured in `unit`."""
         vertices = tuple(None if v is None else v / unit for v in self.vertices)
         return replace(self, bound=self.bound / unit, vertices=vertices)
 
@@ -95,11 +95,11 @@ class Arena:
 
     @property
     def boxes_only(self) -> bool:
-        """Whether every unsafe set is its span."""
+        """Whether every unsafe set is a box, so that its span says all of it."""
         return not len(self.faces.owner)
 
     def only(self, keep: Sequence[int]) -> Arena:
-        """With some of the unsafe sets."""
+        """The arena with the unsafe sets whose numbers are in `keep` alone."""
         names = tuple(self.names[j] for j in keep)
         return replace(self, names=names, unsafe=self.unsafe[list(keep)], faces=self.faces.only(keep))
 
@@ -179,7 +179,7 @@ def _spans(sets: Sequence[Avoidance], n: int) -> Array:
 
 
 def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], n: int) -> Faces:
-    """The rows that are not about one edge."""
+    """The avoidance rows whose normal is no axis, as arrays."""
     found = [(j, row) for j, one in enumerate(sets) for row in one.rows if row.dimension is None]
     normal = np.zeros((len(found), n))
     for x, (_, row) in enumerate(found):

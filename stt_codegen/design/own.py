@@ -72,7 +72,7 @@ def spline_basis(share: Array, segments: int) -> Array:
 
 
 def _numbers(name: str, given: Any) -> Array:
-    """Finite doubles."""
+    """What was given as an array of finite doubles. Raises `BadInput` with its name."""
     try:
         found = np.asarray(given, dtype=float)
     except (TypeError, ValueError) as error:

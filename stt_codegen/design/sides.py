@@ -39,12 +39,12 @@ class Limits:
 
     @property
     def faces(self) -> list[int]:
-        """Those that the tube must be beyond at some time."""
+        """The faces that the tube must be beyond at some time."""
         return [int(x) for x in np.nonzero(self.beyond.any(axis=0))[0]] if self.beyond.size else []
 
     @classmethod
     def of_space(cls, arena: Arena, count: int) -> Limits:
-        """The state space alone."""
+        """The limits that the state space sets, before any choice of sides."""
         return cls(np.repeat(arena.space[None], count, axis=0), np.zeros((count, len(arena.faces.owner)), dtype=bool))
 
 

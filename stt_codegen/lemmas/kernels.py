@@ -115,7 +115,7 @@ def _shown(point: Point) -> str:
 
 
 def points(**choices: Sequence[float]) -> tuple[Point, ...]:
-    """Every combination."""
+    """Every combination of the values given for each name."""
     return tuple({name: Fraction(v) for name, v in zip(choices, values, strict=True)} for values in product(*choices.values()))
 
 

@@ -139,7 +139,7 @@ def counterexample(statement: str, at: str, fails: Any, shown: str) -> Outcome:
 
 
 def all_of(*outcomes: Outcome) -> Outcome:
-    """Proved when all are; else the first that is not."""
+    """The verdict of several claims: proved when all are, else that of the first which is not."""
     for outcome in outcomes:
         if outcome.verdict is not Verdict.PROVED:
             return outcome

@@ -106,7 +106,7 @@ def _f(name: str) -> Formula:
 
 
 def _row(*names: str) -> Any:
-    """One window: an array (1, n) of formulas."""
+    """The formulas of these names as one time window: an array of shape (1, n)."""
     return np.array([[_f(name) for name in names]], dtype=object)
 
 

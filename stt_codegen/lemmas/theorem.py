@@ -14,7 +14,7 @@ E = (2 * x - S) / D
 
 
 def _rate(expression: Any) -> Any:
-    """d/dt along x, gamma_L, gamma_U."""
+    """The time derivative of an expression along the motion of x, gamma_L and gamma_U."""
     return sum(sp.diff(expression, v) * rate for v, rate in ((x, xdot), (lower, lower_rate), (upper, upper_rate)))
 
 

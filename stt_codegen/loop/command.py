@@ -65,7 +65,7 @@ class RunReport:
         return self.run.good
 
     def document(self) -> dict[str, Any]:
-        """JSON data."""
+        """The report as JSON data."""
         s = self.scenario
         return {
             "task": self.controller.task.name,

@@ -86,7 +86,7 @@ def driver(plant: Model, dimension: int) -> Any:
 
 
 def is_constant(plant: Model, dimension: int) -> bool:
-    """Whether f and g are the same everywhere."""
+    """Whether the plant's f and g do not depend on the state."""
     function = model(plant, dimension)
     return all(int(function.jac_sparsity(k, 0).nnz()) == 0 for k in (0, 1))
 
@@ -121,7 +121,7 @@ def _plant_source(function: Any) -> str:
 
 
 def own(controller: Controller) -> Own:
-    """The emitted C of a controller, compiled."""
+    """Compile the emitted C of a controller and load it."""
     prefix, adaptive = controller.task.name, controller.design.stateful
     steps = controller.certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)

@@ -87,7 +87,7 @@ def pillar(corners: Array, height: float) -> list[list[tuple[float, float, float
 
 
 def _tube3(axis: Any, controller: Controller, colour: str) -> None:
-    """A tube as boxes over time, unsafe sets as pillars."""
+    """Draw a planar tube as boxes over time, with the unsafe sets as pillars."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     task = controller.task

@@ -99,7 +99,7 @@ class Run:
 
     @property
     def kept(self) -> bool:
-        """The state was inside its tube all along."""
+        """Whether the state was inside its tube all along."""
         return self.margin > 0
 
 

@@ -25,7 +25,7 @@ Array = npt.NDArray[Any]
 
 
 def names(letter: str, n: int) -> list[str]:
-    """letter1 .. lettern."""
+    """The names x1, x2, .. of n signals, for the letter x."""
     return [f"{letter}{i + 1}" for i in range(n)]
 
 

@@ -69,7 +69,7 @@ class Enclosure:
         exec(compile("\n".join(line for part in parts for line in part), f"<{program.prefix} in balls>", "exec"), names)
 
     def kernel(self, name: str, *inputs: Ball) -> tuple[Ball, ...]:
-        """The outputs of a kernel."""
+        """Enclosures of a kernel's outputs."""
         outputs: tuple[Ball, ...] = self._names[f"_k_{name}"](*inputs)
         return outputs
 

@@ -142,7 +142,7 @@ class _Reader:
 
 
 def _live(body: list[Assign], outputs: list[Operand]) -> tuple[Assign, ...]:
-    """The assignments that an output depends on."""
+    """The assignments that some output depends on; the others are dead."""
     needed = {o.name for o in outputs if isinstance(o, Var)}
     kept: list[Assign] = []
     for assign in reversed(body):

@@ -55,20 +55,20 @@ def formulas_on(
 
 
 def follow_kernel(kernel: Kernel, numbers: Sequence[float]) -> tuple[bool, ...]:
-    """What a kernel decides for these inputs, in doubles."""
+    """The decisions that a kernel takes for these inputs, evaluated in doubles."""
     walk = _Walk(Program("", 1, "double", (), (kernel,), ()), {}, None, frozenset())
     walk.kernel(kernel, numbers)
     return tuple(walk.decisions)
 
 
 def kernel_formulas(kernel: Kernel, symbols: Sequence[Value], decisions: Sequence[bool]) -> tuple[Value, ...]:
-    """The outputs of a kernel where it decides so."""
+    """A kernel's outputs in symbols, on the path with these decisions."""
     walk = _Walk(Program("", 1, "double", (), (kernel,), ()), {}, list(decisions), frozenset())
     return tuple(walk.kernel(kernel, symbols))
 
 
 class _Left(Exception):
-    """A Return was met."""
+    """Raised where a Return ends the walk."""
 
     def __init__(self, result: Value) -> None:
         self.result = result

@@ -45,7 +45,7 @@ def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
 
 
 def formulas(kernel: Kernel, given: Mapping[str, Any]) -> tuple[Any, ...]:
-    """The outputs of a kernel without comparisons."""
+    """The outputs, in symbols, of a kernel that decides nothing."""
     (only,) = branches(kernel, given)
     return only.outputs
 

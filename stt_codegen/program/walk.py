@@ -56,7 +56,7 @@ class Walk(ABC):
                     self.leave(statement)
 
     def kernel(self, kernel: Kernel, args: Sequence[Any]) -> list[Any]:
-        """The outputs of a kernel; its names are its own."""
+        """Evaluate a kernel; its local names are its own."""
         outer, self.known = self.known, dict(zip((v.name for v in kernel.inputs), args, strict=True))
         for assign in kernel.body:
             self.known[assign.var.name] = self.value(assign.value)

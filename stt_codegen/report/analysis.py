@@ -123,13 +123,13 @@ class Analysis:
 
     @cached_property
     def period(self) -> Period | None:
-        """The longest of them."""
+        """The period of the statement that allows the longest."""
         found = [p for p in self.periods.values() if p is not None]
         return max(found, key=lambda p: p.seconds, default=None)
 
     @cached_property
     def gains(self) -> Gains:
-        """What other gains would do."""
+        """What other gains would allow."""
         return Gains(self.setting, self.shortest, self.period)
 
     @property
@@ -204,7 +204,7 @@ class Analysis:
 
     @cached_property
     def update_function(self) -> UpdateFunctionBounds:
-        """Of an adaptive tube, enclosed."""
+        """Enclosures of an adaptive tube's update function, which the statements about its rate need."""
         tube, design = self._enclosed, self.controller.design
         assert isinstance(design, AdaptiveDesign)
         psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
@@ -242,7 +242,7 @@ class Analysis:
         )
 
     def report(self) -> BoundsReport:
-        """All that is known of this loop."""
+        """Everything that is known of this loop, rounded outwards for print."""
         controller, s, w = self.controller, self.setting, self.windows
         return BoundsReport(
             controller.task.name,

@@ -157,7 +157,7 @@ class BoundsReport:
         return all(h.holds for h in self.hypotheses)
 
     def document(self) -> dict[str, Any]:
-        """JSON data."""
+        """The report as JSON data."""
         data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "noise", "latency")}
         data["hypotheses"] = [asdict(h) for h in self.hypotheses]
         data |= {name: asdict(getattr(self, name)) for name in ("tube", "plant_over_the_tube", "continuous")}

@@ -75,11 +75,11 @@ class DesignReport:
     picture: str | None = None
 
     def drawn(self, path: Path) -> DesignReport:
-        """The same, with a picture."""
+        """The same report, naming the picture that was drawn."""
         return replace(self, picture=str(path))
 
     def document(self) -> dict[str, Any]:
-        """JSON data."""
+        """The report as JSON data."""
         data = asdict(self)
         sampling = self.input.sampling
         data["input"]["sampling"] = None if sampling is None else sampling.document()

@@ -66,7 +66,7 @@ def draw_beside(controllers: list[Controller], titles: list[str], path: Path) ->
 
 
 def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[np.bool_]:
-    """At which samples the tube overlaps an unsafe set."""
+    """At which samples the tube overlaps some unsafe set: shape (T,)."""
     found = np.zeros(len(low), dtype=bool)
     for one in avoid_rows(controller.task):
         found |= ~np.any([slack_at(row, low, high) >= 0 for row in one.rows], axis=0)

@@ -31,7 +31,7 @@ class Period:
 
     @property
     def e(self) -> float:
-        """What |e| stays below."""
+        """The bound on |e| that goes with |eps| < reach."""
         return float(np.tanh(self.reach / 2))
 
 

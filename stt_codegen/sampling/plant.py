@@ -81,7 +81,7 @@ class PlantEnclosure:
         self.enclosure = Enclosure(Program("plant", dimension, "double", (), (kernel,), ()), rounding=False)
 
     def over(self, box: Sides) -> Bounds:
-        """Bounds over a box, lower and upper by dimension."""
+        """Bounds over a box, given as (lower, upper) by dimension."""
         found = [self._piece(piece) for piece in _pieces(box, self.matters)]
         worst = [np.max([getattr(b, name) for b in found], axis=0) for name in ("push", "most", "cross", "push_norm", "norm")]
         least = [np.min([getattr(b, name) for b in found], axis=0) for name in ("least", "definite")]
@@ -130,7 +130,7 @@ def least_eigenvalue(matrix: Sequence[Sequence[Ball]]) -> float:
 
 
 def _positive_definite(matrix: Sequence[Sequence[Ball]]) -> bool:
-    """Cholesky's factor exists for certain."""
+    """Whether Cholesky's factor exists for certain."""
     n = len(matrix)
     factor = [[arb(0)] * n for _ in range(n)]
     for i, j in itertools.product(range(n), range(n)):

@@ -40,7 +40,7 @@ class Law:
 
     @property
     def farthest(self) -> float:
-        """eps(e_max)."""
+        """eps at the clamp, ln((1 + e_max)/(1 - e_max))."""
         return float(2 * np.arctanh(self.e_max))
 
 

@@ -46,7 +46,7 @@ def q(e: Any) -> Any:
 
 
 def q_rate(e: Any) -> Any:
-    """q'(E)."""
+    """The derivative of q."""
     return np.cosh(e / 2) ** 2 * (1 + e * np.tanh(e / 2))
 
 
@@ -78,7 +78,7 @@ def input_bound(s: Setting, reach: Any) -> Any:
 
 
 def _sharp_push(s: Setting, u: Any) -> Any:
-    """P' = P + sum over j != i of |g_ij| U_j."""
+    """P' of the sharp statement: P and what the other inputs push, the sum over j != i of |g_ij| U_j."""
     return s.push + (s.cross * u[..., None, :]).sum(axis=-1)
 
 

@@ -36,7 +36,7 @@ class Windows:
 
     @property
     def shortest(self) -> float:
-        """Of the windows before t_c, seconds."""
+        """The length of the shortest window before t_c, in seconds."""
         return float(np.diff(self.times).min())
 
 

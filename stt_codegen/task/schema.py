@@ -161,7 +161,7 @@ class Box(_Table):
         return [("lower", self.lower), ("upper", self.upper)]
 
     def problem(self) -> str | None:
-        """What makes it no set."""
+        """What makes these numbers no set, in words; None where they are one."""
         for i, (a, b) in enumerate(zip(self.lower, self.upper, strict=True)):
             if a >= b:
                 return f"lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
@@ -267,7 +267,7 @@ class TaskTables(_Table):
 
     @property
     def half_extents(self) -> tuple[Fraction, ...]:
-        """Of the robot, by dimension; 0 for a point."""
+        """The robot's half extents by dimension; 0 for a point."""
         return self.body or (Fraction(0),) * self.dimension
 
     @property

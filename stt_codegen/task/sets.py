@@ -50,7 +50,7 @@ class ConvexSet(ABC):
 
     @abstractmethod
     def support(self, normal: Normal) -> Fraction:
-        """h(normal), exact or rounded up."""
+        """h(normal), the greatest of normal.x over the set, exact or rounded up."""
 
     @property
     @abstractmethod
@@ -84,7 +84,7 @@ class ConvexSet(ABC):
 
 
 def low_of(normal: Normal, lower: Vector, upper: Vector) -> Fraction:
-    """low_n of a box."""
+    """low_n of a box: the least of n.x over it."""
     return sum((c * (a if c > 0 else b) for c, a, b in zip(normal, lower, upper, strict=True) if c), ZERO)
 
 
