@@ -75,17 +75,9 @@ def measured(controller: Controller, board: Board, label: str, points: int) -> t
 def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None) -> Line:
     seen = counts.summary()
     code, tables, ram = sizes(controller, board)
-    place = ", ".join(f"{name} = {_short(v)}" for name, v in zip(_arguments(controller), seen.worst_at, strict=True))
+    place = seen.place([p.name for p in controller.program.function("control").inputs])
     steps = (seen.least, seen.median, seen.most)
     return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen.stack, within)
-
-
-def _arguments(controller: Controller) -> list[str]:
-    return [p.name for p in controller.program.function("control").inputs]
-
-
-def _short(value: Any) -> str:
-    return f"({', '.join(f'{v:.3g}' for v in value)})" if isinstance(value, list) else f"{value:.3g}"
 
 
 def sizes(controller: Controller, board: Board, function: str = "control") -> tuple[int, int, int]:

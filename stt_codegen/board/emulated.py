@@ -134,6 +134,14 @@ class CallCost:
     worst_at: list[Any]
     stack: int
 
+    def place(self, names: Sequence[str]) -> str:
+        """Where a call took most, with the names of the function's arguments: t = 6.11, x = (3.91, 2.7)."""
+        return ", ".join(f"{name} = {_short(v)}" for name, v in zip(names, self.worst_at, strict=True))
+
+
+def _short(value: Any) -> str:
+    return f"({', '.join(f'{v:.4g}' for v in value)})" if isinstance(value, list) else f"{value:.4g}"
+
 
 @dataclass
 class Counts:

@@ -52,11 +52,10 @@ class Finding:
             parts.append(f"unsafe set {self.obstacle}")
         return ", ".join(parts)
 
-    def refusal(self) -> str:
-        """The finding as one line that says what fails, where, by how much, and what to change."""
+    def fault(self) -> str:
+        """What fails, where and by how much."""
         where = self.place()
-        lack = decimal(self.required - self.margin)
-        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {lack}; {self.advice}"
+        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}"
 
 
 @dataclass(frozen=True)
@@ -89,11 +88,15 @@ class Certificate:
         return self.proves and all(f.holds for f in self.findings)
 
     def refusal(self) -> str:
-        """All that fails, in one line. P7 is named only where the exact tube itself is sound."""
+        """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where
+        the exact tube itself is sound."""
         if self.method == "sampled" and not self.failures:
             return 'P1 to P6 hold at the samples, but this design is not proved between them; use tube.design = "refined"'
         broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
-        told = "; ".join(f.refusal() for f in broken or self.failures)
+        faults: dict[str, list[str]] = {}
+        for f in broken or self.failures:
+            faults.setdefault(f.advice, []).append(f.fault())
+        told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
         return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
 
     @property

@@ -45,6 +45,7 @@ def pil(
         unit = BOARDS[board].unit
         for name, c in costs.items():
             taken = f"{c.least} to {c.most} {unit}, median {c.median}"
-            print(f"  {name}: {taken}; {c.stack} B of stack; most at {c.worst_at}")
+            place = c.place([p.name for p in controller.program.function(name).inputs])
+            print(f"  {name}: {taken}; {c.stack} B of stack; most at {place}")
     if not good:
         raise typer.Exit(1)

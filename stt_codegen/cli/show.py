@@ -167,6 +167,8 @@ def show_run(report: RunReport) -> None:
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
     console.print(f"  unsafe sets entered: {hit}; state space left: {left}; at t_c {reached}")
     tube = f"least margin {run.margin:.3g} of the width" if run.kept else "[red]was left[/red]"
+    if report.fulfilled and not run.kept:
+        tube += "; the task was met without a guarantee"
     console.print(f"  tube: {tube}; |e| up to {_numbers(run.e)}; |u| up to {_numbers(run.u)}")
     for line in report.foretold:
         console.print(f"  beforehand: {line}")
