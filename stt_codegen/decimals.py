@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
@@ -45,3 +45,9 @@ def _toward(value: Fraction, digits: int, direction: Callable[[Fraction], int]) 
         return 0.0
     power = digits - 1 - math.floor(math.log10(abs(value)))
     return float(Fraction(direction(value * Fraction(10) ** power)) / Fraction(10) ** power)
+
+
+def by_component(values: Sequence[Fraction | float]) -> str:
+    """Numbers for people: one where all agree, else "(0.5, 0.25)"."""
+    shown = [decimal(v) if isinstance(v, Fraction) else f"{v:g}" for v in values]
+    return shown[0] if len(set(shown)) == 1 else f"({', '.join(shown)})"

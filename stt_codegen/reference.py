@@ -6,6 +6,7 @@ Imports neither CasADi nor anything of this package; works on the plain data of 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -61,13 +62,15 @@ def _edges(
     return edges[:, :, 0], edges[:, :, 1]
 
 
-def transform(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, e_max: Fraction) -> tuple[Array, Array, Array]:
+def transform(
+    lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, e_max: Sequence[Fraction]
+) -> tuple[Array, Array, Array]:
     """e, epsilon and xi of section IV by component (diagonal I - e e^T), e clamped to [-e_max, e_max].
 
     0 where upper <= lower, NaN where a number is not finite.
     """
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
-    bound = exact(e_max)
+    bound = np.array([exact(v) for v in e_max])
     with np.errstate(all="ignore"):
         gamma_s, gamma_d = high + low, high - low
         e = np.clip((2 * state - gamma_s) / gamma_d, -bound, bound)
@@ -83,14 +86,14 @@ def control(
     lower: npt.ArrayLike,
     upper: npt.ArrayLike,
     x: npt.ArrayLike,
-    gain: Fraction,
-    e_max: Fraction,
-    u_max: tuple[Fraction, ...] | None = None,
+    gain: Sequence[Fraction],
+    e_max: Sequence[Fraction],
+    u_max: Sequence[Fraction] | None = None,
 ) -> tuple[npt.NDArray[np.intp], Array]:
     """Status (shape (P,)) and u = -k xi epsilon (13) for states x of shape (P, n) in the tube with these edges."""
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
     _, epsilon, xi = transform(low, high, state, e_max)
-    u = -exact(gain) * xi * epsilon
+    u = -np.array([exact(v) for v in gain]) * xi * epsilon
     if u_max is not None:
         bound = np.array([exact(v) for v in u_max])
         u = np.clip(u, -bound, bound)

@@ -165,15 +165,15 @@ def test_verdicts_agree_with_the_trace(design: str) -> None:
 @pytest.mark.parametrize(("name", "plant"), PAIRS)
 @pytest.mark.parametrize("kind", [k for k in KINDS if k != "none"])
 def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind: str) -> None:
-    """At the proved period, at the proposed gain, from starts all over, with lost samples: |e| below the proved bound."""
+    """At the proved period, at the proposed gain, from starts all over the share, with lost samples: |e| and |u| below their
+    bounds."""
     strength, noise = 0.1, 0.001
     windy = with_wind(PLANTS[plant], strength)
-    best = Analysis(controller(name), windy, noise).best_gain
+    best = Analysis(controller(name), windy, noise).gains.longest
     if best is None:
         assert (name, plant) == ("omni_s3", "arm") and kind  # noqa: PT018
         return
-    gain, _ = best
-    made = with_gain(controller(name), gain)
+    made = with_gain(controller(name), best[0].tolist())
     prompt = Analysis(made, windy, noise).period
     assert prompt is not None
     latency = 0.1 * prompt.seconds
@@ -182,12 +182,12 @@ def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind
     assert latency < late.seconds < prompt.seconds
     own = Loop(made, PLANTS[plant])
     for seed, lost, (proved, wait) in itertools.product(range(2), (0, 1), ((prompt, 0.0), (late, latency))):
-        start = starts(made.task, made.certificate.start, 0.9 * proved.e, seed)
+        start = starts(made.task, made.certificate.start, float(made.task.initial_set.share), seed)
         scenario = Scenario((lost + 1) / (proved.seconds - wait), kind, strength, seed, noise, lost, start, wait)
         assert scenario.age == pytest.approx(proved.seconds)
         run = own.run(scenario)
         assert run.good
-        assert max(run.e) < proved.e
+        assert all(a < b for a, b in zip(run.e, proved.e, strict=True))
         assert all(a <= b for a, b in zip(run.u, proved.u, strict=True))
 
 
@@ -214,9 +214,10 @@ def test_what_is_foretold_is_never_more_than_what_is_proved(name: str) -> None:
     """Rounded to the nearest instead of down, half of these gains would print a longer period than the proved one."""
     plant, told = with_wind(PLANTS["integrator"], 0.05), 0
     for k in range(8):
-        made = with_gain(controller(name), 0.05 * 1.13**k)
+        made = with_gain(controller(name), [0.05 * 1.13**k] * controller(name).task.dimension)
         scenario = Scenario(1000.0, strength=0.05)
-        period = Analysis(made, plant, scenario.noise, scenario.latency, scenario.start).period
+        at = [float(v) for v in made.task.initial_state]
+        period = Analysis(made, plant, scenario.noise, scenario.latency, at).period
         for line in foretold(made, plant, scenario):
             for number in re.findall(r"up to ([\d.e+-]+) ms", line):
                 assert period is not None

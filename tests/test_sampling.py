@@ -22,7 +22,7 @@ from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.pipeline import build
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling import Period, Setting, holds, law_of, longest, setting_of
+from stt_codegen.sampling import Period, Setting, eps_of_state, holds, law_of, longest, setting_of
 from stt_codegen.sampling.plant import bounds_of_task
 from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
 from stt_codegen.sampling.windows import refined_windows
@@ -34,8 +34,9 @@ from sampled import drawn, factor, violations
 def setting(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> Setting:
     c = controller_of(name)
     windows = refined_windows(c.design)
-    law = replace(law_of(c.task, c.certificate.edge_error, noise), gain=gain)
-    return setting_of(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, [float(v) for v in c.task.initial_state])
+    law = replace(law_of(c.task, c.certificate.edge_error, noise), gain=np.full(c.task.dimension, gain))
+    start = eps_of_state(windows, [float(v) for v in c.task.initial_state])
+    return setting_of(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, start)
 
 
 def scaled(s: Setting, length: float, time: float) -> Setting:
@@ -59,11 +60,11 @@ def test_no_adversary_reaches_the_proved_bound(statement: str, turn: bool) -> No
     draw = random.Random(7)
     proved = 0
     for seed in range(8):
-        loop, start = drawn(draw, turn), draw.uniform(0, 1)
-        period = longest(statement, loop.setting(start))
+        loop, share = drawn(draw, turn), draw.uniform(0, 0.9)
+        period = longest(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
         if period is not None:
             proved += 1
-            assert not violations(loop, statement, period, start, seed)
+            assert not violations(loop, statement, period, share, seed)
     assert proved or (statement == "diagonal" and turn)  # which is for diagonal g alone
 
 
@@ -71,9 +72,21 @@ def test_the_adversaries_can_fail_a_loop() -> None:
     """Else the test above would say nothing: some period does fail."""
     draw = random.Random(7)
     loop = drawn(draw, False)
-    period = longest("sharp", loop.setting(0.5))
+    period = longest("sharp", loop.setting(2 * math.atanh(0.5)))
     assert period is not None
     assert 1 < factor(loop, period, 0.5, 1) < 20
+
+
+def test_the_adversaries_notice_a_bound_on_u_that_leaves_noise_out() -> None:
+    """The law sees x nearer to an edge than it is: |u| of E alone is passed, that of what is seen is not."""
+    loop = replace(
+        drawn(random.Random(7), False), noise=0.02, narrow=0.5, wide=0.5, speed=0.1, push=0.1, latency=0.0, u_max=math.inf
+    )
+    period = longest("sharp", loop.setting(2 * math.atanh(0.9)))
+    assert period is not None
+    without = (loop.gain * 4 * q(period.reach[0]) / loop.narrow,)
+    assert violations(loop, "sharp", replace(period, u=without), 0.9, 1)
+    assert not violations(loop, "sharp", period, 0.9, 1)
 
 
 @pytest.mark.parametrize("statement", STATEMENTS)
@@ -170,10 +183,12 @@ def test_windows_hold_what_the_emitted_tube_does() -> None:
 
 
 def test_the_robot_with_heading_is_certified_at_a_kilohertz() -> None:
+    """From initial_state at the task's gain; from all of the share at another."""
     analysis = Analysis(controller_of("omni_heading"), PLANTS["robot"])
     assert all(h.holds for h in analysis.hypotheses())
-    assert analysis.period is not None
-    assert analysis.period.seconds > 0.001
+    assert analysis.alone is not None
+    assert analysis.alone.seconds > 0.001
+    assert analysis.gains.roomiest(0.001) is not None
 
 
 def test_a_robot_that_may_turn_past_a_right_angle_fails_assumption_2(tmp_path: Path) -> None:
@@ -221,8 +236,8 @@ def test_a_gain_that_is_too_small_is_told(tmp_path: Path) -> None:
     weak = Analysis(build_with_gain(c.task, "0.0001"))
     assert weak.period is None
     assert not next(h for h in weak.hypotheses() if h.name == "Theorem 4.1").holds
-    assert weak.best_gain is not None
-    assert Analysis(build_with_gain(c.task, str(weak.best_gain[0]))).period is not None
+    assert weak.gains.longest is not None
+    assert Analysis(build_with_gain(c.task, str(weak.gains.longest[0][0]))).period is not None
 
 
 def build_with_gain(task: Any, gain: str) -> Any:
@@ -250,8 +265,9 @@ def test_a_period_says_where_it_is_tight() -> None:
 def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
     text = (ROOT / "tasks" / "omni_board.toml").read_text()
     assert "tick_period = 0.001" in text
-    for period, told in (("0.001", False), ("0.02", True)):
-        (tmp_path / "task.toml").write_text(text.replace("tick_period = 0.001", f"tick_period = {period}"))
+    for gain, period, told in (("0.2", "0.001", False), ("0.5", "0.001", True), ("0.2", "0.02", True)):
+        changed = text.replace("tick_period = 0.001", f"tick_period = {period}").replace("gain = 0.5", f"gain = {gain}")
+        (tmp_path / "task.toml").write_text(changed)
         result = CliRunner().invoke(app, ["generate", str(tmp_path / "task.toml"), "--out", str(tmp_path)])
         assert result.exit_code == 0, result.output
         assert ("proved short enough" in result.output) == told
@@ -276,7 +292,9 @@ def test_a_start_near_an_edge_is_not_called_proved() -> None:
     from stt_codegen.pipeline import build_task
 
     task = controller_of("omni_s2").task.model_copy(update={"initial_state": (Fraction("0.498"),) * 2})
-    assert Analysis(build_task(task)).period is None
+    found = Analysis(build_task(task))
+    assert found.alone is None
+    assert Analysis(build_task(task), start=[0.498, 0.498]).period is None
 
 
 @pytest.mark.parametrize(("noise", "latency"), [(0.6, 1e-5), (10.0, 0.0)])
@@ -284,13 +302,13 @@ def test_noise_wider_than_the_tube_proves_nothing(noise: float, latency: float) 
     s = setting(noise=noise)
     s = replace(s, law=replace(s.law, latency=latency))
     for reach in (0.5, 2.0, 5.0):
-        assert not any(holds(statement, s, reach, latency) for statement in STATEMENTS)
+        assert not any(holds(statement, s, np.full(2, reach), latency) for statement in STATEMENTS)
 
 
 def test_with_latency_a_sample_is_at_most_half_a_window_old() -> None:
     s = setting()
     late = replace(s, law=replace(s.law, latency=1e-6), push=s.push * 1e-3)
-    assert not any(holds("sharp", late, reach, 0.6 * s.windows.shortest) for reach in (0.7, 1.0, 2.0, 4.0))
+    assert not any(holds("sharp", late, np.full(2, reach), 0.6 * s.windows.shortest) for reach in (0.7, 1.0, 2.0, 4.0))
 
 
 @pytest.mark.parametrize("value", ["nan", "inf"])
@@ -307,6 +325,6 @@ def test_every_condition_names_a_lemma_that_is_proved() -> None:
     lemmas = {lemma.name: lemma for _, family in FAMILIES.values() for lemma in family}
     s = Analysis(controller_of("omni_s2")).setting
     for name, statement in STATEMENTS.items():
-        for condition in statement(s, 1.0, 1e-4):
+        for condition in statement.conditions(s, 1.0, 1e-4):
             assert lemmas[condition.lemma].run().verdict is Verdict.PROVED
         assert lemmas[f"sampled.{name}_evaluated"].run().verdict is Verdict.PROVED

@@ -64,19 +64,20 @@ def run(job: Job) -> Outcome:
         controller = _tube_of(task)
     except NotCertified as error:
         return Outcome(job, {}, reason=str(error))
-    best = Analysis(controller, plant).best_gain
+    gains = Analysis(controller, plant).gains
+    best = gains.longest
     if best is None:
         return Outcome(job, {}, reason="no gain is proved at any period")
-    gain, period = best
+    gain, period = best[0].tolist(), best[1]
     controller = with_gain(controller, gain)
     loop = Loop(controller, plant)
-    scenarios = scenarios_of(job, controller, START * period.e)
+    scenarios = scenarios_of(job, controller, START * float(task.initial_set.share))
     runs = {"own": tuple(map(loop.run, scenarios)), **_peers(job, loop, scenarios)}
     left: tuple[bool, ...] = ()
     if job.longer:
         slow = [[replace(s, rate=1 / (period.seconds * times)) for s in scenarios] for times in LONGER]
         left = tuple(any(not loop.run(s).kept for s in several) for several in slow)
-    return Outcome(job, runs, gain, period.seconds, left)
+    return Outcome(job, runs, gain[0], period.seconds, left)
 
 
 def _tube_of(task: Task) -> Controller:

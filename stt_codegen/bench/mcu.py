@@ -13,7 +13,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from stt_codegen.bench.families import FAMILIES, Family, arena_task
 from stt_codegen.bench.report import command, record, table

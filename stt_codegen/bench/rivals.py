@@ -42,15 +42,15 @@ def casadi_text(controller: Controller, single: bool) -> str:
     )
 
 
-def _law(controller: Controller, low: Any, high: Any, x: Any) -> Any:
-    """(13) with the clamp, of one component."""
-    control = controller.task.control
+def _law(controller: Controller, i: int, low: Any, high: Any, x: Any) -> Any:
+    """(13) with the clamp, of component i."""
+    task = controller.task
     width = high - low
-    near = width * float((1 - control.e_max) / 2)
+    near = width * float((1 - task.e_max[i]) / 2)
     a = ca.fmin(ca.fmax(x - low, near), width - near)
     b = ca.fmin(ca.fmax(high - x, near), width - near)
     epsilon, xi = control_law.transformed_error()(a, b)
-    return control_law.law()(float(control.gain), xi, epsilon)
+    return control_law.law()(float(task.gain[i]), xi, epsilon)
 
 
 def _refined(controller: Controller, design: RefinedDesign) -> ca.Function:
@@ -66,7 +66,7 @@ def _refined(controller: Controller, design: RefinedDesign) -> ca.Function:
         for side in (0, 1):
             q = [table[segment * (2 * n) + (2 * n * j + 2 * i + side)] for j in range(4)]
             edges.append(refined_tube.blend()(w, ca.vertcat(*q)))
-        result.append(_law(controller, edges[0], edges[1], x[i]))
+        result.append(_law(controller, i, edges[0], edges[1], x[i]))
     return ca.Function("law", [t, x], [ca.vertcat(*result)])
 
 
@@ -87,15 +87,15 @@ def _adaptive(controller: Controller, design: AdaptiveDesign) -> ca.Function:
             beta.append(float(design.walls[i][side]) + (total if side == LOWER else -total))
         low = adaptive_tube.lower_edge()(rho[0], alpha[i], beta[0], nu)
         high = adaptive_tube.upper_edge()(rho[1], alpha[n + i], beta[1], nu)
-        result.append(_law(controller, low, high, x[i]))
+        result.append(_law(controller, i, low, high, x[i]))
     return ca.Function("law", [t, alpha, x], [ca.vertcat(*result)])
 
 
 def hand_text(controller: Controller) -> str:
-    """C of a refined `control` as one writes it by hand, with every test that the emitted one makes."""
+    """C of a refined `control` as one writes it by hand, with every test that the emitted one makes; one gain for all."""
     design, program = controller.design, controller.program
     assert isinstance(design, RefinedDesign)
-    control, printer = controller.task.control, CPrinter(program)
+    task, printer = controller.task, CPrinter(program)
     return template("bench/hand.c.j2").render(
         prefix=program.prefix,
         macro=program.prefix.upper(),
@@ -103,8 +103,8 @@ def hand_text(controller: Controller) -> str:
         segments=design.segments,
         rate=f"{float(design.segments / design.prescribed_time):.9g}F",
         t_c=f"{float(design.prescribed_time)!r}F",
-        near=f"{float((1 - control.e_max) / 2):.9g}F",
-        gain=f"{float(control.gain):.9g}F",
+        near=f"{float((1 - task.e_max[0]) / 2):.9g}F",
+        gain=f"{float(task.gain[0]):.9g}F",
     )
 
 

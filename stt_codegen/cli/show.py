@@ -12,8 +12,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from stt_codegen.compare.comparison import Row
+from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
-from stt_codegen.report.bounds import BoundsReport, Sampling
+from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
 from stt_codegen.report.design import DesignReport
 
 
@@ -72,28 +73,46 @@ def show_design(report: DesignReport) -> None:
 
 
 def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[str]:
-    """What `Analysis.sampling` says, for people."""
-    own, best, plant = sampling.at_this_gain, sampling.at_best_gain, f"for {escape(sampling.plant)}"
-    if own is None:
-        yield f"[yellow]note[/yellow]: gain {sampling.gain:g} is proved at no sampling period {plant}"
-    else:
-        u = f"|u| below {', '.join(f'{v:.4g}' for v in own.u)}"
-        least = f", but not below {_time(sampling.shortest)} (alpha_step)" if sampling.shortest else " or faster"
-        most = f"sample every {_time(own.period)}{least}"
+    """What `Analysis.sampling` says, for people: first for all the starts, then for initial_state alone."""
+    own, plant = sampling.at_this_gain, f"for {escape(sampling.plant)}"
+    starts, longest, wanted = sampling.starts, sampling.longest, _time(sampling.wanted)
+    least = f", but not below {_time(sampling.shortest)} (alpha_step)" if sampling.shortest else " or faster"
+
+    def every(proved: ProvedPeriod) -> str:
+        most = f"sample every {_time(proved.period)}{least}"
         if sampling.latency:
-            most = f"let no u act that is from a sample older than {_time(own.period)} (latency in it){least}"
-        yield f"{most}, proved {plant}: |e| stays below {own.e:.4g}, {u}"
-    if best is not None and (own is None or best.period > 1.1 * own.period):
-        yield f"gain {sampling.best_gain:g} would allow {_time(best.period)}, with |e| up to {best.e:.4g}"
-    if sampling.gains is None:
-        yield f"[yellow]note[/yellow]: no gain is proved for a period of {_time(sampling.wanted)}"
+            most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){least}"
+        return f"{most}: |e| stays below {_few(proved.e)}, |u| below {_few(proved.u)}"
+
+    yield f"sampling, proved {plant} from every start with {starts}:"
+    if own is None:
+        yield f"  [yellow]note[/yellow]: gain {by_component(sampling.gain)} is proved at no sampling period from there"
     else:
-        least_gain, largest_gain = sampling.gains
-        yield f"least and largest gain proved for a period of {_time(sampling.wanted)}: {least_gain:g} and {largest_gain:g}"
+        yield f"  {every(own)}"
+    if longest is not None and (own is None or longest.proved.period > 1.1 * own.period):
+        told = f"gain {by_component(longest.gain)}"
+        yield f"  {told} would allow {_time(longest.proved.period)}, |u| below {_few(longest.proved.u)}"
+    limited, best = sampling.limited, 0.0 if longest is None else longest.proved.period
+    if limited is not None and limited.u_max is not None and limited.proved.period > 1.2 * best:
+        told = f"control.u_max {by_component(limited.u_max)} and gain {by_component(limited.gain)}"
+        yield f"  {told} would allow {_time(limited.proved.period)}"
+    if sampling.gains is None:
+        yield f"  [yellow]note[/yellow]: no gain is proved for a period of {wanted}"
+    else:
+        low, high = (by_component(v) for v in sampling.gains)
+        yield f"  least and largest gain proved for a period of {wanted}: {low} and {high} (to 2 %)"
+    if sampling.roomiest is not None:
+        yield f"  gain {by_component(sampling.roomiest.gain)} leaves the most room at {wanted}"
+    if sampling.alone is not None:
+        yield f"from initial_state alone: {every(sampling.alone)}"
     for line in sampling.assumes:
         yield f"assumed: {escape(line)}"
     if tick_period is not None and (own is None or tick_period > own.period):
         yield f"[yellow]note[/yellow]: emit.tick_period {_time(tick_period)} is longer than what is proved at this gain"
+
+
+def _few(values: Sequence[float]) -> str:
+    return ", ".join(f"{v:.4g}" for v in values)
 
 
 def _time(seconds: float) -> str:
@@ -112,6 +131,7 @@ def show_bounds(report: BoundsReport) -> None:
     for h in report.hypotheses:
         table.add_row(h.name, h.statement, "[green]yes[/green]" if h.holds else "[red]NO[/red]")
     console.print(table)
+    console.print(f"  for all starts with {report.sampling.starts}:")
     tube, plant, free = report.tube, report.plant_over_the_tube, report.continuous
     rows = {
         "tube, lowest": tube.lower,
@@ -138,7 +158,7 @@ def show_bounds(report: BoundsReport) -> None:
             console.print(f"  sampled, {name}: proves no period")
             continue
         where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
-        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {p.e:.4g}; {where}")
+        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}")
     for line in _sampling_lines(report.sampling, None):
         console.print(f"  {line}")
 
@@ -153,7 +173,7 @@ def show_run(report: RunReport) -> None:
     task, run, s = report.controller.task, report.run, report.scenario
     verdict = "[green]fulfilled[/green]" if report.fulfilled else "[red]MISSED[/red]"
     under = [f"|w| <= {s.strength:g} ({s.disturbance})" if s.strength else "no disturbance"]
-    under += [f"{s.rate:g} Hz", f"gain {float(task.control.gain):g}"]
+    under += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
     if s.noise:
         under.append(f"x measured to {s.noise:g}")
     if s.latency:

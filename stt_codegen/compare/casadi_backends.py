@@ -31,21 +31,21 @@ class _CasadiLaw(Backend):
         return tuple(getattr(self, f"_{function}")(*inputs))
 
     def _transform(self, lower: Array, upper: Array, x: Array) -> tuple[Array, ...]:
-        e_max = self.task.control.e_max
-        share = float((1 - e_max) / 2)
+        e_max = np.array([float(v) for v in self.task.e_max])
+        share, rest = (np.array([float((1 + sign * v) / 2) for v in self.task.e_max]) for sign in (-1, 1))
         width = upper - lower
-        a = np.clip(x - lower, share * width, float((1 + e_max) / 2) * width)
-        b = np.clip(upper - x, share * width, float((1 + e_max) / 2) * width)
-        e = np.clip(_over(self.normalized, a, b, width)[0], -float(e_max), float(e_max))
+        a = np.clip(x - lower, share * width, rest * width)
+        b = np.clip(upper - x, share * width, rest * width)
+        e = np.clip(_over(self.normalized, a, b, width)[0], -e_max, e_max)
         return e, *_over(self.transformed, a, b)
 
     def _control(self, *inputs: Array) -> tuple[Array, ...]:
         *at, x = inputs
         lower, upper = self.call("tube", *at)
         _, epsilon, xi = self.call("transform", lower, upper, x)
-        (u,) = _over(self.law, float(self.task.control.gain), xi, epsilon)
-        if self.task.control.u_max is not None:
-            bound = np.array([float(v) for v in self.task.control.u_max])
+        (u,) = _over(self.law, np.array([float(v) for v in self.task.gain]) + 0 * xi, xi, epsilon)
+        if self.task.u_max is not None:
+            bound = np.array([float(v) for v in self.task.u_max])
             u = np.clip(u, -bound, bound)
         inside = np.all((lower < x) & (x < upper), axis=1)
         return np.where(inside, 0, 1), u

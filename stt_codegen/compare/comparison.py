@@ -129,7 +129,7 @@ class _Rows:
     def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
         """Compare e, epsilon and xi of (13), for the same boxes and states in every backend."""
         own = logarithm_error(controller)
-        e, epsilon, xi = reference.transform(lower, upper, x, controller.task.control.e_max)
+        e, epsilon, xi = reference.transform(lower, upper, x, controller.task.e_max)
         got_e, got_epsilon, got_xi = backend.transform(lower, upper, x)
         self.add("e", got_e, e, 8 * self.eps, 1.0)
         size = np.maximum(1.0, np.abs(epsilon))
@@ -181,12 +181,13 @@ def _law_rows(
     rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
 ) -> None:
     """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
-    control, eps = controller.task.control, rows.eps
+    task, eps = controller.task, rows.eps
     low, high, delta = tube
-    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
-    _, epsilon, xi = reference.transform(low, high, x, control.e_max)
-    gain = abs(float(control.gain))
-    spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), float(control.e_max))
+    status, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    _, epsilon, xi = reference.transform(low, high, x, task.e_max)
+    gain = np.array([abs(float(v)) for v in task.gain])
+    clamp = np.array([float(v) for v in task.e_max])
+    spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), clamp)
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
     rows.add("u" + label, got[1], u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
     rows.status(got[0], status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x), label)
@@ -218,8 +219,7 @@ def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int)
     low, high = gamma[:, :, 0], gamma[:, :, 1]
     x = with_trajectory(task, t, low, high, random_states(task, low, high, scalar))
     rate, jacobian = reference.alpha_rate(p, now.psi, now.theta, both)
-    control = task.control
-    status, u = reference.control(low, high, x, control.gain, control.e_max, control.u_max)
+    status, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
 
     probed = Runner(probe_program(task, design)).run("probe", {"t": t})
     run = Runner(controller.program, settled=("low_z", "high_z")).run

@@ -19,7 +19,7 @@ def logarithm_error(controller: Controller) -> float:
     return float(relative_error(controller.program.scalar)) if inline else 0.0
 
 
-def law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: float) -> Array:
+def law_spread(low: Array, high: Array, x: Array, delta: Array, e_max: Array) -> Array:
     """How far (1/a + 1/b) ln(a/b) can move when each edge moves by delta (comparison.py says why the corners decide)."""
     share = (1 - e_max) / 2
 

@@ -41,7 +41,7 @@ def random_states(task: Task, low: Array, high: Array, scalar: str) -> Array:
     e = random.uniform(-1, 1, shape)
     kind = random.integers(0, 10, shape)
     tail = np.sign(e) * (1 - 10.0 ** -random.uniform(0, 7, shape))
-    at_clamp = np.sign(e) * float(task.control.e_max)
+    at_clamp = np.sign(e) * np.array([float(v) for v in task.e_max])
     e = np.select([kind == 0, kind == 1, kind == 2, kind == 3], [np.sign(e), at_clamp, tail, 1.5 * e], e)
     x: Array = np.asarray((high + low + (high - low) * e) / 2, dtype=number)
     far: Array = (random.choice([-1.0, 1.0], shape) * 10.0 ** random.uniform(0, 30, shape)).astype(number)
@@ -53,8 +53,8 @@ def with_trajectory(task: Task, t: Array, low: Array, high: Array, x: Array) -> 
     initial state, u held between these points, at most a quarter of the width a step."""
     order = np.argsort(t, kind="stable")
     inside = order[(t[order] >= 0) & (t[order] <= float(task.prescribed_time))][::4]
-    share = float((1 - task.control.e_max) / 2)
-    gain = abs(float(task.control.gain))
+    share = np.array([float((1 - v) / 2) for v in task.e_max])
+    gain = np.array([abs(float(v)) for v in task.gain])
     state, before, result = np.array([float(v) for v in task.initial_state]), 0.0, x.copy()
     for k in inside:
         width = np.maximum((high[k] - low[k]).astype(float), float(LEAST_WIDTH))

@@ -27,12 +27,13 @@ from stt_codegen.controller.law import (
     control_component,
     control_law_of,
     inside_of,
+    inward_doc,
+    law_doc,
     margin_component,
     not_finite,
     place_of,
     transform_function,
 )
-from stt_codegen.decimals import decimal
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.paper import adaptive_tube
 from stt_codegen.program import (
@@ -66,7 +67,7 @@ def adaptive_program(task: Task, design: AdaptiveDesign) -> Program:
         prefix=task.name,
         dimension=n,
         scalar=task.emit.scalar,
-        tables=tuple(tables_of(frame)),
+        tables=(*tables_of(frame), *frame.law.tables),
         kernels=(*frame.kernels.emitted(frame.slots), *frame.law.kernels),
         functions=(
             _alpha_init(n),
@@ -215,18 +216,16 @@ def _control(task: Task, frame: Frame) -> Function:
         outside = loop.carry("outside", FALSE)
         low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
         x = block.let("x_i", Load("x", i))
-        u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
-        place = place_of(block, law, (low, high), x, law.gain)
+        u_max = law.limit(block, i)
+        place = place_of(block, law.share(block, i), (low, high), x, law.signed_gain(block, i))
         loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
         block.store("u", i, control_component(block, law, place, u_max))
     block.leave(Select(outside, OUTSIDE, OK))
-    gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
-    where = "" if task.control.gain > 0 else " through a negative g"
     doc = (
-        f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
-        + (", u saturated." if law.u_max is not None else "."),
+        law_doc(task, law),
         "t: seconds since the start (held within [0, t_c]); alpha: the update function at t; x: state; u: input.",
-        "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward" + where,
+        "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
+        + inward_doc(task),
         "(0 where the tube is empty). BAD_INPUT: t, alpha or x has a NaN or an infinity; u is 0. u may be the array x itself.",
     )
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n), Param("u", n, True))

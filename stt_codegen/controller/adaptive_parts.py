@@ -144,8 +144,6 @@ def tables_of(frame: Frame) -> list[Table]:
             "filled up with height 0.",
         )
         tables.append(Table("bumps", tuple(v for row in rows for v in row), 4, doc))
-    if frame.law.u_max is not None:
-        tables.append(Table("u_max", frame.law.u_max, frame.n, ("Saturation of u, by component.",)))
     return tables
 
 

@@ -13,10 +13,11 @@ from fractions import Fraction
 from functools import cache
 
 from stt_codegen.controller.logarithm import without_library
+from stt_codegen.decimals import by_component
 from stt_codegen.designs import LEAST_WIDTH
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
-from stt_codegen.program import NAN, Block, Function, IsFinite, Kernel, Load, Operand, Param, Var, real
+from stt_codegen.program import NAN, Block, Const, Function, IsFinite, Kernel, Load, Operand, Param, Table, Var, real
 from stt_codegen.program.lower import lower
 from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.task import Task
@@ -24,45 +25,89 @@ from stt_codegen.task import Task
 
 @dataclass(frozen=True)
 class Law:
-    """The kernels of section IV and the constants of the control law for one task."""
+    """The kernels of section IV and the constants of the control law for one task, by component."""
 
     normalized_error: Kernel
     transformed_error: Kernel
     law: Kernel
-    gain: Fraction
-    e_max: Fraction
+    gain: tuple[Fraction, ...]
+    e_max: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...] | None
 
     @property
     def kernels(self) -> tuple[Kernel, ...]:
         return (self.normalized_error, self.transformed_error, self.law)
 
+    @property
+    def shares(self) -> tuple[Fraction, ...]:
+        """c = (1 - e_max)/2, the least distance to an edge, over the width, that the law goes by."""
+        return tuple((1 - v) / 2 for v in self.e_max)
+
+    @property
+    def tables(self) -> list[Table]:
+        """What differs by component; a constant that all share stands where it is used."""
+        known = (
+            ("gain", self.gain, "Gain k of the control law, by component."),
+            ("e_max", self.e_max, "Clamp of the normalized error, by component."),
+            ("least_share", self.shares, "(1 - e_max)/2, by component."),
+        )
+        found = [Table(name, values, len(values), (doc,)) for name, values, doc in known if len(set(values)) > 1]
+        if self.u_max is not None:
+            found.append(Table("u_max", self.u_max, len(self.u_max), ("Saturation of u, by component.",)))
+        return found
+
+    def signed_gain(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
+        """k and -k of component i."""
+        return _signed(block, "gain", self.gain, i)
+
+    def signed_clamp(self, block: Block, i: Operand) -> tuple[Operand, Operand]:
+        """e_max and -e_max of component i."""
+        return _signed(block, "e_max", self.e_max, i)
+
+    def share(self, block: Block, i: Operand) -> Operand:
+        """c of component i."""
+        return _of_component(block, "least_share", self.shares, i)
+
+    def limit(self, block: Block, i: Operand) -> Operand | None:
+        """u_max of component i; None where u is not limited."""
+        return None if self.u_max is None else block.let("u_limit", Load("u_max", i))
+
+
+def _of_component(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> Operand:
+    """One of the values: the constant where all agree, else from the table of that name."""
+    return real(values[0]) if len(set(values)) == 1 else block.let(f"{name}_i", Load(name, i))
+
+
+def _signed(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> tuple[Operand, Operand]:
+    value = _of_component(block, name, values, i)
+    return value, real(-values[0]) if isinstance(value, Const) else block.op(f"{name}_minus", "neg", value)
+
 
 def control_law_of(task: Task) -> Law:
     """The law with the task's constants. Raises `BadInput` when u or a constant would leave the scalar's range."""
-    e_max, gain, scalar = task.control.e_max, task.control.gain, task.emit.scalar
-    near = (1 - e_max) / 2
-    largest = FORMATS[scalar].largest
-    steepest = abs(gain) * 2 / (near * LEAST_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
-    if steepest > largest / 4:
-        raise BadInput(
-            f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
-            "lower control.gain or control.e_max"
-        )
-    coarse = (1 - e_max) / FORMATS[scalar].roundoff < 8 or e_max / FORMATS[scalar].roundoff < 1 << 12
-    if coarse:
-        side = "1" if e_max > Fraction(1, 2) else "0"
-        raise BadInput(
-            f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
-        )
+    scalar = task.emit.scalar
+    largest, roundoff = FORMATS[scalar].largest, FORMATS[scalar].roundoff
+    for gain, e_max in zip(task.gain, task.e_max, strict=True):
+        steepest = abs(gain) * 2 / ((1 - e_max) / 2 * LEAST_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
+        if steepest > largest / 4:
+            raise BadInput(
+                f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
+                "lower control.gain or control.e_max"
+            )
+        coarse = (1 - e_max) / roundoff < 8 or e_max / roundoff < 1 << 12
+        if coarse:
+            side = "1" if e_max > Fraction(1, 2) else "0"
+            raise BadInput(
+                f'control.e_max: {float(e_max):.12g} is too near {side} for a {scalar}; use emit.scalar = "double" or another'
+            )
     normalized, transformed, law = _kernels_of_the_law()
     return Law(
         normalized,
         without_library(transformed) if task.emit.math == "inline" else transformed,
         law,
-        gain=gain,
-        e_max=e_max,
-        u_max=None if task.control.u_max is None else tuple(round_down(v, scalar) for v in task.control.u_max),
+        gain=task.gain,
+        e_max=task.e_max,
+        u_max=None if task.u_max is None else tuple(round_down(v, scalar) for v in task.u_max),
     )
 
 
@@ -112,17 +157,25 @@ def _width(block: Block, room: Var) -> Var:
     return block.select("width", wide, room, real(LEAST_WIDTH))
 
 
-def place_of(block: Block, law: Law, edges: tuple[Operand, Operand], x: Operand, gain: Fraction, guarded: bool = True) -> Place:
-    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, roundings apart. A NaN
-    counts as outside. guarded=False: the caller has proved that the edges are more than LEAST_WIDTH apart."""
+def place_of(
+    block: Block,
+    share: Operand,
+    edges: tuple[Operand, Operand],
+    x: Operand,
+    signed_gain: tuple[Operand, Operand],
+    guarded: bool = True,
+) -> Place:
+    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, c = `share`, roundings
+    apart. A NaN counts as outside. signed_gain: k and -k. guarded=False: the caller has proved that the edges are more than
+    LEAST_WIDTH apart."""
     lower_edge, upper_edge = edges
     room = block.op("room", "sub", upper_edge, lower_edge)
     filled = block.op("filled", "lt", real(0), room) if guarded else None
     empty = block.op("empty", "not", filled) if filled is not None else None
     width = _width(block, room) if guarded else room
     nearest, upper_nearer = _nearest(block, lower_edge, upper_edge, x)
-    signed = block.select("gain", upper_nearer, real(-gain), real(gain))
-    least = block.op("least", "mul", width, real((1 - law.e_max) / 2))
+    signed = block.select("gain", upper_nearer, signed_gain[1], signed_gain[0])
+    least = block.op("least", "mul", width, share)
     if filled is None:
         near = block.select("near", block.op("clear", "lt", least, nearest), nearest, least)
     else:  # a narrower tube counts as widened about its middle; in an empty one, or one that is no tube, near is `least`
@@ -202,11 +255,12 @@ def transform_function(law: Law, n: int) -> Function:
         lower_edge = block.let("lower_edge", Load("lower", i))
         upper_edge = block.let("upper_edge", Load("upper", i))
         x = block.let("x_i", Load("x", i))
-        d = place_of(block, law, (lower_edge, upper_edge), x, Fraction(1))
+        d = place_of(block, law.share(block, i), (lower_edge, upper_edge), x, (real(1), real(-1)))
         a = block.select("a", d.upper_nearer, d.far, d.near)
         b = block.select("b", d.upper_nearer, d.near, d.far)
         (raw,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))
-        e = _clamp(block, "e_held", raw, real(-law.e_max), real(law.e_max))
+        most, least = law.signed_clamp(block, i)
+        e = _clamp(block, "e_held", raw, least, most)
         size, xi = block.call(law.transformed_error, d.near, d.far, names=("epsilon_near", "xi_i"))
         epsilon = block.op("epsilon_i", "mul", d.gain, size)
         finite_x = block.let("finite_x", IsFinite(x))
@@ -231,3 +285,15 @@ def transform_function(law: Law, n: int) -> Function:
             "NaN where an edge, x or upper - lower is not finite.",
         ),
     )
+
+
+def law_doc(task: Task, law: Law) -> str:
+    """The first line of what is said of `control`."""
+    gain, clamp = by_component(task.gain), by_component(task.e_max)
+    limited = "." if law.u_max is None else ", u saturated."
+    return f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{clamp}, {clamp}] by component{limited}"
+
+
+def inward_doc(task: Task) -> str:
+    """Where u points with a negative gain."""
+    return "" if task.gain[0] > 0 else " through a negative g"

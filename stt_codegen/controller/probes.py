@@ -13,7 +13,7 @@ from stt_codegen.task import Task
 def probe_program(task: Task, design: AdaptiveDesign) -> Program:
     """A program that returns what no emitted function does: sigma, rho, beta, psi, theta. For `compare`, never committed."""
     frame = Frame(design, kernels_of_the_paper(), control_law_of(task), task.emit.scalar)
-    tables = [t for t in tables_of(frame) if t.name != "u_max"]
+    tables = tables_of(frame)
     names = {"hold", "profile", "reach_edge", "theta"} | ({"circumvent"} if any(frame.slots) else set())
     names |= {"join"} if max(frame.slots) > 1 else set()
     kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
@@ -25,7 +25,7 @@ def lines_program(task: Task, design: AdaptiveDesign) -> Program:
     frame = Frame(design, kernels_of_the_paper(), control_law_of(task), task.emit.scalar)
     names = {"hold", "profile", "reach_edge", "theta", "lower_edge", "upper_edge", "circumvent", "circumvent_rate", "join"}
     kernels = tuple(k for name, k in vars(frame.kernels).items() if name in names)
-    tables = tuple(t for t in tables_of(frame) if t.name != "u_max")
+    tables = tuple(tables_of(frame))
     return Program(task.name, frame.n, task.emit.scalar, tables, kernels, (_lines(frame),))
 
 

@@ -13,6 +13,8 @@ from stt_codegen.controller.law import (
     control_component,
     control_law_of,
     inside_of,
+    inward_doc,
+    law_doc,
     margin_component,
     not_finite,
     place_of,
@@ -68,11 +70,9 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     n = design.dimension
     spline = SplineKernels(_segment(design, task.emit.scalar), *_kernels_of_the_tube())
     law = control_law_of(task)
-    tables = [_coefficients(design)]
+    tables = [_coefficients(design), *law.tables]
     period = task.emit.tick_period
     clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
-    if law.u_max is not None:
-        tables.append(Table("u_max", law.u_max, n, ("Saturation of u, by component.",)))
     guarded = Program(
         prefix=task.name,
         dimension=n,
@@ -268,13 +268,10 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
         upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
         x = block.let("x_i", Load("x", i))
-        place = place_of(block, law, (lower_edge, upper_edge), x, law.gain, guarded)
+        place = place_of(block, law.share(block, i), (lower_edge, upper_edge), x, law.signed_gain(block, i), guarded)
         loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
-        u_max = block.let("u_limit", Load("u_max", i)) if law.u_max is not None else None
-        block.store("u", i, control_component(block, law, place, u_max))
+        block.store("u", i, control_component(block, law, place, law.limit(block, i)))
     block.leave(Select(outside, OUTSIDE, OK))
-    gain, e_max = decimal(task.control.gain), decimal(task.control.e_max)
-    where = "" if task.control.gain > 0 else " through a negative g"
     times = "x" if when.type is TICK else "t or x"
     return Function(
         "control_tick" if when.type is TICK else "control",
@@ -282,10 +279,10 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         tuple(block.statements),
         True,
         (
-            f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{e_max}, {e_max}] by component"
-            + (", u saturated." if law.u_max is not None else "."),
+            law_doc(task, law),
             _time_doc(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]); x: state; u: input.",
-            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward" + where,
+            "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
+            + inward_doc(task),
             f"(0 where the tube is empty). BAD_INPUT: {times} has a NaN or an infinity; u is 0. u may be the array x itself.",
         ),
     )

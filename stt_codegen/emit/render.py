@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import json
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -99,9 +100,9 @@ def certificate_document(
             "covers_initial_set": certificate.whole_start,
         },
         "control": {
-            "gain": decimal(task.control.gain),
-            "e_max": decimal(task.control.e_max),
-            "u_max": None if task.control.u_max is None else [decimal(v) for v in task.control.u_max],
+            "gain": _one_or_each(task.gain),
+            "e_max": _one_or_each(task.e_max),
+            "u_max": None if task.u_max is None else [decimal(v) for v in task.u_max],
         },
         "least_width": below(certificate.least_width, DIGITS[certificate.method]),
         "speed_bound": [above(v, DIGITS[certificate.method]) for v in certificate.speed],
@@ -110,6 +111,11 @@ def certificate_document(
         "properties": [_finding(f, certificate.method) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
+
+
+def _one_or_each(values: Sequence[Fraction]) -> str | list[str]:
+    shown = [decimal(v) for v in values]
+    return shown[0] if len(set(shown)) == 1 else shown
 
 
 def _edge(value: Fraction, width: Fraction, certificate: Certificate, inward: int) -> str:
@@ -156,7 +162,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             lines.append("step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.")
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
-        if task.control.u_max is not None:
+        if task.u_max is not None:
             lines.append("u is saturated: the proof that the state stays in the tube assumes that it is not.")
         return lines
     return [

@@ -116,8 +116,9 @@ def setting(n: int, coupled: bool = False) -> Setting:
     zero = Formula(sp.Integer(0), 0.0)
     cross = [[_f(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
     eta = [_f(f"eta{i}") for i in numbers]
-    law: Any = Law(0.0, 0.999, np.array(eta, dtype=object), _row(*(f"m{i}" for i in numbers))[0], 0.0, 0.0)
-    law = replace(law, gain=_f("k"), rounding=_f("r"), latency=_f("l"))
+    gain, limits = np.array([_f("k")] * n, dtype=object), _row(*(f"m{i}" for i in numbers))[0]
+    law: Any = Law(gain, np.full(n, 0.999), np.array(eta, dtype=object), limits, 0.0, 0.0)
+    law = replace(law, rounding=_f("r"), latency=_f("l"))
     nothing = np.zeros((1, n))
     widths, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "D"))
     windows = Windows(np.array([0.0, 1.0]), widths, _row(*(f"w{i}" for i in numbers)), nothing, rates, nothing, nothing, nothing)
@@ -152,7 +153,7 @@ def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
 
 def _sharp() -> Outcome:
     """Both components of a coupled loop: U, P', c, then every condition in its order."""
-    conditions = STATEMENTS["sharp"](setting(2, coupled=True), _f("E"), _f("tau"))
+    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), _f("E"), _f("tau"))
     r, k, tau, late = V["r"], V["k"], V["tau"], V["l"]
     inputs = []
     for name in ("1", "2"):
@@ -178,16 +179,18 @@ def _sharp() -> Outcome:
     return identity(wanted, METHOD, POINT)
 
 
-def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any) -> tuple[Any, Any]:
-    """U, and how far a held u is from the one of now: R tau, what eta adds at the steepest place that is seen, and rounding."""
-    u = 4 * V["k"] * _q(seen) / d * (1 + 2 * V["r"])
+def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any, root: Any = 1) -> tuple[Any, Any]:
+    """U, and how far a held u is from the one of now: R tau, what eta adds at the steepest place that is seen, and rounding, one
+    part of eps in each of root^2 components."""
+    rounded = V["r"] * root * 4 * V["k"] * sp.cosh(seen / 2) ** 2 / d
+    u = (4 * V["k"] * _q(seen) / d + rounded) * (1 + 2 * V["r"])
     moving = 16 * V["k"] * _q_rate(reach) * sp.cosh(reach / 2) ** 2 / d**2 * (push + g * u) + 4 * V["k"] * _q(reach) * rate / d**2
     steep = 16 * V["k"] * _q_rate(seen) * sp.cosh(seen / 2) ** 2 / d**2
-    return u, moving * V["tau"] + steep * eta + V["r"] * (u + 4 * V["k"] * sp.cosh(seen / 2) ** 2 / d)
+    return u, moving * V["tau"] + steep * eta + V["r"] * u + rounded
 
 
 def _diagonal() -> Outcome:
-    conditions = STATEMENTS["diagonal"](setting(1), _f("E"), _f("tau"))
+    conditions = STATEMENTS["diagonal"].conditions(setting(1), _f("E"), _f("tau"))
     far, near = _distances(V["d1"], -V["eta1"])
     _, stale = _staleness(V["E"], sp.log(far / near), V["P1"], V["G1"], V["D1"], V["d1"], V["eta1"])
     main = 4 * V["k"] * _q(V["E"]) / V["w1"] - stale - V["P1"] / V["g1"]
@@ -200,11 +203,11 @@ def _diagonal() -> Outcome:
 
 def _general() -> Outcome:
     """Two components of widths d1 < d2 and w1 < w2: the least and largest count. sqrt 2 is that of the code, rounded up."""
-    conditions = STATEMENTS["general"](setting(2), _f("E"), _f("tau"))
+    conditions = STATEMENTS["general"].conditions(setting(2), _f("E"), _f("tau"))
     root = sp.Rational(Fraction(float(np.sqrt(2.0) * (1 + 1e-12))))
     far, near = _distances(V["d1"], -V["eta2"])
     seen = V["E"] + root * (sp.log(far / near) - V["E"])
-    _, stale = _staleness(V["E"], seen, V["F"], V["N"], V["D1"], V["d1"], V["eta2"] * root)
+    _, stale = _staleness(V["E"], seen, V["F"], V["N"], V["D1"], V["d1"], V["eta2"] * root, root)
     least = V["E"] * sp.cosh(V["E"] / (2 * root)) ** 2
     main = V["k"] * V["lambda"] * 4 / V["w2"] * least - V["F"] - V["N"] * stale
     return identity(

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
 from stt_codegen.pipeline import Controller, build_program, render_files
@@ -71,7 +73,7 @@ class RunReport:
             "task": self.controller.task.name,
             "design": self.controller.design.kind,
             "plant": self.plant,
-            "gain": float(self.controller.task.control.gain),
+            "gain": [float(v) for v in self.controller.task.gain],
             "rate": s.rate,
             "disturbance": s.disturbance,
             "w_max": s.strength,
@@ -94,7 +96,8 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     scenario = request.scenario(task, plant)
     windy = with_wind(plant, scenario.strength)
     if request.gain is not None:
-        controller = with_gain(controller, _gain(request.gain, Analysis(controller, windy, scenario.noise, scenario.latency)))
+        analysis = Analysis(controller, windy, scenario.noise, scenario.latency)
+        controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
     run = Loop(controller, plant).run(scenario, trace=out is not None)
     written = () if out is None else tuple(write_run(controller, run, out))
     return RunReport(controller, plant.name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
@@ -112,29 +115,31 @@ def with_wind(plant: Model, strength: float) -> Plant:
     return Plant(plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength))
 
 
-def with_gain(controller: Controller, gain: float) -> Controller:
-    """The controller made again with another gain, a short decimal: of the same tube, which no gain changes."""
-    control = controller.task.control.model_copy(update={"gain": Fraction(f"{gain:.6g}")})
-    task = controller.task.model_copy(update={"control": control})
+def with_gain(controller: Controller, gain: Sequence[float]) -> Controller:
+    """The controller made again with other gains by component, short decimals: of the same tube, which no gain changes."""
+    task = controller.task.with_gain([Fraction(f"{k:.6g}") for k in gain])
     program = build_program(task, controller.design)
     files = render_files(task, controller.design, program, controller.certificate)
     return Controller(task, controller.design, program, controller.certificate, files)
 
 
-def _gain(text: str, analysis: Analysis) -> float:
-    controller = analysis.controller
+def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
+    """What --gain says: a number for every component, or "best", which leaves the most room when samples get `age` seconds old;
+    where none is proved for that, the gain of the longest period."""
+    task = analysis.controller.task
     if text == "best":
-        best = analysis.best_gain if controller.certificate.holds else None
+        gains = analysis.gains
+        best = gains.roomiest(age) or gains.longest if analysis.controller.certificate.holds else None
         if best is None:
             raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
-        return math.copysign(best[0], float(controller.task.control.gain))
+        return tuple((math.copysign(1, task.gain[0]) * best[0]).tolist())
     try:
         value = float(text)
     except ValueError:
         value = 0.0
     if value == 0 or not math.isfinite(value):
         raise BadInput(f'--gain {text}: a number that is not 0 is needed, or "best"')
-    return value
+    return (value,) * task.dimension
 
 
 def _numbers(text: str | None) -> tuple[float, ...] | None:
@@ -150,20 +155,21 @@ def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[s
     """What `prove TASK` says of this loop before it is run."""
     if not controller.certificate.holds:
         return ["the tube is not certified: nothing is proved"]
-    analysis = Analysis(controller, plant, scenario.noise, scenario.latency, scenario.start)
+    start = scenario.start or [float(v) for v in controller.task.initial_state]
+    analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     failed = [h.statement for h in analysis.hypotheses() if not h.holds]
     lines = [f"does not hold: {statement}" for statement in failed]
     age, period = scenario.age, analysis.period
     if period is None:
-        return [*lines, f"no sampling period is proved for gain {float(controller.task.control.gain):g} and this plant"]
-    e = f"|e| stays below {above_float(period.e):g}"
+        return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]
+    e = f"|e| stays below {', '.join(f'{above_float(v):g}' for v in period.e)}"
     most, here = f"{1e3 * below_float(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:
         least = f"{1e3 * above_float(analysis.shortest):.4g} ms"
         return [*lines, f"not proved: alpha may not be stepped more often than every {least}"]
     if age <= period.seconds:
-        return [*lines, f"proved: {e}, with samples up to {most} old (here {here})"]
-    return [*lines, f"not proved: samples get {here} old here, up to {most} are proved"]
+        return [*lines, f"proved from this start: {e}, with samples up to {most} old (here {here})"]
+    return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
 
 
 def write_run(controller: Controller, run: Run, folder: Path) -> list[str]:

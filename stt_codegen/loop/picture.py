@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from stt_codegen.decimals import by_component
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
@@ -43,7 +44,7 @@ def draw_run(controller: Controller, run: Run, path: Path) -> None:
     axes["u"].set(xlabel="t [s]", ylabel="$u$", xlim=axes["x1"].get_xlim())
     axes["u"].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)  # beside the curves, never over them
     told = "task fulfilled" if run.good else _reason(run)
-    figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {float(task.control.gain):g}, {told}")
+    figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {by_component(task.gain)}, {told}")
     save(figure, path)
 
 

@@ -15,11 +15,13 @@ import numpy.typing as npt
 from flint import arb
 
 from stt_codegen.certify.enclosure import Enclosed, enclosed_windows
+from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.report.bounds import (
+    Advice,
     BoundsReport,
     ContinuousBounds,
     Hypothesis,
@@ -32,39 +34,44 @@ from stt_codegen.report.bounds import (
     below_float,
     rounded,
 )
-from stt_codegen.sampling import Gains, Period, law_of, setting_of
-from stt_codegen.sampling.gains import longest_from
+from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, setting_of
+from stt_codegen.sampling.gains import longest_from, needed_input, rounded_gain
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
 from stt_codegen.sampling.statements import STATEMENTS, q
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
-USUAL_PERIOD = 0.001  # seconds; for which the safe gains are told when the task names no tick_period
+USUAL_PERIOD = 0.001  # seconds; for which gains are told when the task names neither period nor tick_period
+SPARE = 1.1  # of what is needed, where a limit on u is proposed
 
 
 class Analysis:
     """A controller with a plant (None: the bounds in the task's [plant]); `noise` bounds the error of a measured
-    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too), `start` is
-    x(0), the task's own where it is None."""
+    state, `latency` the seconds from a sample to the input that it makes (in the age of a sample it counts too); None: what the
+    task says. `start`: speak of this x(0) alone, in place of all starts in the task's share of gamma(0)."""
 
     def __init__(
         self,
         controller: Controller,
         plant: Model | None = None,
-        noise: float = 0.0,
-        latency: float = 0.0,
+        noise: float | None = None,
+        latency: float | None = None,
         start: Sequence[float] | None = None,
     ) -> None:
+        task = controller.task
+        noise = float(task.plant.noise or 0) if noise is None else noise
+        latency = float(task.control.latency) if latency is None else latency
         for name, value in (("--noise", noise), ("--latency", latency)):
             if not (math.isfinite(value) and value >= 0):
                 raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
-        task = controller.task
         self.windows = self._windows()
         law = law_of(task, controller.certificate.edge_error, noise, latency)
         self.bounds = list(self._bounds())
-        self.setting = setting_of(self.windows, self.bounds, law, start or [float(v) for v in task.initial_state])
+        share = eps_of_share(task.initial_set.share, task.dimension)
+        self.setting = setting_of(self.windows, self.bounds, law, share if start is None else eps_of_state(self.windows, start))
+        self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
 
     def _windows(self) -> Windows:
         design = self.controller.design
@@ -84,7 +91,7 @@ class Analysis:
         if self.plant is None:
             yield from [bounds_of_task(task)] * len(w.narrow)
             return
-        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.control.gain > 0 else -1)
+        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.gain[0] > 0 else -1)
         for k in range(len(w.narrow)):
             before = max(k - 1, 0)
             low, high = np.minimum(w.low[k], w.low[before]), np.maximum(w.high[k], w.high[before])
@@ -95,7 +102,7 @@ class Analysis:
         if self.plant is not None:
             return self.plant.name
         told = self.controller.task.plant.model_dump(exclude_none=True)
-        return "[plant] of the task" if told else "xdot = u" if self.controller.task.control.gain > 0 else "xdot = -u"
+        return "[plant] of the task" if told else "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
 
     # ------------------------------------------------------------------------------------ sampled control
 
@@ -114,7 +121,8 @@ class Analysis:
         """What the periods rest on and nothing here can show."""
         task, found = self.controller.task, []
         if self.plant is None and task.plant.model_dump(exclude_none=True):
-            found.append("inputs are decoupled (g diagonal); `prove TASK --plant` takes any g")
+            if task.plant.g_cross is None and task.dimension > 1:
+                found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:
                 found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
         if self.shortest:
@@ -128,14 +136,33 @@ class Analysis:
         return max(found, key=lambda p: p.seconds, default=None)
 
     @cached_property
+    def alone(self) -> Period | None:
+        """The longest period from initial_state alone, where that is longer than from all starts of the share."""
+        setting = self.setting.begun_at(eps_of_state(self.windows, [float(v) for v in self.controller.task.initial_state]))
+        found = [p for p in (longest_from(self.shortest, name, setting) for name in STATEMENTS) if p is not None]
+        best = max(found, key=lambda p: p.seconds, default=None)
+        return None if best is None or (self.period is not None and best.seconds <= self.period.seconds) else best
+
+    @cached_property
     def gains(self) -> Gains:
-        """What other gains would allow."""
-        return Gains(self.setting, self.shortest, self.period)
+        """What multiples of the task's gain would allow."""
+        return Gains(self.setting, self.setting.law.gain, self.shortest)
 
     @property
-    def best_gain(self) -> tuple[float, Period] | None:
-        """The |k| of the longest period, in two digits, and what is proved for it."""
-        return self.gains.best
+    def wanted(self) -> float:
+        """The period, latency not in it, for which gains are told."""
+        task = self.controller.task
+        return float(task.control.period or task.emit.tick_period or USUAL_PERIOD)
+
+    @cached_property
+    def limited(self) -> tuple[Array, Array, Period] | None:
+        """Where u is not limited: limits SPARE above what is needed, with the gain of the longest period under them, and what is
+        proved then. Once a limit binds, a larger E asks for no more input."""
+        if self.controller.task.u_max is not None:
+            return None
+        u_max = rounded_gain(needed_input(self.setting) * SPARE)
+        best = Gains(self.setting.with_law(u_max=u_max), self.setting.law.gain, self.shortest).longest
+        return None if best is None else (u_max, *best)
 
     # --------------------------------------------------------------------------------- continuous control
 
@@ -154,7 +181,9 @@ class Analysis:
         s = self.setting
         if not (s.definite > 0).all():
             return math.inf
-        phi = s.push_norm / s.definite * s.windows.wide.max(axis=1) / (4 * s.law.gain)
+        if len(set(s.law.gain.tolist())) > 1:
+            return math.inf
+        phi = s.push_norm / s.definite * s.windows.wide.max(axis=1) / (4 * s.law.gain[0])
         return max(float(phi.max()) * (1 + 1e-9), float(np.sqrt((s.start**2).sum())))
 
     @cached_property
@@ -171,16 +200,17 @@ class Analysis:
     def hypotheses(self) -> Iterator[Hypothesis]:
         s, task, c = self.setting, self.controller.task, self.controller.certificate
         yield Hypothesis("tube", "the certificate holds: P1 to P7", c.holds)
-        yield Hypothesis("start", "x(0) strictly inside gamma(0)", bool(np.isfinite(s.start).all()))
+        yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", bool(np.isfinite(s.start).all()))
         least = float(s.definite.min())
-        sign = "" if task.control.gain > 0 else "-"
+        sign = "" if task.gain[0] > 0 else "-"
         known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
         yield Hypothesis("Assumption 2", known, least > 0)
         clamp = s.law.farthest
-        inside = bool((self.reach < clamp).all()) or self.reach_norm < clamp or self.period is not None
-        told = f"eps* <= eps(e_max) = {clamp:.4g} under continuous control, or a sampled statement holds: the clamp never acts"
+        inside = bool((self.reach < clamp).all()) or bool((self.reach_norm < clamp).all()) or self.period is not None
+        most = by_component([float(f"{below_float(v):.4g}") for v in clamp.tolist()])
+        told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, inside)
-        if task.control.u_max is not None:
+        if task.u_max is not None:
             free = self.period is not None or bool((self.effort <= s.law.u_max).all())
             yield Hypothesis("saturation", "u_max leaves the law what the tube asks for", free)
         if task.emit.tick_period is not None:
@@ -224,21 +254,27 @@ class Analysis:
 
     def sampling(self) -> Sampling:
         """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
-        task, best, own = self.controller.task, self.best_gain, self.period
-        wanted = float(task.emit.tick_period or USUAL_PERIOD)
-        gains = self.gains.safe(wanted + self.latency)
-        sign = 1 if task.control.gain > 0 else -1
+        task, own, age = self.controller.task, self.period, self.wanted + self.latency
+        sign = 1 if task.gain[0] > 0 else -1
+        longest, roomiest, limited, ends = self.gains.longest, self.gains.roomiest(age), self.limited, self.gains.range(age)
+
+        def signed(gain: Array) -> tuple[float, ...]:
+            return tuple((sign * gain).tolist())
+
         return Sampling(
             self.name,
             self.latency,
             tuple(self.assumptions()),
             above_float(self.shortest),
-            float(task.control.gain),
+            self.starts,
+            tuple(float(v) for v in task.gain),
             None if own is None else ProvedPeriod.of(own),
-            None if best is None else sign * best[0],
-            None if best is None else ProvedPeriod.of(best[1]),
-            wanted,
-            None if gains is None else (sign * gains[0], sign * gains[1]),
+            None if self.alone is None else ProvedPeriod.of(self.alone),
+            None if longest is None else Advice(signed(longest[0]), ProvedPeriod.of(longest[1])),
+            None if limited is None else Advice(signed(limited[1]), ProvedPeriod.of(limited[2]), tuple(limited[0].tolist())),
+            self.wanted,
+            None if roomiest is None else Advice(signed(roomiest[0]), ProvedPeriod.of(roomiest[1])),
+            None if ends is None else (signed(ends[0]), signed(ends[1])),
         )
 
     def report(self) -> BoundsReport:
@@ -273,9 +309,9 @@ class Analysis:
         )
 
 
-def _inverse_q(need: Array, most: float) -> Array:
+def _inverse_q(need: Array, most: Array) -> Array:
     """The least E (rounded up) with q(E) >= need, shown in balls; infinite above `most`."""
-    low, high = np.zeros(need.shape), np.full(need.shape, most)
+    low, high = np.zeros(need.shape), np.array(most)
     for _ in range(60):
         middle = (low + high) / 2
         enough = q(middle) >= need

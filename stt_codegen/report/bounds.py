@@ -43,12 +43,12 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class ProvedPeriod:
-    """A period (seconds, rounded down) with what |e| and |u| stay below, and the time window and dimension (0: all) that allow no
-    more."""
+    """A period (seconds, rounded down) with what |e| and |u| stay below by component, and the time window and dimension (0: all)
+    that allow no more."""
 
     statement: str
     period: float
-    e: float
+    e: tuple[float, ...]
     u: tuple[float, ...]
     time: tuple[float, float]
     dimension: int
@@ -56,43 +56,69 @@ class ProvedPeriod:
     @classmethod
     def of(cls, period: Period) -> ProvedPeriod:
         begin, end, dimension = period.tight
-        numbers = below_float(period.seconds), above_float(period.e), tuple(above_float(v) for v in period.u)
-        return cls(period.statement, *numbers, (begin, end), dimension)
+        e, u = (tuple(above_float(v) for v in values) for values in (period.e, period.u))
+        return cls(period.statement, below_float(period.seconds), e, u, (begin, end), dimension)
 
     def document(self) -> dict[str, Any]:
         tight = {"time": list(self.time), "dimension": self.dimension or "all"}
-        return {"statement": self.statement, "period": self.period, "e": self.e, "u": list(self.u), "tight": tight}
+        return {"statement": self.statement, "period": self.period, "e": list(self.e), "u": list(self.u), "tight": tight}
+
+
+@dataclass(frozen=True)
+class Advice:
+    """A gain by component, with limits on u where they are part of it, and what is proved with it."""
+
+    gain: tuple[float, ...]
+    proved: ProvedPeriod
+    u_max: tuple[float, ...] | None = None
+
+    def document(self) -> dict[str, Any]:
+        limits = {} if self.u_max is None else {"u_max": list(self.u_max)}
+        return {"gain": list(self.gain), **limits, **self.proved.document()}
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """What a user chooses from: the proved period at his gain, the gain with the longest, the gains for a period.
+    """What a user chooses from, all of it for the starts that `starts` names but for `alone`, which is for initial_state.
 
-    assumes: what the periods rest on and nothing here can show. shortest: seconds below which alpha may not be stepped.
-    gains: the least and largest gain proved for `wanted` seconds."""
+    assumes: what the periods rest on and nothing here can show. shortest: seconds below which alpha may not be stepped. longest:
+    the gain with the longest period; limited: the same with limits on u; roomiest: of the gains proved for `wanted` seconds the
+    one that keeps |e| least in a run from the middle; gains: the least and the largest of them."""
 
     plant: str
     latency: float
     assumes: tuple[str, ...]
     shortest: float
-    gain: float
+    starts: str
+    gain: tuple[float, ...]
     at_this_gain: ProvedPeriod | None
-    best_gain: float | None
-    at_best_gain: ProvedPeriod | None
+    alone: ProvedPeriod | None
+    longest: Advice | None
+    limited: Advice | None
     wanted: float
-    gains: tuple[float, float] | None
+    roomiest: Advice | None
+    gains: tuple[tuple[float, ...], tuple[float, ...]] | None
 
     def document(self) -> dict[str, Any]:
-        best = self.at_best_gain
+        def shown(value: ProvedPeriod | Advice | None) -> dict[str, Any] | None:
+            return None if value is None else value.document()
+
         return {
             "plant": self.plant,
             "latency": self.latency,
             "assumes": list(self.assumes),
             "shortest": self.shortest,
-            "gain": self.gain,
-            "at_this_gain": None if self.at_this_gain is None else self.at_this_gain.document(),
-            "longest": None if best is None else {"gain": self.best_gain, **best.document()},
-            "gains_at": {"period": self.wanted, "gains": None if self.gains is None else list(self.gains)},
+            "starts": self.starts,
+            "gain": list(self.gain),
+            "at_this_gain": shown(self.at_this_gain),
+            "from_initial_state_alone": shown(self.alone),
+            "longest": shown(self.longest),
+            "longest_with_limits": shown(self.limited),
+            "wanted": {
+                "period": self.wanted,
+                "most_room": shown(self.roomiest),
+                "gains": None if self.gains is None else [list(v) for v in self.gains],
+            },
         }
 
 

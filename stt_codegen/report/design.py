@@ -17,7 +17,7 @@ from stt_codegen.pipeline import Controller
 from stt_codegen.program.cost import cost_of, table_bytes
 from stt_codegen.program.operations import COST_KINDS
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.bounds import Sampling
+from stt_codegen.report.bounds import Sampling, above_float
 
 
 @dataclass(frozen=True)
@@ -101,15 +101,15 @@ def design_report(controller: Controller, seconds: float) -> DesignReport:
 def input_report(controller: Controller) -> Input:
     """What the law asks of actuator and clock."""
     task, certificate = controller.task, controller.certificate
-    width, e_max = float(certificate.least_width), float(task.control.e_max)
-    largest_u = None
+    width, largest_u = float(certificate.least_width), None
     if width > 0:
-        gain = abs(float(task.control.gain))
-        largest_u = 4 * gain / (width * (1 - e_max * e_max)) * math.log((1 + e_max) / (1 - e_max))
+        rounding = 1 + 2.0**-18  # more than the emitted law's own
+        pairs = [(abs(float(k)), float(e)) for k, e in zip(task.gain, task.e_max, strict=True)]
+        largest_u = max(4 * k / (width * (1 - e * e)) * math.log((1 + e) / (1 - e)) for k, e in pairs) * rounding
     return Input(
-        largest_u,
+        None if largest_u is None else above_float(largest_u),
         Analysis(controller).sampling() if certificate.holds else None,
-        tuple(float(u) for u in task.control.u_max or ()),
+        tuple(float(u) for u in task.u_max or ()),
         None if task.emit.tick_period is None else float(task.emit.tick_period),
     )
 

@@ -1,13 +1,13 @@
 """What held inputs, late samples, noise and limits do to a tube: bounds of plants, time windows, statements, periods, gains."""
 
 from stt_codegen.sampling.gains import Gains
-from stt_codegen.sampling.periods import Period, holds, longest
+from stt_codegen.sampling.periods import Period, holds, least, longest
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.sampling.setting import Law, Setting, law_of, setting_of
+from stt_codegen.sampling.setting import Law, Setting, eps_of_share, eps_of_state, law_of, setting_of
 from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 __all__ = [
-    "STATEMENTS", "Bounds", "Gains", "Law", "Period", "PlantEnclosure", "Setting", "Windows", "bounds_of_task", "holds",
-    "input_bound", "law_of", "longest", "pull", "q", "refined_windows", "setting_of",
+    "STATEMENTS", "Bounds", "Gains", "Law", "Period", "PlantEnclosure", "Setting", "Windows", "bounds_of_task", "eps_of_share",
+    "eps_of_state", "holds", "input_bound", "law_of", "least", "longest", "pull", "q", "refined_windows", "setting_of",
 ]  # fmt: skip

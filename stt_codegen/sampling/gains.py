@@ -1,16 +1,30 @@
-"""Which gains of the law (13) a loop could have: the one with the longest proved period, and those proved for a period."""
+"""Which gains of the law (13) a loop could have: that of the longest proved period, that of the most room at a period, the least
+and the largest that are proved for a period.
+
+Gains are multiples of `shape`, |k| by component. What is proposed was searched for in doubles; what is returned was proved.
+"""
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
-from stt_codegen.sampling.periods import COARSE, Period, longest, proposal
+from stt_codegen.decimals import above, below
+from stt_codegen.sampling.periods import COARSE, MIDDLE, Period, least, least_proposed, longest, proposal
 from stt_codegen.sampling.setting import Setting
 
-GAINS = np.geomspace(1e-2, 1e2, 25)  # times the widest tube's natural gain, tried for the longest period
+Array = npt.NDArray[np.float64]
+TRIED = np.geomspace(1e-2, 1e2, 25)  # times the natural gain
+CLOSE = 0.01  # how near, as a share, the least and the largest gain are searched for
+FINER = 3  # values of a gain for one of TRIED, where the most room is searched for
+DIGITS = 3  # of a proposed gain
 
 
 def longest_from(shortest: float, statement: str, setting: Setting) -> Period | None:
@@ -19,47 +33,147 @@ def longest_from(shortest: float, statement: str, setting: Setting) -> Period | 
     return None if period is None or period.seconds < shortest else period
 
 
+def needed_input(s: Setting) -> Array:
+    """By component the |u| that holds against everything that pushes, the largest over the windows: the inverse of g's comparison
+    matrix (g_ii on the diagonal, -|g_ij| beside) times P; where that matrix has no such inverse, P/g_ii."""
+    n = s.push.shape[1]
+    matrix = np.eye(n) * np.maximum(s.least, 1e-300)[:, :, None] - s.cross
+    with np.errstate(all="ignore"):
+        alone = s.push / np.maximum(s.least, 1e-300)
+        try:
+            joined = np.linalg.solve(matrix, s.push[:, :, None])[:, :, 0]
+        except np.linalg.LinAlgError:
+            joined = alone
+    return np.asarray(np.where((joined >= alone).all(axis=1, keepdims=True), joined, alone).max(axis=0))
+
+
+def natural_gain(s: Setting) -> Array:
+    """|k| by component that keeps |eps| near 1."""
+    return np.asarray(needed_input(s) * s.windows.wide.max(axis=0))
+
+
+def rounded_gain(gain: Array, up: bool | None = None) -> Array:
+    """Each to DIGITS digits: the nearest, or up or down."""
+    if up is None:
+        return np.array([float(f"{k:.{DIGITS}g}") for k in gain.tolist()])
+    return np.array([(above if up else below)(Fraction(k), DIGITS) for k in gain.tolist()])
+
+
 @dataclass(frozen=True)
 class Gains:
-    """For one loop. shortest: as in `longest_from`; own: the period proved at the loop's own gain."""
+    """For one loop and the starts in `setting`. shape: |k| by component, of which multiples are tried. shortest: as in
+    `longest_from`."""
 
     setting: Setting
-    shortest: float
-    own: Period | None
+    shape: Array
+    shortest: float = 0.0
 
-    def at(self, gain: float) -> Period | None:
+    def at(self, gain: Array) -> Period | None:
         """The longest period of the sharp statement at another |k|; of the general one where that has none."""
-        setting = self.setting.with_gain(gain)
+        setting = self.setting.with_law(gain=gain)
         return longest_from(self.shortest, "sharp", setting) or longest_from(self.shortest, "general", setting)
 
     @cached_property
-    def proposed(self) -> list[tuple[float, float]]:
-        """(|k|, period in seconds) over a range of gains in short decimals, as the search has it: a proposal, not yet proved."""
-        s = self.setting
-        natural = float(np.max(s.push * s.windows.wide / np.maximum(s.least, 1e-9)))  # keeps eps near 1
-        natural = natural if 0 < natural < 1e6 else float(s.law.gain)
-        gains = dict.fromkeys(float(f"{k * natural:.2g}") for k in GAINS)
-        found = [(k, proposal("sharp", s.with_gain(k), COARSE) or proposal("general", s.with_gain(k), COARSE)) for k in gains]
-        return [(k, p[0]) for k, p in found if p is not None]
+    def tried(self) -> Array:
+        """Multiples of `shape` around the natural gain."""
+        return TRIED * float((natural_gain(self.setting) / self.shape).max())
 
     @cached_property
-    def best(self) -> tuple[float, Period] | None:
-        """The |k| of the longest period, in two digits, and what is proved for it."""
-        for k, _ in sorted(self.proposed, key=lambda pair: -pair[1]):
-            period = self.at(k)
-            if period is not None:
-                return k, period
+    def _peak(self) -> tuple[str, float] | None:
+        """The statement and the multiple with the longest period, as the search has it: the best of those tried, then a golden
+        section about it."""
+        for statement in ("sharp", "general"):
+
+            def seconds(multiple: float, statement: str = statement) -> float:
+                found = proposal(statement, self.setting.with_law(gain=multiple * self.shape), COARSE)
+                return 0.0 if found is None else found[0]
+
+            tried = self.tried.tolist()
+            found = [seconds(m) for m in tried]
+            k = int(np.argmax(found))
+            if found[k] > 0:
+                return statement, _highest(seconds, tried[max(k - 1, 0)], tried[min(k + 1, len(tried) - 1)])
         return None
 
-    def safe(self, seconds: float) -> tuple[float, float] | None:
-        """The least and the largest |k| tried for which a period of so many seconds is proved."""
-        enough = sorted(k for k, p in self.proposed if p >= 0.9 * seconds)  # the search for it was coarse
+    @cached_property
+    def longest(self) -> tuple[Array, Period] | None:
+        """The |k| of the longest period, and what is proved for it."""
+        if self._peak is None:
+            return None
+        gain = rounded_gain(self._peak[1] * self.shape)
+        period = self.at(gain)
+        return None if period is None else (gain, period)
 
-        def proved(k: float) -> bool:
-            period = self.at(k)
-            return period is not None and period.seconds >= seconds
+    def range(self, seconds: float) -> tuple[Array, Array] | None:
+        """The least and the largest |k|, short decimals, that are proved for a period of so many seconds, each within about CLOSE
+        of where that ends."""
+        if self._peak is None or seconds < self.shortest:
+            return None
+        statement, inside = self._peak
 
-        least, largest = next(filter(proved, enough), None), next(filter(proved, reversed(enough)), None)
-        good = [k for k in (least, largest) if k is not None]
-        good += [self.setting.law.gain] if self.own is not None and self.own.seconds >= seconds else []
-        return (min(good), max(good)) if good else None
+        def found(multiple: float) -> bool:
+            return least_proposed(statement, self.setting.with_law(gain=multiple * self.shape), seconds) is not None
+
+        def proved(gain: Array) -> bool:
+            return least(statement, self.setting.with_law(gain=gain), seconds) is not None
+
+        if not found(inside):
+            return None
+        ends: list[Array] = []
+        for side, inward in ((1 / 2, 1 + CLOSE), (2.0, 1 - CLOSE)):
+            last = _last(found, inside, side)
+            tried = (rounded_gain(last * inward**k * self.shape, up=side < 1) for k in range(4))
+            ends += itertools.islice(filter(proved, tried), 1)
+        return (ends[0], ends[1]) if len(ends) == 2 else None
+
+    def roomiest(self, seconds: float) -> tuple[Array, Period] | None:
+        """Of the |k| proved for the period from these starts that which keeps |e| least in a run from the middle of the tube, and
+        what is proved for it from these starts."""
+        if self._peak is None or seconds < self.shortest:
+            return None
+        statement, inside = self._peak
+        middle = self.setting.begun_at(np.full(self.setting.start.shape, MIDDLE))
+        best: tuple[float, Array] | None = None
+        for multiple in (inside, *np.geomspace(self.tried[0], self.tried[-1], FINER * len(self.tried)).tolist()):
+            gain = rounded_gain(multiple * self.shape)
+            if least_proposed(statement, self.setting.with_law(gain=gain), seconds) is not None:
+                reach = least_proposed(statement, middle.with_law(gain=gain), seconds)
+                if reach is not None and (best is None or float(reach.max()) < best[0]):
+                    best = float(reach.max()), gain
+        if best is None:
+            return None
+        for share in (1.0, 0.98, 0.9, 0.7, 0.5):  # the search ends where the proof may just fail
+            gain = rounded_gain(best[1] * share)
+            period = least(statement, self.setting.with_law(gain=gain), seconds)
+            if period is not None:
+                return gain, period
+        return None
+
+
+def _highest(value: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function of one peak is highest, by golden section over the logarithm, to a share of CLOSE."""
+    shrink = (math.sqrt(5) - 1) / 2
+    a, b = math.log(low), math.log(high)
+    c, d = b - shrink * (b - a), a + shrink * (b - a)
+    at_c, at_d = value(math.exp(c)), value(math.exp(d))
+    while b - a > CLOSE:
+        if at_c >= at_d:
+            b, d, at_d = d, c, at_c
+            c = b - shrink * (b - a)
+            at_c = value(math.exp(c))
+        else:
+            a, c, at_c = c, d, at_d
+            d = a + shrink * (b - a)
+            at_d = value(math.exp(d))
+    return math.exp(c if at_c >= at_d else d)
+
+
+def _last(good: Callable[[float], bool], inside: float, step: float) -> float:
+    """How far from `inside` it stays good on the way of that step, to a share of CLOSE."""
+    here, there = inside, inside * step
+    while good(there) and 1e-6 < there / inside < 1e6:
+        here, there = there, there * step
+    while max(here / there, there / here) > 1 + CLOSE:
+        middle = math.sqrt(here * there)
+        here, there = (middle, there) if good(middle) else (here, middle)
+    return here

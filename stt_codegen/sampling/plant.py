@@ -47,12 +47,13 @@ class Bounds:
 def bounds_of_task(task: Task) -> Bounds:
     """The bounds that a task's [plant] states; without any, those of xdot = u.
 
-    f_max, w_max bound norms, so every component too; g_min and g_max bound g_s from below and |g|. Inputs count as decoupled
-    (g diagonal) in the statements that go by component."""
+    f_max, w_max bound norms, so every component too; g_min and g_max bound g_s from below and |g|, and so every g_ii; g_cross
+    bounds every |g_ij|, and without it inputs count as decoupled (g diagonal) in the statements that go by component."""
     n, plant = task.dimension, task.plant
     push = _double((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)), math.inf)
     least, most = _g_range(task)
-    return Bounds(np.full(n, push), np.full(n, least), np.full(n, most), np.zeros((n, n)), push, least, most)
+    cross = _double(plant.g_cross or Fraction(0), math.inf) * (1 - np.eye(n))
+    return Bounds(np.full(n, push), np.full(n, least), np.full(n, most), cross, push, least, most)
 
 
 def _g_range(task: Task) -> tuple[float, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -11,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from stt_codegen.program.number import FORMATS
+from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.sampling.plant import Bounds
 from stt_codegen.sampling.windows import Windows
 from stt_codegen.task import Task
@@ -29,19 +30,20 @@ ROUNDING = {
 
 @dataclass(frozen=True)
 class Law:
-    """gain = |k|; shift, u_max by component (infinite where u is not limited); rounding relative and in eps."""
+    """By component: gain = |k|, e_max, shift, u_max as it is emitted (infinite where u is not limited). rounding: relative and in
+    eps."""
 
-    gain: float
-    e_max: float
+    gain: Array
+    e_max: Array
     shift: Array
     u_max: Array
     rounding: float
     latency: float = 0.0  # seconds from a sample to the input that it makes
 
     @property
-    def farthest(self) -> float:
-        """eps at the clamp, ln((1 + e_max)/(1 - e_max))."""
-        return float(2 * np.arctanh(self.e_max))
+    def farthest(self) -> Array:
+        """eps at the clamp, ln((1 + e_max)/(1 - e_max)), by component."""
+        return np.asarray(2 * np.arctanh(self.e_max))
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,8 @@ class Setting:
     the worst over its window and the one before, because a sample may stem from there.
 
     least, most, cross (W + 1, n, n), definite, norm (both (W + 1)): of g, as `plant.Bounds`. push: what moves x or an edge apart
-    from u, P = |f + w| + the edges' speed; push_norm (W + 1): the same as a norm. narrow: the tube's width. start (n): |eps(0)|.
+    from u, P = |f + w| + the edges' speed; push_norm (W + 1): the same as a norm. narrow: the tube's width. start (n): what
+    |eps(0)| is at most, for the starts that are spoken of.
     """
 
     windows: Windows
@@ -70,35 +73,47 @@ class Setting:
         """Of a sample, so that it and what acted before it stem from this window or the one before."""
         return self.windows.shortest / (2 if self.law.latency else 1)
 
-    def with_gain(self, gain: float) -> Setting:
-        return replace(self, law=replace(self.law, gain=gain))
+    def with_law(self, **changes: Any) -> Setting:
+        return replace(self, law=replace(self.law, **changes))
+
+    def begun_at(self, start: Array) -> Setting:
+        """The same loop with other starts: what |eps(0)| is at most, (n,)."""
+        return replace(self, start=start)
 
 
 def law_of(task: Task, edge_error: Sequence[Fraction], noise: float = 0.0, latency: float = 0.0) -> Law:
     """The law of a task; `noise` bounds the error of a measured x, by component, in the task's units; latency in seconds."""
-    n = task.dimension
-    limits = task.control.u_max
+    n, scalar = task.dimension, task.emit.scalar
     size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
-    rounded = float(FORMATS[task.emit.scalar].roundoff * size) * (1 + 1e-12)
+    rounded = float(FORMATS[scalar].roundoff * size) * (1 + 1e-12)
     return Law(
-        abs(float(task.control.gain)),
-        float(task.control.e_max),
+        np.array([abs(float(v)) for v in task.gain]),
+        np.array([float(v) for v in task.e_max]),
         np.array([2 * float(e) * (1 + 1e-12) + rounded + noise for e in edge_error]),
-        np.full(n, np.inf) if limits is None else np.array([float(v) * (1 - 2.0**-23) for v in limits]),
-        ROUNDING[task.emit.scalar, task.emit.math],
+        np.full(n, np.inf) if task.u_max is None else np.array([float(round_down(v, scalar)) for v in task.u_max]),
+        ROUNDING[scalar, task.emit.math],
         latency,
     )
 
 
-def setting_of(windows: Windows, plant: Sequence[Bounds], law: Law, x0: Sequence[float]) -> Setting:
-    """`plant`: bounds for every window, over it and the one before it. x0: where the run begins, strictly inside."""
-    push = np.array([p.push for p in plant])
-    speed = back(windows.speed, np.maximum)
+def eps_of_share(share: Fraction, n: int) -> Array:
+    """What |eps(0)| is at most for |e(0)| <= share, by component: ln((1 + share)/(1 - share)), rounded up."""
+    return np.full(n, 2 * math.atanh(float(share)) * (1 + 1e-9))
+
+
+def eps_of_state(windows: Windows, x0: Sequence[float]) -> Array:
+    """|eps(0)| of a state by component, rounded up; infinite where it is not strictly inside gamma(0)."""
     x = np.array(x0)
     a, b = x - windows.start[:, 0], windows.start[:, 1] - x
     a, b = a - 1e-15 * np.abs(x), b - 1e-15 * np.abs(x)  # more than the differences are rounded by
     with np.errstate(divide="ignore", invalid="ignore"):
-        start = np.where((a > 0) & (b > 0), np.abs(np.log(a / b)) * (1 + 1e-9), np.inf)
+        return np.where((a > 0) & (b > 0), np.abs(np.log(a / b)) * (1 + 1e-9), np.inf)
+
+
+def setting_of(windows: Windows, plant: Sequence[Bounds], law: Law, start: Array) -> Setting:
+    """`plant`: bounds for every window, over it and the one before it. start (n): what |eps(0)| is at most."""
+    push = np.array([p.push for p in plant])
+    speed = back(windows.speed, np.maximum)
     total = np.sqrt((speed**2).sum(axis=1)) * (1 + 1e-12)
     return Setting(
         windows,

@@ -21,7 +21,7 @@ The formulas are written once, for doubles, for balls and for symbols. A conditi
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -62,7 +62,8 @@ def _seen(s: Setting, reach: Any) -> tuple[Any, Any]:
 
 
 def input_bound(s: Setting, reach: Any) -> Any:
-    """U (W + 1, n): |u| while |eps| < reach; by the clamp where noise may carry what is seen beyond e_max; at most u_max."""
+    """U (.., W + 1, n), for reach (n,) or (.., 1, n): |u| while |eps| < reach; by the clamp where noise may carry what is seen
+    beyond e_max; at most u_max."""
     far, near = _seen(s, reach)
     c = (1 - s.law.e_max) / 2
     width = s.narrow - 2 * s.law.shift
@@ -77,14 +78,18 @@ def input_bound(s: Setting, reach: Any) -> Any:
     return np.where(np.asarray(u, dtype=float) < s.law.u_max * (1 - 1e-9), u, np.minimum(s.law.u_max, 1e300) + 0 * reach)
 
 
-def _sharp_push(s: Setting, u: Any) -> Any:
+def sharp_push(s: Setting, u: Any) -> Any:
     """P' of the sharp statement: P and what the other inputs push, the sum over j != i of |g_ij| U_j."""
     return s.push + (s.cross * u[..., None, :]).sum(axis=-1)
 
 
 def sharp(s: Setting, reach: Any, tau: Any) -> list[Condition]:
     u = input_bound(s, reach)
-    push = _sharp_push(s, u)
+    return sharp_under(s, reach, tau, u, sharp_push(s, u))
+
+
+def sharp_under(s: Setting, reach: Any, tau: Any, u: Any, push: Any) -> list[Condition]:
+    """The sharp statement's conditions for |u| <= `u` (its own component's) and P' = `push` (with what the others push)."""
     drift = push * tau + s.most * u * s.law.latency + s.law.shift
     narrow = s.windows.narrow
     side = narrow / 2 * (np.tanh(reach / 2) - s.law.rounding) - (push + s.most * u) * tau - s.law.shift
@@ -107,25 +112,34 @@ def _seen_reach(s: Setting, reach: Any, d: Any, shift: Any) -> tuple[Any, Any]:
         return np.log(far / near), near
 
 
-def _stale(s: Setting, reach: Any, seen: Any, tau: Any, push: Any, g: Any, widening: Any, d: Any, shift: Any) -> tuple[Any, Any]:
-    """U = 4 k q(E')/d-, E' of what is seen; and |u held - u now|: R tau, then what `shift` adds, at the law's steepest
-    (16 k q' cosh^2/d-^2 at E'), and rounding."""
-    u = u_of(s, seen, d) * (1 + 2 * s.law.rounding)
+def _stale(
+    s: Setting, reach: Any, seen: Any, tau: Any, push: Any, g: Any, widening: Any, d: Any, shift: Any, root: Any
+) -> tuple[Any, Any]:
+    """U, and |u held - u now|: R tau, then what `shift` adds, at the law's steepest (16 k q' cosh^2/d-^2 at E'), and rounding: of
+    u, and of eps in every component, whose norm is `root` times one."""
+    u = _input(s, seen, d, root)
     rate = 16 * s.law.gain * q_rate(reach) * np.cosh(reach / 2) ** 2 / d**2 * (push + g * u)
     rate = rate + 4 * s.law.gain * q(reach) * widening / d**2
     steep = 16 * s.law.gain * q_rate(seen) * np.cosh(seen / 2) ** 2 / d**2
-    return u, rate * tau + steep * shift + s.law.rounding * (u + 4 * s.law.gain * np.cosh(seen / 2) ** 2 / d)
+    return u, rate * tau + steep * shift + s.law.rounding * (u + root * 4 * s.law.gain * np.cosh(seen / 2) ** 2 / d)
 
 
-def u_of(s: Setting, reach: Any, d: Any) -> Any:
-    """4 k q(E)/d-."""
-    return 4 * s.law.gain * q(reach) / d
+def _input(s: Setting, seen: Any, d: Any, root: Any) -> Any:
+    """U = 4 k q(E')/d-, E' of what is seen, and what rounding adds, relative and in eps."""
+    added = s.law.rounding * root * 4 * s.law.gain * np.cosh(seen / 2) ** 2 / d
+    return (4 * s.law.gain * q(seen) / d + added) * (1 + 2 * s.law.rounding)
+
+
+def _diagonal_staleness(s: Setting, reach: Any, tau: Any) -> tuple[Any, Any, Any]:
+    """U, |u held - u now|, and by how much the nearer distance that is seen stays above 0."""
+    seen, near = _seen_reach(s, reach, s.narrow, s.law.shift)
+    widening = back(s.windows.widening, np.maximum)
+    u, stale = _stale(s, reach, seen, tau, s.push, s.most, widening, s.narrow, s.law.shift, 1)
+    return u, stale, near
 
 
 def diagonal(s: Setting, reach: Any, tau: Any) -> list[Condition]:
-    seen, near = _seen_reach(s, reach, s.narrow, s.law.shift)
-    widening = back(s.windows.widening, np.maximum)
-    u, stale = _stale(s, reach, seen, tau, s.push, s.most, widening, s.narrow, s.law.shift)
+    u, stale, near = _diagonal_staleness(s, reach, tau)
     return [
         Condition("sampled.diagonal", 4 * s.law.gain * q(reach) / s.windows.wide - stale - s.push / np.maximum(s.least, 1e-300)),
         Condition("sampled.saturated", s.law.u_max - np.asarray(u, dtype=float) + 0 * reach),
@@ -135,22 +149,41 @@ def diagonal(s: Setting, reach: Any, tau: Any) -> list[Condition]:
     ]
 
 
-def general(s: Setting, reach: Any, tau: Any) -> list[Condition]:
-    n = s.narrow.shape[1]
-    d, wide = s.narrow.min(axis=1), s.windows.wide.max(axis=1)
-    widening = back(s.windows.widening.max(axis=1), np.maximum)
+def _general_staleness(s: Setting, reach: Any, tau: Any) -> tuple[Any, Any, Any, Any]:
+    """U (of the norm), |u held - u now|, sqrt(n), and by how much the nearer distance that is seen stays above 0."""
+    d, widening = s.narrow.min(axis=1), back(s.windows.widening.max(axis=1), np.maximum)
     each = s.law.shift.max()
     seen, near = _seen_reach(s, reach, d, each)
-    root = np.sqrt(float(n)) * (1 + 1e-12)
+    root = np.sqrt(float(s.narrow.shape[1])) * (1 + 1e-12)
     seen = reach + root * (seen - reach)  # a bound on the norm of what is seen, and on every component
-    u, stale = _stale(s, reach, seen, tau, s.push_norm, s.norm, widening, d, each * root)
+    single = replace(s, law=replace(s.law, gain=s.law.gain[0]))
+    u, stale = _stale(single, reach, seen, tau, s.push_norm, s.norm, widening, d, each * root, root)
+    return u, stale, root, near
+
+
+def general(s: Setting, reach: Any, tau: Any) -> list[Condition]:
+    u, stale, root, near = _general_staleness(s, reach, tau)
     q_n = reach * np.cosh(reach / (2 * root)) ** 2
+    wide, gain = s.windows.wide.max(axis=1), s.law.gain[0]
     return [
-        Condition("sampled.general", s.law.gain * s.definite * 4 / wide * q_n - s.push_norm - s.norm * stale),
+        Condition("sampled.general", gain * s.definite * 4 / wide * q_n - s.push_norm - s.norm * stale),
         Condition("sampled.saturated", s.law.u_max.min() - np.asarray(u, dtype=float) + 0 * reach),
         Condition("sampled.general", s.definite + 0 * reach),
         Condition("sampled.shift", near),
+        Condition("sampled.general", (1.0 if (s.law.gain == gain).all() else -1.0) + 0 * s.definite + 0 * reach),
     ]
 
 
-STATEMENTS: dict[str, Callable[[Setting, Any, Any], list[Condition]]] = {"sharp": sharp, "diagonal": diagonal, "general": general}
+@dataclass(frozen=True)
+class Statement:
+    """conditions(setting, E, tau): all must hold. inputs(setting, E, tau): a bound on |u| by component while they do."""
+
+    conditions: Callable[[Setting, Any, Any], list[Condition]]
+    inputs: Callable[[Setting, Any, Any], Any]
+
+
+STATEMENTS = {
+    "sharp": Statement(sharp, lambda s, reach, tau: input_bound(s, reach)),
+    "diagonal": Statement(diagonal, lambda s, reach, tau: _diagonal_staleness(s, reach, tau)[0]),
+    "general": Statement(general, lambda s, reach, tau: _general_staleness(s, reach, tau)[0][..., None] + 0 * s.narrow),
+}

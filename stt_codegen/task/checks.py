@@ -41,8 +41,10 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     vectors += [(f"{field}.{name}", vector) for field, table in tables for name, vector in table.vectors()]
     if task.body is not None:
         vectors.append(("body", task.body))
-    if task.control.u_max is not None:
-        vectors.append(("control.u_max", task.control.u_max))
+    for name in ("gain", "e_max", "u_max"):
+        given = getattr(task.control, name)
+        if isinstance(given, tuple):
+            vectors.append((f"control.{name}", given))
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
@@ -54,13 +56,8 @@ def _options_problem(task: TaskTables) -> str | None:
     for i, half in enumerate(task.body or ()):
         if half < 0:
             return f"body[{i}]: is {decimal(half)}; half extents must be 0 or greater"
-    if task.control.gain == 0:
-        return "control.gain: is 0; use a positive gain, or a negative one where g_s is negative definite"
-    if not 0 < task.control.e_max < 1:
-        return f"control.e_max: is {decimal(task.control.e_max)}; it must lie strictly between 0 and 1, for example 0.99"
-    for i, bound in enumerate(task.control.u_max or ()):
-        if bound <= 0:
-            return f"control.u_max[{i}]: is {decimal(bound)}; it must be greater than 0"
+    if problem := _control_problem(task):
+        return problem
     adaptive, kind = task.tube.adaptive, task.tube.design
     unread = {"bump_steepness": ("adaptive", adaptive.bump_steepness), "target_margin": ("literal", adaptive.target_margin)}
     for field, (other, value) in unread.items():
@@ -71,6 +68,28 @@ def _options_problem(task: TaskTables) -> str | None:
     low, high = task.plant.g_min, task.plant.g_max
     if low is not None and high is not None and low > high:
         return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
+    return None
+
+
+def _control_problem(task: TaskTables) -> str | None:
+    control = task.control
+
+    def named(field: str, i: int) -> str:
+        return f"control.{field}[{i}]" if isinstance(getattr(control, field), tuple) else f"control.{field}"
+
+    for i, k in enumerate(task.gain):
+        if k == 0:
+            return f"{named('gain', i)}: is 0; use a positive gain, or a negative one where g_s is negative definite"
+        if (k > 0) != (task.gain[0] > 0):
+            return f"{named('gain', i)}: is {decimal(k)}; all gains must have one sign, that of g_s"
+    for i, clamp in enumerate(task.e_max):
+        if not 0 < clamp < 1:
+            return f"{named('e_max', i)}: is {decimal(clamp)}; it must lie strictly between 0 and 1, for example 0.99"
+    for i, bound in enumerate(task.u_max or ()):
+        if bound <= 0:
+            return f"{named('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
+    if control.gain == "auto" and control.period is None:
+        return 'control.gain: is "auto", which needs control.period; give the seconds between samples, or a number'
     return None
 
 

@@ -51,6 +51,8 @@ def explain(error: ValidationError) -> str:
 def _field(location: tuple[int | str, ...]) -> str:
     text = ""
     for part in location:
+        if isinstance(part, str) and part.startswith("<"):  # which kind of value it was read as, not a key
+            continue
         shown = part if isinstance(part, int) or part.isidentifier() else f"{part!r:.40}"
         text += f"[{part}]" if isinstance(part, int) else f".{shown}" if text else str(shown)
     return text or "the file"

@@ -8,18 +8,21 @@ from __future__ import annotations
 
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
     PlainSerializer,
     StrictBool,
+    Tag,
     ValidationInfo,
     WithJsonSchema,
+    model_validator,
 )
 
 from stt_codegen.decimals import decimal
@@ -113,6 +116,20 @@ def _not_negative(value: Fraction) -> Fraction:
     return value
 
 
+def _below_one(value: Fraction) -> Fraction:
+    if value >= 1:
+        raise ValueError(f"is {decimal(value)}; it must be less than 1")
+    return value
+
+
+def _number_or_list(value: object) -> str:
+    """Which of the two a value is to be read as."""
+    if value == "auto" and isinstance(value, str):
+        return "<auto>"
+    several = isinstance(value, list | tuple) or getattr(value, "ndim", None) not in (None, 0)
+    return "<list>" if several else "<number>"
+
+
 Number = Annotated[
     Fraction,
     BeforeValidator(_number),
@@ -136,6 +153,13 @@ def _vector(value: object) -> object:
 
 
 Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
+Each = Annotated[  # one number for all components, or one for each
+    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
+]
+EachOrAuto = Annotated[
+    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
+    Discriminator(_number_or_list),
+]
 
 
 def _integer(value: object) -> object:
@@ -170,6 +194,20 @@ class Box(_Table):
     def convex(self) -> BoxSet:
         """The box as a set."""
         return BoxSet(self.lower, self.upper)
+
+
+class InitialSet(Box):
+    """The initial set X0, and the starts that statements about sampling are for."""
+
+    share: Annotated[Positive, AfterValidator(_below_one)] = Field(
+        default=Fraction(9, 10), description="starts that sampling is proved for: this share of gamma(0)'s half widths"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_box(cls, value: Any) -> Any:
+        """A `Box` will do, from Python."""
+        return {name: getattr(value, name) for name in value.model_fields_set} if type(value) is Box else value
 
 
 class UnsafeSet(Box):
@@ -211,9 +249,17 @@ class TubeOptions(_Table):
 class ControlOptions(_Table):
     """The control law (13)."""
 
-    gain: Number = Field(default=Fraction(1, 2), description="k; negative where g_s is negative definite (Remark 4.2)")
-    e_max: Number = Field(default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1)")
-    u_max: Vector | None = Field(default=None, description="saturation of the emitted u, one bound for each dimension")
+    gain: EachOrAuto | None = Field(
+        default=None,
+        description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": most room at '
+        'control.period; absent: 0.5, or "auto" with a period',
+    )
+    e_max: Each = Field(
+        default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1), or one for each component"
+    )
+    u_max: Each | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
+    period: Positive | None = Field(default=None, description="seconds between samples; proved (P9), or the task is refused")
+    latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
 
 
 class EmitOptions(_Table):
@@ -228,10 +274,12 @@ class EmitOptions(_Table):
 class PlantBounds(_Table):
     """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
 
-    f_max: NotNegative | None = None
-    g_min: Positive | None = None
-    g_max: Positive | None = None
-    w_max: NotNegative | None = None
+    f_max: NotNegative | None = Field(default=None, description="bound on |f|; absent: 0")
+    w_max: NotNegative | None = Field(default=None, description="bound on |w|; absent: 0")
+    g_min: Positive | None = Field(default=None, description="bound on g_s from below; absent: 1, or g_max where that is less")
+    g_max: Positive | None = Field(default=None, description="bound on |g|; absent: 1, or g_min where that is more")
+    g_cross: NotNegative | None = Field(default=None, description="bound on every |g_ij|, i not j; absent: 0, no coupling")
+    noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
 
 
 def _named(sets: tuple[UnsafeSet, ...]) -> tuple[UnsafeSet, ...]:
@@ -251,7 +299,7 @@ class TaskTables(_Table):
     prescribed_time: Positive = Field(description="t_c, seconds")
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Box
-    initial_set: Box
+    initial_set: InitialSet
     target_set: Box
     body: Vector | None = Field(default=None, description="half extents of the robot")
     unsafe: Annotated[tuple[UnsafeSet, ...], AfterValidator(_named)] = ()
@@ -264,6 +312,31 @@ class TaskTables(_Table):
     def dimension(self) -> int:
         """n, the number of state components."""
         return len(self.state_space.lower)
+
+    def _each(self, value: Fraction | tuple[Fraction, ...]) -> tuple[Fraction, ...]:
+        return value if isinstance(value, tuple) else (value,) * self.dimension
+
+    @property
+    def gain_chosen(self) -> bool:
+        """Whether the pipeline has to choose the gain: "auto"."""
+        given = self.control.gain
+        return given == "auto" or (given is None and self.control.period is not None)
+
+    @property
+    def gain(self) -> tuple[Fraction, ...]:
+        """k by component; where it has to be chosen and is not yet, 1/2."""
+        given = self.control.gain
+        return self._each(Fraction(1, 2) if given is None or isinstance(given, str) else given)
+
+    @property
+    def e_max(self) -> tuple[Fraction, ...]:
+        """The clamp of the normalized error by component."""
+        return self._each(self.control.e_max)
+
+    @property
+    def u_max(self) -> tuple[Fraction, ...] | None:
+        """The saturation of u by component; None for none."""
+        return None if self.control.u_max is None else self._each(self.control.u_max)
 
     @property
     def half_extents(self) -> tuple[Fraction, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -50,6 +51,11 @@ class Task(TaskTables):
         tube = self.tube.model_copy(update={"design": design}) if design else self.tube
         emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
         return self.model_copy(update={"tube": tube, "emit": emit})
+
+    def with_gain(self, gain: Sequence[Fraction]) -> Task:
+        """The same task, of the same digest, with a gain that was chosen for it: by component, or one number where all agree."""
+        given = gain[0] if len(set(gain)) == 1 else tuple(gain)
+        return self.model_copy(update={"control": self.control.model_copy(update={"gain": given})})
 
     def changed(self, **values: Any) -> Task:
         """The same task with other values for some fields, checked like a new one."""
