@@ -98,6 +98,7 @@ def certify(task: Task, tube: Design) -> Certificate:
     >>> certify(task, design(task)).holds
     True
     """
+    task = pipeline.settled(task, tube)
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 

@@ -48,6 +48,6 @@ def _toward(value: Fraction, digits: int, direction: Callable[[Fraction], int]) 
 
 
 def by_component(values: Sequence[Fraction | float]) -> str:
-    """Numbers for people: one where all agree, else "(0.5, 0.25)"."""
+    """Numbers for people, as in a task file: one where all agree, else [0.5, 0.25]."""
     shown = [decimal(v) if isinstance(v, Fraction) else f"{v:g}" for v in values]
-    return shown[0] if len(set(shown)) == 1 else f"({', '.join(shown)})"
+    return shown[0] if len(set(shown)) == 1 else f"[{', '.join(shown)}]"

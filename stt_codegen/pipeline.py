@@ -59,6 +59,7 @@ def build_task(task: Task, uncertified: bool = False, tube: Design | None = None
     """As `build`, for a task already loaded; `tube`: one that is there already, in place of the search."""
     require_supported(task)
     design = tube or design_tube(task)
+    task = settled(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds and not uncertified:
@@ -77,6 +78,18 @@ def require_supported(task: Task) -> None:
             "emit.tick_period: is for refined tubes, whose time is a table index; the circumvent functions of "
             f"{task.tube.design} ones take seconds, leave it out"
         )
+    if task.control.period is not None and task.tube.design != "refined":
+        raise BadInput(f"control.period: is proved for refined tubes only; leave it out for a {task.tube.design} one")
+
+
+def settled(task: Task, design: Design) -> Task:
+    """The task with its gain chosen for this tube, where that is "auto"."""
+    if not task.gain_chosen or not isinstance(design, RefinedDesign):
+        return task
+    from stt_codegen.certify.period import chosen_gain
+    from stt_codegen.controller.arithmetic import edge_error
+
+    return task.with_gain(chosen_gain(task, design, edge_error(design, build_program(task, design))))
 
 
 def design_tube(task: Task) -> Design:
@@ -106,7 +119,7 @@ def build_program(task: Task, design: Design) -> Program:
 
 
 def certify(task: Task, design: Design, program: Program) -> Certificate:
-    """P1 to P7 with their margins; the certificate may fail, `build` decides what that means."""
+    """P1 to P7, and P9 where there is a period, with their margins; the certificate may fail, `build` decides what that means."""
     if not isinstance(design, RefinedDesign):
         from stt_codegen.certify.enclosure import certify_enclosed
         from stt_codegen.certify.falsification import falsify

@@ -167,6 +167,11 @@ def model(plant: Model, dimension: int) -> Any:
             f = ca.densify(_matrix(plant.f(x)))
             g = ca.densify(_matrix(plant.g(x)))
     except (Exception, SystemExit) as error:  # the user's own code may raise anything
+        if "out of bounds" in str(error).lower():
+            raise BadInput(
+                f"--plant {plant.name}: f(x) or g(x) reads an entry that x does not have; the task has {dimension} dimensions, "
+                f"x[0] to x[{dimension - 1}]"
+            ) from None
         raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({type(error).__name__}: {error})") from None
     for name, value, shape in (("f", f, (dimension, 1)), ("g", g, (dimension, dimension))):
         if value.shape != shape:
@@ -175,6 +180,11 @@ def model(plant: Model, dimension: int) -> Any:
     try:
         lower(function)
     except (UnknownOpcode, ValueError) as error:
+        if "NaN" in str(error):
+            raise BadInput(
+                f"--plant {plant.name}: a NaN came of f(x) or g(x); functions of Python's math take no expressions, use "
+                "CasADi's, as in casadi.sin(x[0])"
+            ) from None
         raise BadInput(
             f"--plant {plant.name}: f(x) or g(x) has something that cannot be enclosed and printed ({error})"
         ) from None

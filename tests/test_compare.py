@@ -124,7 +124,7 @@ def test_reference_imports_nothing_of_this_package() -> None:
 
     text = Path(reference.__file__).read_text()
     imports = re.findall(r"^(?:from|import) (\S+)", text, re.M)
-    assert set(imports) == {"__future__", "dataclasses", "fractions", "numpy", "numpy.typing"}
+    assert set(imports) == {"__future__", "collections.abc", "dataclasses", "fractions", "numpy", "numpy.typing"}
 
 
 def test_generated_python_of_a_float_task_uses_the_float_constants() -> None:

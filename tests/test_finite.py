@@ -32,7 +32,7 @@ def law_bound(controller: Controller, width: tuple[Fraction, Fraction], near: Fr
             first = _hull(a * low * (1 - slack), b * high * (1 + slack))
             second = _hull((1 - b) * low * (1 - slack), (1 - a) * high * (1 + slack))
             epsilon, xi = balls.kernel("transformed_error", first, second)
-            (u,) = balls.kernel("law", ball(controller.task.control.gain), xi, epsilon)
+            (u,) = balls.kernel("law", ball(controller.task.gain[0]), xi, epsilon)
             assert u.is_finite()
             worst = max(worst, float(abs(u).upper()))
         low = high
@@ -48,11 +48,11 @@ def _hull(low: Fraction, high: Fraction) -> arb:
 def test_the_law_is_far_from_overflow_over_all_that_the_clamp_lets_through(name: str, scalar: str) -> None:
     """Widths from LEAST_WIDTH to any that the state space has; the bound is what `control_law_of` refuses tasks by, or less."""
     controller = controller_of(name, scalar)
-    near = (1 - controller.task.control.e_max) / 2
+    near = (1 - controller.task.e_max[0]) / 2
     space = controller.task.state_space
     widest = max(b - a for a, b in zip(space.lower, space.upper, strict=True))
     bound = law_bound(controller, (LEAST_WIDTH, 2 * widest), near)
-    claimed = abs(controller.task.control.gain) * 2 / (near * LEAST_WIDTH) * 64
+    claimed = abs(controller.task.gain[0]) * 2 / (near * LEAST_WIDTH) * 64
     assert bound <= float(claimed)
     assert claimed <= FORMATS[scalar].largest / 4
 

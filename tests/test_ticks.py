@@ -97,7 +97,7 @@ def test_after_a_day_ticks_still_move_the_tube_and_float_seconds_do_not() -> Non
     x = np.tile((0.8 * low + 0.2 * high).mean(axis=0), (16, 1)).astype(np.float32)
     _, by_tick = c.call("control_tick", ticks, x)
     _, by_second = c.call("control", (ticks * 0.001).astype(np.float32), x)
-    _, true = reference.control(low, high, x, controller.task.control.gain, controller.task.control.e_max)
+    _, true = reference.control(low, high, x, controller.task.gain, controller.task.e_max)
     assert len({tuple(u) for u in by_second.tolist()}) < len({tuple(u) for u in by_tick.tolist()})
     assert np.max(np.abs(by_tick - true) / np.abs(true)) < 1e-4
 

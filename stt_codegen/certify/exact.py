@@ -35,7 +35,7 @@ from stt_codegen.task import Task
 
 
 def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Certificate:
-    """P1 to P7 for the tube that the program emits."""
+    """P1 to P7 for the tube that the program emits, and P9 where the task has a period."""
     error = edge_error(design, program)
     certificate = certify_refined(task, design, error)
     seventh = Finding(
@@ -43,9 +43,18 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         f"{program.scalar} arithmetic moves no edge by more than {above(max(error), 2):g}",
         min((f.margin - f.required for f in certificate.findings if f.required > 0), default=Fraction(0)),
         Fraction(0),
-        advice='the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin',
+        advice=(
+            'the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin'
+            if program.scalar == "float"
+            else "the task needs more room than the tube's grid leaves: shift the origin near the task"
+        ),
     )
-    return replace(certificate, findings=(*certificate.findings, seventh))
+    if task.control.period is None:
+        return replace(certificate, findings=(*certificate.findings, seventh))
+    from stt_codegen.certify.period import certify_period
+
+    ninth, sampled = certify_period(task, design, error)
+    return replace(certificate, findings=(*certificate.findings, seventh, ninth), sampled=sampled)
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:

@@ -51,7 +51,7 @@ def generate(
         for _, controller in made:
             _keep_certified(out or Path(), controller)
     for task, controller in made:
-        _tell_slow_ticks(controller)
+        _tell_what_is_not_proved(controller)
         if record is not None:
             folder = record_controller(record, task, controller, uncertified)
         else:
@@ -85,12 +85,16 @@ def _keep_certified(folder: Path, controller: Any) -> None:
         raise BadInput(f"{folder}: holds a certified {controller.task.name!r}; write the uncertified one to another --out")
 
 
-def _tell_slow_ticks(controller: Any) -> None:
-    """A note on stderr when emit.tick_period is longer than what is proved for the plant that the task states."""
-    if controller.task.emit.tick_period is None or not controller.certificate.holds:
+def _tell_what_is_not_proved(controller: Any) -> None:
+    """Notes on stderr about gain, limits and tick of a refined tube: what `design` would say of them. P9 is a demand, no note."""
+    task = controller.task
+    if task.control.period is not None or controller.design.stateful or not controller.certificate.holds:
         return
     from stt_codegen.report.analysis import Analysis
 
-    for h in Analysis(controller).hypotheses():
-        if h.name == "sampling" and not h.holds:
-            say(f"note: {controller.task.name}: does not hold: {h.statement}; see `stt-codegen design`")
+    analysis = Analysis(controller)
+    told = [h.statement for h in analysis.hypotheses() if h.name in ("sampling", "saturation") and not h.holds]
+    if analysis.period is None:
+        told.append(f"a sampling period, from every start with {analysis.starts}")
+    for statement in told:
+        say(f"note: {task.name}: not shown for {analysis.name}: {statement}; see `stt-codegen design`")

@@ -25,8 +25,13 @@ PlantOption = Annotated[
     ),
 ]
 Uncertified = Annotated[bool, typer.Option("--uncertified", help="write a tube whose certificate fails; every file says so")]
-Noise = Annotated[float, typer.Option(min=0, help="bound on the error of every measured component")]
-Latency = Annotated[float, typer.Option(min=0, help="seconds from a sample to the input that it makes")]
+Noise = Annotated[
+    float | None,
+    typer.Option(min=0, help="bound on the error of every measured component (default: the task's plant.noise, or 0)"),
+]
+Latency = Annotated[
+    float | None, typer.Option(min=0, help="seconds from a sample to its input (default: the task's control.latency, or 0)")
+]
 
 
 def say(text: str) -> None:

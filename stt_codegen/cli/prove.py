@@ -26,8 +26,8 @@ def prove(
     check: Annotated[bool, typer.Option("--check", help="compare with what is on disk, instead of writing it")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas, also those proved before with these sources")] = False,
     plant: PlantOption = None,
-    noise: Noise = 0.0,
-    latency: Latency = 0.0,
+    noise: Noise = None,
+    latency: Latency = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,
     json: Json = False,
@@ -88,7 +88,7 @@ def _compared(path: Path, check: bool, differs: bool) -> str:
 
 
 def _prove_task(
-    controller: Any, plant: str | None, errors: tuple[float, float], folder: Path, check: bool, as_json: bool
+    controller: Any, plant: str | None, errors: tuple[float | None, float | None], folder: Path, check: bool, as_json: bool
 ) -> bool:
     from stt_codegen.cli.show import show_bounds
     from stt_codegen.plants import plant_of

@@ -161,6 +161,8 @@ def show_bounds(report: BoundsReport) -> None:
         console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}")
     for line in _sampling_lines(report.sampling, None):
         console.print(f"  {line}")
+    if report.proposed is not None:
+        console.print(f"  as bounds in the task: [plant] {report.proposed.toml()}", markup=False)
 
 
 def _or_none(value: float | None) -> str:
@@ -181,7 +183,7 @@ def show_run(report: RunReport) -> None:
     if s.lost:
         under.append(f"up to {s.lost} lost in a row")
     kind = report.controller.design.kind
-    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {report.plant}: {verdict}; {', '.join(under)}")
+    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {escape(report.plant)}: {verdict}; {', '.join(under)}")
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"

@@ -12,18 +12,25 @@ from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, ScalarOp
 
 def simulate(
     task: TaskFile,
-    plant: Annotated[str, typer.Option(metavar="PLANT", help="integrator, robot, spacecraft, arm, or a file .py")] = "integrator",
+    plant: Annotated[
+        str,
+        typer.Option(
+            metavar="PLANT", help="integrator, robot, spacecraft, arm, bounds (the worst within [plant]), or a file .py"
+        ),
+    ] = "integrator",
     rate: Annotated[
-        float | None, typer.Option(metavar="HZ", help="samples a second (default: 1/emit.tick_period, or 1000)")
+        float | None, typer.Option(metavar="HZ", help="samples a second (default: that of the task's period or tick, or 1000)")
     ] = None,
     disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
     w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
-    noise: Noise = 0.0,
+    noise: Noise = None,
     lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
-    latency: Latency = 0.0,
+    latency: Latency = None,
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
-    gain: Annotated[str | None, typer.Option(help='another control.gain, or "best": that with the longest proved period')] = None,
+    gain: Annotated[
+        str | None, typer.Option(help='another control.gain, or "best": of those proved for the rate that with the most room')
+    ] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,

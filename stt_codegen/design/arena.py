@@ -135,7 +135,7 @@ def arena_of(task: Task) -> Arena:
                     f"P1 width: {field} is {decimal(width)} wide in dimension {i + 1}, too narrow for a tube of "
                     f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
-                        "the coordinates are too large for single precision: move the origin near the task"
+                        "the coordinates are too large for the tube's grid, 2^-18 of them: move the origin near the task"
                         if width > least
                         else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
                     )

@@ -6,6 +6,7 @@ import dataclasses
 import hashlib
 import json
 import math
+import textwrap
 from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
@@ -14,17 +15,18 @@ from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.certificate import Certificate, Finding, Sampled
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
 from stt_codegen.program import Const, Program, Status
-from stt_codegen.program.number import round_to
+from stt_codegen.program.number import round_down, round_to
 from stt_codegen.program.print.c import CPrinter
 from stt_codegen.program.print.python import PythonPrinter
 from stt_codegen.task import Task
 
 Files = dict[str, bytes]
+NO_BREAK = "\u00a0"
 CERTIFICATE_FORMAT = 1
 DIGITS = {"exact": 6, "enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
 
@@ -50,6 +52,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     period = task.emit.tick_period
+    if certificate.sampled is not None:
+        common["proved"] = Const(round_down(certificate.sampled.period, program.scalar))
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
         common["last_tick"] = math.ceil(task.prescribed_time / period)
@@ -108,6 +112,7 @@ def certificate_document(
         "speed_bound": [above(v, DIGITS[certificate.method]) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
         **({} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}),
+        **({} if certificate.sampled is None else {"sampled": _sampled(task, certificate.sampled)}),
         "properties": [_finding(f, certificate.method) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
@@ -147,6 +152,19 @@ def _finding(finding: Finding, method: str) -> dict[str, Any]:
     return entry
 
 
+def _sampled(task: Task, sampled: Sampled) -> dict[str, Any]:
+    """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
+    return {
+        "period": str(sampled.period),
+        "latency": str(sampled.latency),
+        "share": str(sampled.share),
+        "plant": {name: None if value is None else str(value) for name, value in task.plant},
+        "rho": [str(v) for v in sampled.rho],
+        "u": [above(v) for v in sampled.u],
+        "shift": [str(v) for v in sampled.shift],
+    }
+
+
 def _notice(task: Task, certificate: Certificate) -> list[str]:
     """The lines of every file that say what is proved about it, or loudly that nothing is."""
     if certificate.holds:
@@ -162,7 +180,13 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             lines.append("step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.")
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
-        if task.u_max is not None:
+        if certificate.sampled is not None:
+            (ninth,) = (f for f in certificate.findings if f.code == "P9")
+            told = f"The state stays in it (P9) {ninth.statement}."
+            for comparison in (" <= ", " = ", " < "):  # is not broken over two lines
+                told = told.replace(comparison, comparison.replace(" ", NO_BREAK))
+            lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(told, 115)]
+        elif task.u_max is not None:
             lines.append("u is saturated: the proof that the state stays in the tube assumes that it is not.")
         return lines
     return [

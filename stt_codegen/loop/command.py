@@ -9,41 +9,53 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
-from stt_codegen.pipeline import Controller, build_program, render_files
+from stt_codegen.pipeline import Controller, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import above_float, below_float
+from stt_codegen.sampling import least
+from stt_codegen.sampling.plant import g_range
 from stt_codegen.task import Task
+
+BOUNDS = "bounds"  # the name of the plants within_bounds
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name or a file; start:
-    numbers with commas between them; gain: a number, or "best"."""
+    """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name, a file, or
+    "bounds" for the worst of the plants at the corners of [plant]; start: numbers with commas between them; gain: a number, or
+    "best"."""
 
     plant: str = "integrator"
     rate: float | None = None
     disturbance: str = "none"
     w_max: float | None = None
-    noise: float = 0.0
+    noise: float | None = None
     lost: int = 0
-    latency: float = 0.0
+    latency: float | None = None
     start: str | None = None
     seed: int = 0
     gain: str | None = None
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
-        rate = self.rate if self.rate is not None else float(1 / (task.emit.tick_period or Fraction(1, 1000)))
+        period = task.control.period or task.emit.tick_period or Fraction(1, 1000)
+        rate = self.rate if self.rate is not None else float(1 / period)
+        noise = self.noise if self.noise is not None else float(task.plant.noise or 0)
+        latency = self.latency if self.latency is not None else float(task.control.latency)
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
         scenario = Scenario(
-            rate=rate, disturbance=self.disturbance, strength=strength, seed=self.seed, noise=self.noise, lost=self.lost,
-            latency=self.latency,
+            rate=rate, disturbance=self.disturbance, strength=strength, seed=self.seed, noise=noise, lost=self.lost,
+            latency=latency,
         )  # fmt: skip
+        if self.w_max and self.disturbance == "none":
+            raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
         if self.disturbance != "none" and strength == 0:
             raise BadInput(
                 f"--disturbance {self.disturbance}: of which size? give --w-max, its greatest norm in units per second"
@@ -92,15 +104,18 @@ class RunReport:
 def simulate(controller: Controller, request: Request, out: Path | None) -> RunReport:
     """One run; its trace and picture go to the folder `out`, where one is named."""
     task = controller.task
-    plant = plant_of(request.plant, task.dimension)
-    scenario = request.scenario(task, plant)
-    windy = with_wind(plant, scenario.strength)
+    models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension)]
+    if request.plant == BOUNDS and request.disturbance == "none":
+        request = replace(request, disturbance="outward")
+    scenario = request.scenario(task, models[0])
+    windy = None if request.plant == BOUNDS else with_wind(models[0], scenario.strength)
     if request.gain is not None:
         analysis = Analysis(controller, windy, scenario.noise, scenario.latency)
         controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
-    run = Loop(controller, plant).run(scenario, trace=out is not None)
+    runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
+    name, run = min(runs, key=lambda one: (one[1].good, one[1].margin))
     written = () if out is None else tuple(write_run(controller, run, out))
-    return RunReport(controller, plant.name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
+    return RunReport(controller, name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
 
 
 def _numbers_or_null(value: Any) -> Any:
@@ -108,6 +123,23 @@ def _numbers_or_null(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_numbers_or_null(v) for v in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def within_bounds(task: Task) -> list[Plant]:
+    """Plants at the corners of [plant]: g the weakest and the strongest, inputs coupled by as much as may be with either sign,
+    and f counted to w, which pushes wherever the disturbance says."""
+    g_min, g_max = (float(v) for v in g_range(task))
+    cross, push = float(task.plant.g_cross or 0), (task.plant.f_max or Fraction(0)) + (task.plant.w_max or Fraction(0))
+
+    def plant(words: str, own: float, other: float) -> Plant:
+        def matrix(x: Any) -> list[list[float]]:
+            return [[own if i == j else other for j in range(x.shape[0])] for i in range(x.shape[0])]
+
+        return Plant(f"[plant], {words}", "", None, lambda x: [0] * x.shape[0], matrix, push)
+
+    gains = [("weakest g", g_min), ("strongest g", g_max)][: 1 + (g_min != g_max)]
+    signs = [(", coupled", cross), (", coupled the other way", -cross)] if cross else [("", 0.0)]
+    return [plant(word + way, own, other) for word, own in gains for way, other in signs]
 
 
 def with_wind(plant: Model, strength: float) -> Plant:
@@ -118,9 +150,11 @@ def with_wind(plant: Model, strength: float) -> Plant:
 def with_gain(controller: Controller, gain: Sequence[float]) -> Controller:
     """The controller made again with other gains by component, short decimals: of the same tube, which no gain changes."""
     task = controller.task.with_gain([Fraction(f"{k:.6g}") for k in gain])
-    program = build_program(task, controller.design)
-    files = render_files(task, controller.design, program, controller.certificate)
-    return Controller(task, controller.design, program, controller.certificate, files)
+    program, certificate = build_program(task, controller.design), controller.certificate
+    if task.control.period is not None:  # P9 is about the gain
+        certificate = certify(task, controller.design, program)
+    files = render_files(task, controller.design, program, certificate)
+    return Controller(task, controller.design, program, certificate, files)
 
 
 def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
@@ -151,22 +185,29 @@ def _numbers(text: str | None) -> tuple[float, ...] | None:
         raise BadInput(f"--start {text}: numbers with commas between them are needed, for example 0.25,0.25") from None
 
 
-def foretold(controller: Controller, plant: Model, scenario: Scenario) -> list[str]:
-    """What `prove TASK` says of this loop before it is run."""
+def foretold(controller: Controller, plant: Model | None, scenario: Scenario) -> list[str]:
+    """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
     if not controller.certificate.holds:
         return ["the tube is not certified: nothing is proved"]
     start = scenario.start or [float(v) for v in controller.task.initial_state]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
-    failed = [h.statement for h in analysis.hypotheses() if not h.holds]
-    lines = [f"does not hold: {statement}" for statement in failed]
+    lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
+    beyond = analysis.setting.start >= analysis.setting.law.farthest
+    if beyond.any():
+        i = int(np.argmax(beyond))
+        near = math.tanh(float(analysis.setting.start[i]) / 2)
+        lines.append(
+            f"the start has |e| = {near:.4g} in dimension {i + 1}, not below e_max: sampled, nothing is proved from there"
+        )
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]
-    e = f"|e| stays below {', '.join(f'{above_float(v):g}' for v in period.e)}"
+    now = least("sharp", analysis.setting, age) or period
+    e = f"|e| stays below {', '.join(f'{above_float(v):g}' for v in now.e)}"
     most, here = f"{1e3 * below_float(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:
-        least = f"{1e3 * above_float(analysis.shortest):.4g} ms"
-        return [*lines, f"not proved: alpha may not be stepped more often than every {least}"]
+        shortest = f"{1e3 * above_float(analysis.shortest):.4g} ms"
+        return [*lines, f"not proved: alpha may not be stepped more often than every {shortest}"]
     if age <= period.seconds:
         return [*lines, f"proved from this start: {e}, with samples up to {most} old (here {here})"]
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from flint import arb
 
 from stt_codegen.certify.enclosure import Enclosed, enclosed_windows
 from stt_codegen.decimals import by_component, decimal
@@ -26,6 +25,7 @@ from stt_codegen.report.bounds import (
     ContinuousBounds,
     Hypothesis,
     PlantOverTube,
+    ProposedBounds,
     ProvedPeriod,
     Sampling,
     TubeBounds,
@@ -35,14 +35,14 @@ from stt_codegen.report.bounds import (
     rounded,
 )
 from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, setting_of
-from stt_codegen.sampling.gains import longest_from, needed_input, rounded_gain
+from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm
+from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.sampling.statements import STATEMENTS, q
+from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
 USUAL_PERIOD = 0.001  # seconds; for which gains are told when the task names neither period nor tick_period
-SPARE = 1.1  # of what is needed, where a limit on u is proposed
 
 
 class Analysis:
@@ -117,9 +117,17 @@ class Analysis:
         steps = self.controller.certificate.steps
         return 0.0 if steps is None else float(steps[0])
 
+    @property
+    def state_is_outside(self) -> bool:
+        """Whether initial_state is none of the starts in the share."""
+        state = eps_of_state(self.windows, [float(v) for v in self.controller.task.initial_state])
+        return bool((state > eps_of_share(self.controller.task.initial_set.share, len(state))).any())
+
     def assumptions(self) -> list[str]:
         """What the periods rest on and nothing here can show."""
         task, found = self.controller.task, []
+        if self.state_is_outside:
+            found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
         if self.plant is None and task.plant.model_dump(exclude_none=True):
             if task.plant.g_cross is None and task.dimension > 1:
                 found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
@@ -154,47 +162,6 @@ class Analysis:
         task = self.controller.task
         return float(task.control.period or task.emit.tick_period or USUAL_PERIOD)
 
-    @cached_property
-    def limited(self) -> tuple[Array, Array, Period] | None:
-        """Where u is not limited: limits SPARE above what is needed, with the gain of the longest period under them, and what is
-        proved then. Once a limit binds, a larger E asks for no more input."""
-        if self.controller.task.u_max is not None:
-            return None
-        u_max = rounded_gain(needed_input(self.setting) * SPARE)
-        best = Gains(self.setting.with_law(u_max=u_max), self.setting.law.gain, self.shortest).longest
-        return None if best is None else (u_max, *best)
-
-    # --------------------------------------------------------------------------------- continuous control
-
-    @cached_property
-    def reach(self) -> Array:
-        """eps* by component (Theorem 4.1 for g that couples nothing): the least E with 4 k g_min q(E)/d+ >= P, and |eps(0)|;
-        infinite where there is none below eps(e_max)."""
-        s = self.setting
-        need = np.where(s.least > 0, s.push * s.windows.wide / (4 * s.law.gain * np.maximum(s.least, 1e-300)), np.inf).max(axis=0)
-        need = np.where(s.cross.sum(axis=(0, 2)) > 0, np.inf, need) * (1 + 1e-9)
-        return np.maximum(_inverse_q(need, s.law.farthest), s.start)
-
-    @cached_property
-    def reach_norm(self) -> float:
-        """eps* in norm, for any g: max(|eps(0)|, max gamma_d Phi/(4 k g_min))."""
-        s = self.setting
-        if not (s.definite > 0).all():
-            return math.inf
-        if len(set(s.law.gain.tolist())) > 1:
-            return math.inf
-        phi = s.push_norm / s.definite * s.windows.wide.max(axis=1) / (4 * s.law.gain[0])
-        return max(float(phi.max()) * (1 + 1e-9), float(np.sqrt((s.start**2).sum())))
-
-    @cached_property
-    def effort(self) -> Array:
-        """|u_i| <= max(|u_i(0)|, P_i/g_min,i) under continuous control, for g that couples nothing; else infinite."""
-        s = self.setting
-        with np.errstate(divide="ignore", invalid="ignore"):
-            held = np.where(s.least > 0, s.push / s.least, np.inf).max(axis=0)
-        first = 4 * s.law.gain * q(s.start) / s.windows.narrow[0] * (1 + 1e-9)
-        return np.where(s.cross.sum(axis=(0, 2)) > 0, np.inf, np.maximum(held * (1 + 1e-9), first))
-
     # ---------------------------------------------------------------------------------------- hypotheses
 
     def hypotheses(self) -> Iterator[Hypothesis]:
@@ -206,12 +173,12 @@ class Analysis:
         known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
         yield Hypothesis("Assumption 2", known, least > 0)
         clamp = s.law.farthest
-        inside = bool((self.reach < clamp).all()) or bool((self.reach_norm < clamp).all()) or self.period is not None
+        inside = (epsilon_star(s) < clamp).all() or (epsilon_star_norm(s) < clamp).all() or self.period is not None
         most = by_component([float(f"{below_float(v):.4g}") for v in clamp.tolist()])
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
-        yield Hypothesis("Theorem 4.1", told, inside)
+        yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
-            free = self.period is not None or bool((self.effort <= s.law.u_max).all())
+            free = self.period is not None or bool((effort(s) <= s.law.u_max).all())
             yield Hypothesis("saturation", "u_max leaves the law what the tube asks for", free)
         if task.emit.tick_period is not None:
             period = self.period
@@ -256,7 +223,7 @@ class Analysis:
         """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
         task, own, age = self.controller.task, self.period, self.wanted + self.latency
         sign = 1 if task.gain[0] > 0 else -1
-        longest, roomiest, limited, ends = self.gains.longest, self.gains.roomiest(age), self.limited, self.gains.range(age)
+        longest, roomiest, limited, ends = self.gains.longest, self.gains.roomiest(age), self.gains.limited, self.gains.range(age)
 
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())
@@ -302,23 +269,27 @@ class Analysis:
                 below_float(float(s.definite.min())),
                 above_float(float(s.norm.max())),
             ),
-            ContinuousBounds(rounded(self.reach, above_float), above_float(self.reach_norm), rounded(self.effort, above_float)),
+            ContinuousBounds(
+                rounded(epsilon_star(s), above_float), above_float(epsilon_star_norm(s)), rounded(effort(s), above_float)
+            ),
             {name: None if p is None else ProvedPeriod.of(p) for name, p in self.periods.items()},
             self.sampling(),
             self.update_function if isinstance(controller.design, AdaptiveDesign) else None,
+            self.proposed,
         )
 
-
-def _inverse_q(need: Array, most: Array) -> Array:
-    """The least E (rounded up) with q(E) >= need, shown in balls; infinite above `most`."""
-    low, high = np.zeros(need.shape), np.array(most)
-    for _ in range(60):
-        middle = (low + high) / 2
-        enough = q(middle) >= need
-        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
-    high = high * (1 + 1e-9)
-    shown = [
-        bool(q(np.array([arb(e)], dtype=object))[0] >= arb(v)) if math.isfinite(v) else False
-        for e, v in zip(high, need, strict=True)
-    ]
-    return np.where(shown, high, np.inf)
+    @property
+    def proposed(self) -> ProposedBounds | None:
+        """[plant] for the plant that equations describe, over the tube."""
+        if self.plant is None:
+            return None
+        w = float(self.plant.w_max)
+        push, cross = max(b.push_norm for b in self.bounds) - w, max(float(b.cross.max()) for b in self.bounds)
+        norm = max(b.norm for b in self.bounds)
+        return ProposedBounds(
+            above_float(max(push, 0.0) * (1 + 1e-12)),
+            above_float(w),
+            below_float(min(b.definite for b in self.bounds)),
+            above_float(norm),
+            above_float(cross),
+        )

@@ -143,6 +143,20 @@ class PlantOverTube:
 
 
 @dataclass(frozen=True)
+class ProposedBounds:
+    """What [plant] would have to say of a plant with equations, over the tube; None where nothing is known."""
+
+    f_max: float | None
+    w_max: float | None
+    g_min: float | None
+    g_max: float | None
+    g_cross: float | None
+
+    def toml(self) -> str:
+        return ", ".join(f"{name} = {value:g}" for name, value in asdict(self).items() if value is not None)
+
+
+@dataclass(frozen=True)
 class ContinuousBounds:
     epsilon_star: Numbers
     epsilon_star_norm: float | None
@@ -177,6 +191,7 @@ class BoundsReport:
     sampled: Mapping[str, ProvedPeriod | None]
     sampling: Sampling
     update_function: UpdateFunctionBounds | None
+    proposed: ProposedBounds | None
 
     @property
     def good(self) -> bool:
@@ -189,6 +204,8 @@ class BoundsReport:
         data |= {name: asdict(getattr(self, name)) for name in ("tube", "plant_over_the_tube", "continuous")}
         data["sampled"] = {name: None if p is None else p.document() for name, p in self.sampled.items()}
         data["sampling"] = self.sampling.document()
+        if self.proposed is not None:
+            data["proposed_plant"] = asdict(self.proposed)
         if self.update_function is not None:
             data["update_function"] = asdict(self.update_function)
         return data

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -24,6 +24,7 @@ Array = npt.NDArray[np.float64]
 TRIED = np.geomspace(1e-2, 1e2, 25)  # times the natural gain
 CLOSE = 0.01  # how near, as a share, the least and the largest gain are searched for
 FINER = 3  # values of a gain for one of TRIED, where the most room is searched for
+SPARE = 1.1  # of the input that is needed, where a limit on it is proposed
 DIGITS = 3  # of a proposed gain
 
 
@@ -103,6 +104,16 @@ class Gains:
         gain = rounded_gain(self._peak[1] * self.shape)
         period = self.at(gain)
         return None if period is None else (gain, period)
+
+    @cached_property
+    def limited(self) -> tuple[Array, Array, Period] | None:
+        """Where u is not limited: limits SPARE above what is needed, with the gain of the longest period under them, and what is
+        proved then. Once a limit binds, a larger E asks for no more input."""
+        if np.isfinite(self.setting.law.u_max).any():
+            return None
+        u_max = rounded_gain(needed_input(self.setting) * SPARE)
+        best = replace(self, setting=self.setting.with_law(u_max=u_max)).longest
+        return None if best is None else (u_max, *best)
 
     def range(self, seconds: float) -> tuple[Array, Array] | None:
         """The least and the largest |k|, short decimals, that are proved for a period of so many seconds, each within about CLOSE

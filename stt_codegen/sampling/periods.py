@@ -90,7 +90,7 @@ def _period(statement: str, s: Setting, reach: Array, tau: float, longest_tau: f
     window, dimension = _tightest(statement, s, reach, longest_tau)
     ends = (*s.windows.times.tolist(), float(s.windows.times[-1]))
     given = float(reach[0]) if statement == "general" else reach
-    u = np.asarray(STATEMENTS[statement].inputs(s, given, tau), dtype=float).max(axis=0) * (1 + 1e-12)
+    u = np.minimum(np.asarray(STATEMENTS[statement].inputs(s, given, tau), dtype=float).max(axis=0) * (1 + 1e-12), s.law.u_max)
     return Period(statement, tau, tuple(reach.tolist()), tuple(u.tolist()), (ends[window], ends[window + 1], dimension))
 
 

@@ -76,6 +76,19 @@ class Setting:
     def with_law(self, **changes: Any) -> Setting:
         return replace(self, law=replace(self.law, **changes))
 
+    def component(self, i: int) -> Setting:
+        """Component i alone, for a plant whose inputs are not coupled."""
+        here = slice(i, i + 1)
+        w, law = self.windows, self.law
+        windows = replace(
+            w,
+            start=w.start[here],
+            **{name: getattr(w, name)[:, here] for name in ("narrow", "wide", "speed", "widening", "low", "high")},
+        )
+        one = replace(law, **{name: getattr(law, name)[here] for name in ("gain", "e_max", "shift", "u_max")})
+        own = {name: getattr(self, name)[:, here] for name in ("least", "most", "push", "narrow")}
+        return replace(self, windows=windows, law=one, cross=self.cross[:, here, here], start=self.start[here], **own)
+
     def begun_at(self, start: Array) -> Setting:
         """The same loop with other starts: what |eps(0)| is at most, (n,)."""
         return replace(self, start=start)

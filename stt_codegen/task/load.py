@@ -10,8 +10,8 @@ from decimal import Decimal
 from pathlib import Path
 
 from stt_codegen.errors import BadInput, about
-from stt_codegen.task.schema import FILE
 from stt_codegen.task.task import Task
+from stt_codegen.task.values import FILE
 
 
 def load_task(path: str | Path) -> Task:

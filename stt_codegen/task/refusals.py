@@ -8,30 +8,34 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from stt_codegen.task.schema import MAX_LABEL, MAX_NAME, TaskTables, kind_of
+from stt_codegen.task.schema import MAX_LABEL, MAX_NAME, TaskTables
+from stt_codegen.task.values import kind_of
 
 
 def explain(error: ValidationError) -> str:
     """The first of pydantic's findings in this project's words."""
-    first = error.errors(include_url=False)[0]
+    found = error.errors(include_url=False)
+    first = found[0]
+    if first["type"] == "missing":  # or misspelt
+        table, missing = first["loc"][:-1], str(first["loc"][-1])
+        unknown = (e for e in found if e["type"] == "extra_forbidden" and e["loc"][:-1] == table)
+        first = next((e for e in unknown if missing in _close(e["loc"])), first)
     where = _field(first["loc"])
     kind = first["type"]
     value = first.get("input")
     if kind == "missing":
         return f"{where}: is missing; add it (see the task files in tasks/)"
     if kind == "extra_forbidden":
-        known = _known_keys(first["loc"])
-        close = difflib.get_close_matches(str(first["loc"][-1]), known, 1)
-        hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(known)}"
+        close = _close(first["loc"])
+        hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(_known_keys(first['loc']))}"
         return f"{where}: unknown key; {hint}"
     if kind == "value_error":
         return f"{where}: {first['ctx']['error']}"
     if kind in ("string_pattern_mismatch", "string_too_long"):
         if first["loc"][0] == "unsafe":
-            return (
-                f"{where}: {value!r:.40} is no name; use letters, digits, spaces or . _ ( ) # + -, at most {MAX_LABEL} characters"
-            )
-        return f"{where}: {value!r:.40} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
+            allowed = "letters, digits, spaces or . _ ( ) # + -"
+            return f"{where}: {_quoted(value)} is no name; use {allowed}, at most {MAX_LABEL} characters"
+        return f"{where}: {_quoted(value)} is no name; use a letter, then letters, digits or _, at most {MAX_NAME} characters"
     if kind == "literal_error":
         return f"{where}: is {kind_of(value)}; use one of {first['ctx']['expected']}"
     if kind in ("greater_than_equal", "less_than_equal"):
@@ -46,6 +50,17 @@ def explain(error: ValidationError) -> str:
     if kind == "string_type":
         return f"{where}: is {kind_of(value)}; text in quotes is needed"
     return f"{where}: is {kind_of(value)}; {first['msg']}"
+
+
+def _quoted(value: object) -> str:
+    """A value in quotes, the end of a long one left out."""
+    text = str(value)
+    return repr(text) if len(text) <= MAX_NAME else f"{text[:MAX_NAME]!r}.. ({len(text)} characters)"
+
+
+def _close(location: tuple[int | str, ...]) -> list[str]:
+    """The known key that an unknown one is like, if there is one."""
+    return difflib.get_close_matches(str(location[-1]), _known_keys(location), 1)
 
 
 def _field(location: tuple[int | str, ...]) -> str:

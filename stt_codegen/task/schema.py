@@ -1,173 +1,25 @@
 """The question: state space, unsafe sets, initial set, target set, prescribed time (design words: X, U_j, X0, T, t_c).
 
-A frozen `Task` of frozen tables. Decimals stay exact: every number is a `Fraction`. `load.py` makes it of a file, `checks.py`
-looks at how the fields fit together.
+A frozen `Task` of frozen tables. Decimals stay exact: every number is a `Fraction`. `values.py` has the kinds of numbers,
+`load.py` makes a task of a file, `checks.py` looks at how the fields fit together.
 """
 
 from __future__ import annotations
 
-from decimal import Decimal, localcontext
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Discriminator,
-    Field,
-    PlainSerializer,
-    StrictBool,
-    Tag,
-    ValidationInfo,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictBool
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.sets import BoxSet, ConvexSet
+from stt_codegen.task.values import Each, EachOrAuto, NotNegative, Positive, Vector, below_one, whole
 
-MAX_DIMENSION = 64
 MAX_NAME = 20
 MAX_LABEL = 40
-LARGEST, SMALLEST = Fraction(10) ** 9, Fraction(1, 10**9)  # keeps every derived float32 constant normal
-MAX_DIGITS = 40
-FILE = "file"  # in the context of a validation: the values are those of a file
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
-
-
-def kind_of(value: object) -> str:
-    """What a value of a TOML file is, in words, at most 40 characters of it."""
-    if isinstance(value, bool):
-        return f"the boolean {str(value).lower()}"
-    if isinstance(value, str):
-        return f"the text {value!r:.40}"
-    if isinstance(value, list | tuple):
-        return "a list"
-    if isinstance(value, dict):
-        return "a table"
-    if isinstance(value, int) and value.bit_length() > 63:
-        return "a very large number"
-    if isinstance(value, int | float | Decimal | Fraction):
-        return f"the number {value!s:.40}"
-    return f"a {type(value).__name__}"
-
-
-def _number(value: object, info: ValidationInfo) -> Fraction:
-    """A number as an exact fraction; raises ValueError with the reason when it cannot be one. In a file only numbers of TOML
-    will do; from Python also floats (each means its shortest decimal), NumPy's numbers, fractions that are decimals, and
-    decimals as text."""
-    if isinstance(value, bool) or type(value).__name__ == "bool":
-        raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
-    if not (info.context and info.context.get(FILE)):
-        value = _from_python(value)
-    if not isinstance(value, int | Decimal):
-        raise ValueError(f"is {kind_of(value)}; a number is needed, for example 1.0")
-    if isinstance(value, Decimal):
-        if not value.is_finite():
-            raise ValueError(f"is {value}; a finite number is needed")
-        if value and (value.adjusted() > 9 or value.adjusted() < -10 or len(value.as_tuple().digits) > MAX_DIGITS):
-            raise ValueError(
-                f"is {value!s:.40}; use 0 or a magnitude from 1e-9 to 1e9 of at most {MAX_DIGITS} digits (rescale the units)"
-            )
-    exact = Fraction(value)
-    if exact and not SMALLEST <= abs(exact) <= LARGEST:
-        raise ValueError("is out of range; use 0 or a magnitude from 1e-9 to 1e9 (rescale the units)")
-    return exact
-
-
-def _from_python(value: object) -> object:
-    """What a file could hold: an int or a decimal, where the value is one."""
-    if isinstance(value, float) or type(value).__module__ == "numpy":
-        shape = getattr(value, "shape", ())
-        if shape not in ((), None):
-            raise ValueError(f"is an array of shape {shape}; a number is needed, for example 1.0")
-        value = str(value)  # of a NumPy number too the shortest decimal
-    if isinstance(value, str):
-        try:
-            return Decimal(value)
-        except ArithmeticError:
-            return value
-    if isinstance(value, Fraction):
-        rest = value.denominator
-        for prime in (2, 5):
-            while rest % prime == 0:
-                rest //= prime
-        if rest != 1:
-            raise ValueError(f"is {value}, which is no decimal; round it, for example to {float(value):.9g}")
-        with localcontext() as context:
-            context.prec = 2 * (MAX_DIGITS + value.denominator.bit_length())
-            return Decimal(value.numerator) / value.denominator
-    return value
-
-
-def _positive(value: Fraction) -> Fraction:
-    if value <= 0:
-        raise ValueError(f"is {decimal(value)}; it must be greater than 0")
-    return value
-
-
-def _not_negative(value: Fraction) -> Fraction:
-    if value < 0:
-        raise ValueError(f"is {decimal(value)}; it must be 0 or greater")
-    return value
-
-
-def _below_one(value: Fraction) -> Fraction:
-    if value >= 1:
-        raise ValueError(f"is {decimal(value)}; it must be less than 1")
-    return value
-
-
-def _number_or_list(value: object) -> str:
-    """Which of the two a value is to be read as."""
-    if value == "auto" and isinstance(value, str):
-        return "<auto>"
-    several = isinstance(value, list | tuple) or getattr(value, "ndim", None) not in (None, 0)
-    return "<list>" if several else "<number>"
-
-
-Number = Annotated[
-    Fraction,
-    BeforeValidator(_number),
-    PlainSerializer(float, return_type=float),
-    WithJsonSchema({"type": "number"}),
-]
-Positive = Annotated[Number, AfterValidator(_positive), WithJsonSchema({"type": "number", "exclusiveMinimum": 0})]
-NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"type": "number", "minimum": 0})]
-
-
-def _vector(value: object) -> object:
-    if getattr(value, "ndim", None) == 1:
-        value = list(value)  # type: ignore[call-overload]  # a NumPy array
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"is {kind_of(value)}; a list of numbers is needed, one for each dimension")
-    if not value:
-        raise ValueError("is an empty list; give one number for each dimension")
-    if len(value) > MAX_DIMENSION:
-        raise ValueError(f"has {len(value)} entries; at most {MAX_DIMENSION} dimensions are supported")
-    return value
-
-
-Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
-Each = Annotated[  # one number for all components, or one for each
-    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
-]
-EachOrAuto = Annotated[
-    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
-    Discriminator(_number_or_list),
-]
-
-
-def _integer(value: object) -> object:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"is {kind_of(value)}; a whole number is needed")
-    if value.bit_length() > 63:
-        raise ValueError("is out of range; use a whole number below 2^63")
-    return value
 
 
 class _Table(BaseModel):
@@ -199,15 +51,14 @@ class Box(_Table):
 class InitialSet(Box):
     """The initial set X0, and the starts that statements about sampling are for."""
 
-    share: Annotated[Positive, AfterValidator(_below_one)] = Field(
+    share: Annotated[Positive, AfterValidator(below_one)] = Field(
         default=Fraction(9, 10), description="starts that sampling is proved for: this share of gamma(0)'s half widths"
     )
 
-    @model_validator(mode="before")
-    @classmethod
-    def _of_box(cls, value: Any) -> Any:
-        """A `Box` will do, from Python."""
-        return {name: getattr(value, name) for name in value.model_fields_set} if type(value) is Box else value
+
+def _from_box(value: object) -> object:
+    """A `Box` will do, from Python."""
+    return {name: getattr(value, name) for name in value.model_fields_set} if type(value) is Box else value
 
 
 class UnsafeSet(Box):
@@ -239,10 +90,10 @@ class TubeOptions(_Table):
     clearance: NotNegative = Field(default=Fraction(3, 100), description="kept between tube and unsafe sets")
     min_width: NotNegative = Field(default=Fraction(5, 100), description="least width of the tube in each dimension")
     max_speed: NotNegative | None = Field(default=None, description="bound on the speed of every edge of the tube")
-    segments: Annotated[int, BeforeValidator(_integer)] | None = Field(
+    segments: Annotated[int, BeforeValidator(whole)] | None = Field(
         default=None, ge=4, le=8192, description="spline segments; chosen when absent"
     )
-    seed: Annotated[int, BeforeValidator(_integer)] = Field(default=0, ge=0, description="literal design: the random sides")
+    seed: Annotated[int, BeforeValidator(whole)] = Field(default=0, ge=0, description="literal design: the random sides")
     adaptive: AdaptiveOptions = AdaptiveOptions()
 
 
@@ -299,7 +150,7 @@ class TaskTables(_Table):
     prescribed_time: Positive = Field(description="t_c, seconds")
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Box
-    initial_set: InitialSet
+    initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
     target_set: Box
     body: Vector | None = Field(default=None, description="half extents of the robot")
     unsafe: Annotated[tuple[UnsafeSet, ...], AfterValidator(_named)] = ()

@@ -397,6 +397,9 @@ class _Reader:
                     params.append(Param(p.name, None, type=self.types[p.name]))
         body, outputs = self.statements(node.body.block_items, kernel)
         returned = declared.type.type.type.names
+        known = ["void", f"{self.prefix}_real", *(["int32_t", "bool"] if kernel else [f"{self.prefix}_status"])]
+        if len(returned) != 1 or returned[0] not in known or declared.funcspec != ["inline"] * kernel:
+            raise Unreadable(f"{name} is declared {' '.join([*declared.storage, *declared.funcspec, *returned])}, {node.coord}")
         if kernel:
             assigns = tuple(s for s in body if isinstance(s, Assign))
             if len(assigns) != len(body):

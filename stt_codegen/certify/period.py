@@ -1,0 +1,284 @@
+"""P9: sampled at `control.period`, from every start in the task's share of gamma(0), under every plant within the bounds of
+[plant], the state stays in the tube. The sharp statement (sampling/statements.py, lemmas/sampled.py) in exact fractions.
+
+With rho_i = e^E_i rational, 1/(1 + e^-E) = rho/(1 + rho) and tanh(E/2) = (rho - 1)/(rho + 1); |e| < e_max bounds rho by
+(1 + e_max)/(1 - e_max), |e(0)| <= share from below alike. Only logarithms of rationals are left; a series with its remainder
+encloses each.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from stt_codegen.certify.certificate import Finding, Sampled
+from stt_codegen.decimals import above, below, by_component, decimal
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
+from stt_codegen.program.number import FORMATS, round_down
+from stt_codegen.sampling import (
+    Gains,
+    Setting,
+    bounds_of_task,
+    eps_of_share,
+    law_of,
+    least,
+    longest,
+    refined_windows,
+    setting_of,
+)
+from stt_codegen.sampling.gains import natural_gain, rounded_gain
+from stt_codegen.sampling.plant import g_range
+from stt_codegen.sampling.setting import ROUNDING
+from stt_codegen.task import Task
+
+BITS = 64  # of a logarithm's argument and of its series
+TERMS = 15  # 2 artanh z, |z| <= 1/5: what is left out is below 5^-31
+TRIED = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))  # above the searched E's rho
+
+
+def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
+    """ln y for y > 1, from below and from above: ln 2^k m = k ln 2 + 2 artanh((m - 1)/(m + 1)) with m from 2^-1/2 to 2^1/2."""
+    k = math.floor(math.log2(float(y)) + 0.5)
+    m = y / Fraction(2) ** k
+    low, high = _artanh((m - 1) / (m + 1))
+    two = [3 * v for v in _artanh(Fraction(1, 9))]  # ln 2 = 3 ln (5/4) + ln (128/125)
+    rest = _artanh(Fraction(3, 253))
+    return 2 * (low + k * (two[0] + rest[0])), 2 * (high + k * (two[1] + rest[1]))
+
+
+def _artanh(z: Fraction) -> tuple[Fraction, Fraction]:
+    """artanh z from below and from above, |z| < 1/4: z rounded outwards to BITS bits, and the series with its remainder."""
+    scale = 1 << BITS
+    ends = Fraction(math.floor(z * scale), scale), Fraction(math.ceil(z * scale), scale)
+    low, high = (sum((v ** (2 * j + 1) / (2 * j + 1) for j in range(TERMS)), Fraction(0)) for v in ends)
+    left = max(abs(v) for v in ends) ** (2 * TERMS + 1)  # the remainder is below z^(2N+1)/((2N+1)(1 - z^2))
+    return (
+        Fraction(math.floor((low - left) * scale), scale),
+        Fraction(math.ceil((high + left) * scale), scale),
+    )
+
+
+@dataclass(frozen=True)
+class _Component:
+    """What the statement knows of component i in one time window: exact numbers."""
+
+    narrow: Fraction  # least width of the window
+    narrow_seen: Fraction  # and of the one before
+    wide: Fraction
+    speed: Fraction  # of an edge, of both windows
+
+
+@dataclass(frozen=True)
+class Statement:
+    """The sharp statement for one task and tube; `shift`: what the law sees of x and the edges is wrong by, by component."""
+
+    task: Task
+    design: RefinedDesign
+    shift: tuple[Fraction, ...]
+
+    @property
+    def age(self) -> Fraction:
+        """The greatest age of a sample, seconds."""
+        assert self.task.control.period is not None
+        return self.task.control.period + self.task.control.latency
+
+    @property
+    def rounding(self) -> Fraction:
+        return Fraction(ROUNDING[self.task.emit.scalar, self.task.emit.math])
+
+    def windows(self) -> Iterator[tuple[_Component, ...]]:
+        """Every segment and the time after t_c, each with what the one before adds."""
+        design = self.design
+        bezier = design.bezier()
+        bezier = np.concatenate([bezier, np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)])
+        width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
+        steps = np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3))
+        per_second = 3 * design.segments / Fraction(design.prescribed_time) * design.unit
+        for k in range(len(bezier)):
+            before = max(k - 1, 0)
+            yield tuple(
+                _Component(
+                    int(width[k, i].min()) * design.unit,
+                    min(int(width[j, i].min()) for j in (k, before)) * design.unit,
+                    int(width[k, i].max()) * design.unit,
+                    max(int(steps[j, i]) for j in (k, before)) * per_second,
+                )
+                for i in range(design.dimension)
+            )
+
+    def inputs(self, window: tuple[_Component, ...], rho: tuple[Fraction, ...]) -> list[Fraction]:
+        """U: |u_i| in this window while a/b and b/a stay below rho_i, of what the law may see."""
+        task, r, found = self.task, self.rounding, []
+        for i, (c, e) in enumerate(zip(window, rho, strict=True)):
+            far, near = c.narrow_seen * e / (1 + e) + self.shift[i], c.narrow_seen / (1 + e) - self.shift[i]
+            share, width = (1 - task.e_max[i]) / 2, c.narrow_seen - 2 * self.shift[i]
+            limit = None if task.u_max is None else round_down(task.u_max[i], task.emit.scalar)
+            if near <= (far + near) * share:  # the clamp acts
+                far, near = (1 - share) * width, share * width
+            if near > 0:
+                pull = (1 / far + 1 / near) * (logarithm(far / near)[1] + r)
+                u = abs(task.gain[i]) * pull * (1 + r)
+                found.append(u if limit is None else min(u, limit))
+            elif limit is not None:
+                found.append(limit)
+            else:
+                return []  # noise wider than the tube: no bound is known
+        return found
+
+    def holds(self, rho: tuple[Fraction, ...]) -> tuple[Fraction, ...] | None:
+        """A bound on |u| by component where the statement holds with these rho; else None."""
+        task, tau, late = self.task, self.age, self.task.control.latency
+        share, segment = task.initial_set.share, Fraction(task.prescribed_time) / self.design.segments
+        for e, e_max in zip(rho, task.e_max, strict=True):
+            if not (1 + share) / (1 - share) < e <= (1 + e_max) / (1 - e_max):
+                return None
+        if tau > (segment / 2 if late else segment):
+            return None
+        largest = [Fraction(0)] * task.dimension
+        for window in self.windows():
+            u = self.inputs(window, rho)
+            if not (u and all(self._kept(i, window[i], rho[i], u) for i in range(task.dimension))):
+                return None
+            largest = [max(a, b) for a, b in zip(largest, u, strict=True)]
+        return tuple(largest)
+
+    def _kept(self, i: int, c: _Component, rho: Fraction, u: list[Fraction]) -> bool:
+        """The conditions on component i in one window."""
+        task, plant, r, tau = self.task, self.task.plant, self.rounding, self.age
+        g_min, g_max = g_range(task)
+        others = (plant.g_cross or 0) * (sum(u, Fraction(0)) - u[i])
+        push = (plant.f_max or 0) + (plant.w_max or 0) + c.speed + others
+        if c.narrow / 2 * ((rho - 1) / (rho + 1) - r) <= (push + g_max * u[i]) * tau + self.shift[i]:
+            return False  # sampled.same_side
+        if task.u_max is not None and g_min * round_down(task.u_max[i], task.emit.scalar) <= push:
+            return False  # sampled.saturated
+        drift = push * tau + g_max * u[i] * task.control.latency + self.shift[i]
+        for d in (c.narrow, c.wide):
+            a, b = d * rho / (1 + rho) - drift, d / (1 + rho) + drift
+            if a <= b:
+                return False  # sampled.ends
+            held = (1 / a + 1 / b) * (logarithm(a / b)[0] - r)
+            if abs(task.gain[i]) * (1 - r) * g_min * held <= push:
+                return False  # sampled.sharp
+        return True
+
+
+def statement_of(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> Statement:
+    """With what the law sees wrong: both edges' arithmetic, x rounded to the scalar, and noise."""
+    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
+    rest = FORMATS[task.emit.scalar].roundoff * size + (task.plant.noise or 0)
+    return Statement(task, design, tuple(2 * v + rest for v in edge_error))
+
+
+def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> Setting:
+    """The loop in doubles, in which E and gains are searched for."""
+    windows = refined_windows(design)
+    law = law_of(task, edge_error, float(task.plant.noise or 0), float(task.control.latency))
+    start = eps_of_share(task.initial_set.share, task.dimension)
+    return setting_of(windows, [bounds_of_task(task)] * len(windows.narrow), law, start)
+
+
+def chosen_gain(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Fraction, ...]:
+    """control.gain = "auto": the most room at the period, by component where inputs are not coupled. Where no gain is proved for
+    it, that of the longest period: the refusal then says what would do."""
+    setting = searched(task, design, edge_error)
+    age = float(statement_of(task, design, edge_error).age)
+    parts = [setting] if task.plant.g_cross else [setting.component(i) for i in range(task.dimension)]
+    found = []
+    for part in parts:
+        gains = Gains(part, natural_gain(part))
+        best = gains.roomiest(age) or gains.longest
+        found.append(rounded_gain(natural_gain(part)) if best is None else best[0])
+    return tuple(Fraction(f"{k:.12g}") for k in np.concatenate(found).tolist())
+
+
+def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, Sampled | None]:
+    """P9, and what is proved with it. The margin is in seconds: by how much a longer period is proved."""
+    statement, setting = statement_of(task, design, edge_error), searched(task, design, edge_error)
+    outside = _outside(task, design)
+    if outside is not None:
+        i, lack = outside
+        advice = "move initial_state inwards, or raise initial_set.share"
+        text = f"initial_state within {decimal(task.initial_set.share)} of gamma(0)'s half widths"
+        return Finding("P9", text, -lack, Fraction(0), (Fraction(0), Fraction(0)), i + 1, None, advice), None
+    age = statement.age
+    most = longest("sharp", setting)
+    spare = (Fraction(most.seconds) if most is not None else Fraction(0)) - age
+    found = _proved(statement, setting)
+    if found is None:
+        return Finding("P9", _told(task), min(spare, -age / 1000), Fraction(0), advice=_advice(task, setting, age)), None
+    e = tuple((v - 1) / (v + 1) for v in found.rho)
+    text = f"{_told(task)}: |e| < {_bounds(e)}, |u| < {_bounds(found.u)}"
+    return Finding("P9", text, Fraction(str(below(max(spare, Fraction(0)), 3))), Fraction(0)), found
+
+
+def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction] | None:
+    """The component in which initial_state is farthest outside the share, and by how much; None where it is inside."""
+    share, edges = task.initial_set.share, design.bezier()[0, :, :, 0]
+    ends = [(int(a) * design.unit, int(b) * design.unit) for a, b in edges]
+    lack = [abs(x - (a + b) / 2) - share * (b - a) / 2 for x, (a, b) in zip(task.initial_state, ends, strict=True)]
+    i = lack.index(max(lack))
+    return (i, lack[i]) if lack[i] > 0 else None
+
+
+def _proved(statement: Statement, setting: Setting) -> Sampled | None:
+    task = statement.task
+    period = least("sharp", setting, float(statement.age))
+    if period is None or task.control.period is None:
+        return None
+    most = [(1 + v) / (1 - v) for v in task.e_max]
+    for more in TRIED:
+        rho = tuple(
+            min(Fraction(str(above(Fraction(math.exp(v)) * (1 + more)))), m) for v, m in zip(period.reach, most, strict=True)
+        )
+        u = statement.holds(rho)
+        if u is not None:
+            share, latency = task.initial_set.share, task.control.latency
+            return Sampled(task.control.period, latency, share, rho, u, statement.shift)
+    return None
+
+
+def _bounds(values: tuple[Fraction, ...]) -> str:
+    return by_component([above(v, 4) for v in values])
+
+
+def _told(task: Task) -> str:
+    plant, control = task.plant, task.control
+    assert control.period is not None
+    g_min, g_max = g_range(task)
+    push = decimal((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)))
+    g = f"g_ii = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= g_ii <= {decimal(g_max)}"
+    told = [f"|f + w| <= {push}", g, f"|g_ij| <= {decimal(plant.g_cross or Fraction(0))}"]
+    told += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
+    told += [f"u {decimal(control.latency)} s after its sample at most"] if control.latency else []
+    starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
+    return f"sampled every {decimal(control.period)} s or faster, from every start with {starts}, for {', '.join(told)}"
+
+
+def _advice(task: Task, setting: Setting, age: Fraction) -> str:
+    """Which gain, period or limit would do."""
+    gains, latency = Gains(setting, natural_gain(setting)), float(task.control.latency)
+    best = gains.roomiest(float(age))
+    if best is not None:
+        return f'use control.gain = "auto" (here {by_component(best[0].tolist())})'
+    told = []
+    if gains.longest is not None and gains.longest[1].seconds > latency:
+        gain, period = gains.longest
+        told.append(f"control.period = {_below(period.seconds - latency)} with gain {by_component(gain.tolist())}")
+    limited = gains.limited
+    if limited is not None and limited[2].seconds > 1.2 * (gains.longest[1].seconds if gains.longest else 0.0):
+        u_max, seconds = by_component(limited[0].tolist()), _below(limited[2].seconds - latency)
+        told.append(f"control.u_max = {u_max} and control.period = {seconds} with gain {by_component(limited[1].tolist())}")
+    return (
+        f"use {', or '.join(told)}"
+        if told
+        else "no gain is proved for any period: widen or slow the tube, or state a milder plant"
+    )
+
+
+def _below(seconds: float) -> str:
+    return f"{below(Fraction(seconds), 3):g}"
