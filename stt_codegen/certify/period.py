@@ -8,6 +8,7 @@ encloses each.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.sampling import (
     Gains,
+    Period,
     Setting,
     bounds_of_task,
     eps_of_share,
@@ -208,7 +210,7 @@ def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction
     age = statement.age
     most = longest("sharp", setting)
     spare = (Fraction(most.seconds) if most is not None else Fraction(0)) - age
-    found = _proved(statement, setting)
+    found = _proved(statement, setting, most)
     if found is None:
         return Finding("P9", _told(task), min(spare, -age / 1000), Fraction(0), advice=_advice(task, setting, age)), None
     e = tuple((v - 1) / (v + 1) for v in found.rho)
@@ -225,20 +227,18 @@ def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction] | None:
     return (i, lack[i]) if lack[i] > 0 else None
 
 
-def _proved(statement: Statement, setting: Setting) -> Sampled | None:
-    task = statement.task
-    period = least("sharp", setting, float(statement.age))
-    if period is None or task.control.period is None:
-        return None
+def _proved(statement: Statement, setting: Setting, longest_period: Period | None) -> Sampled | None:
+    """What is proved with the least E that is found for the period; near the longest period only with that of the longest."""
+    task, age = statement.task, float(statement.age)
+    assert task.control.period is not None
+    tried = [least("sharp", setting, age), longest_period if longest_period and longest_period.seconds >= age else None]
     most = [(1 + v) / (1 - v) for v in task.e_max]
-    for more in TRIED:
-        rho = tuple(
-            min(Fraction(str(above(Fraction(math.exp(v)) * (1 + more)))), m) for v, m in zip(period.reach, most, strict=True)
-        )
+    for period, more in itertools.product((p for p in tried if p is not None), TRIED):
+        reached = [Fraction(str(above(Fraction(math.exp(v)) * (1 + more), 9))) for v in period.reach]
+        rho = tuple(map(min, reached, most))
         u = statement.holds(rho)
         if u is not None:
-            share, latency = task.initial_set.share, task.control.latency
-            return Sampled(task.control.period, latency, share, rho, u, statement.shift)
+            return Sampled(task.control.period, task.control.latency, task.initial_set.share, rho, u, statement.shift)
     return None
 
 

@@ -189,7 +189,7 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
     if not controller.certificate.holds:
         return ["the tube is not certified: nothing is proved"]
-    start = scenario.start or [float(v) for v in controller.task.initial_state]
+    start = [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
     beyond = analysis.setting.start >= analysis.setting.law.farthest

@@ -115,7 +115,11 @@ class Loop:
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:
         task, field_ = self.controller.task, self.field
-        start = np.array(scenario.start or [float(v) for v in task.initial_state])
+        given = task.initial_state if scenario.start is None else scenario.start
+        try:
+            start = np.array([float(v) for v in given])  # doubles, whatever numbers they were: C reads them by address
+        except (TypeError, ValueError):
+            raise BadInput(f"--start: is {given!r}; {task.dimension} numbers are needed") from None
         if start.shape != (task.dimension,):
             raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed")
         if not np.isfinite(start).all():
@@ -214,9 +218,12 @@ def csv(trace: Array, n: int) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def starts(task: Task, gamma: Sequence[tuple[Fraction, Fraction]], e: float, seed: int) -> tuple[float, ...]:
-    """A random start in the initial set with |e| below a bound, by component, for gamma(0)."""
+def starts(
+    task: Task, gamma: Sequence[tuple[Fraction, Fraction]], e: float, seed: int, corner: bool = False
+) -> tuple[float, ...]:
+    """A random start in the initial set with |e| up to a bound, by component, for gamma(0); or one with |e| at the bound."""
     draw = np.random.default_rng(seed)
     middle = np.array([float(a + b) / 2 for a, b in gamma])
     half = np.array([float(b - a) / 2 for a, b in gamma])
-    return tuple((middle + half * e * draw.uniform(-1, 1, len(middle))).tolist())
+    places = draw.uniform(-1, 1, len(middle))
+    return tuple((middle + half * e * (np.sign(places) if corner else places)).tolist())

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.values import Each, EachOrAuto, NotNegative, Positive, Vector, below_one, whole
+from stt_codegen.task.values import Each, GainOrAuto, NotNegative, Positive, Vector, below_one, whole
 
 MAX_NAME = 20
 MAX_LABEL = 40
@@ -100,7 +100,7 @@ class TubeOptions(_Table):
 class ControlOptions(_Table):
     """The control law (13)."""
 
-    gain: EachOrAuto | None = Field(
+    gain: GainOrAuto | None = Field(
         default=None,
         description='k, or one for each component; negative where g_s is negative definite (Remark 4.2); "auto": most room at '
         'control.period; absent: 0.5, or "auto" with a period',

@@ -11,7 +11,6 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, PlainSerial
 from stt_codegen.decimals import decimal
 
 MAX_DIMENSION = 64
-LARGEST, SMALLEST = Fraction(10) ** 9, Fraction(1, 10**9)  # keeps every derived float32 constant normal
 MAX_DIGITS = 40
 FILE = "file"  # in the context of a validation: the values are those of a file
 
@@ -33,10 +32,10 @@ def kind_of(value: object) -> str:
     return f"a {type(value).__name__}"
 
 
-def _number(value: object, info: ValidationInfo) -> Fraction:
-    """A number as an exact fraction; raises ValueError with the reason when it cannot be one. In a file only numbers of TOML
-    will do; from Python also floats (each means its shortest decimal), NumPy's numbers, fractions that are decimals, and
-    decimals as text."""
+def _number(value: object, info: ValidationInfo, power: int = 9) -> Fraction:
+    """A number as an exact fraction, 0 or from 10^-power to 10^power in size; raises ValueError with the reason when it cannot be
+    one. In a file only numbers of TOML will do; from Python also floats (each means its shortest decimal), NumPy's numbers,
+    fractions that are decimals, and decimals as text."""
     if isinstance(value, bool) or type(value).__name__ == "bool":
         raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
     if not (info.context and info.context.get(FILE)):
@@ -46,14 +45,20 @@ def _number(value: object, info: ValidationInfo) -> Fraction:
     if isinstance(value, Decimal):
         if not value.is_finite():
             raise ValueError(f"is {value}; a finite number is needed")
-        if value and (value.adjusted() > 9 or value.adjusted() < -10 or len(value.as_tuple().digits) > MAX_DIGITS):
+        if value and (value.adjusted() > power or value.adjusted() < -power - 1 or len(value.as_tuple().digits) > MAX_DIGITS):
             raise ValueError(
-                f"is {value!s:.40}; use 0 or a magnitude from 1e-9 to 1e9 of at most {MAX_DIGITS} digits (rescale the units)"
+                f"is {value!s:.40}; use 0 or a magnitude from 1e-{power} to 1e{power} of at most {MAX_DIGITS} digits "
+                "(rescale the units)"
             )
     exact = Fraction(value)
-    if exact and not SMALLEST <= abs(exact) <= LARGEST:
-        raise ValueError("is out of range; use 0 or a magnitude from 1e-9 to 1e9 (rescale the units)")
+    if exact and not Fraction(1, 10**power) <= abs(exact) <= 10**power:
+        raise ValueError(f"is out of range; use 0 or a magnitude from 1e-{power} to 1e{power} (rescale the units)")
     return exact
+
+
+def _gain(value: object, info: ValidationInfo) -> Fraction:
+    """A gain goes with the square of the unit of length: its range is that of a length squared."""
+    return _number(value, info, 18)
 
 
 def _from_python(value: object) -> object:
@@ -133,8 +138,10 @@ Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
 Each = Annotated[  # one number for all components, or one for each
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
-EachOrAuto = Annotated[
-    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
+Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return_type=float), WithJsonSchema({"type": "number"})]
+Gains = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
+GainOrAuto = Annotated[
+    Annotated[Gain, Tag("<number>")] | Annotated[Gains, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
     Discriminator(_number_or_list),
 ]
 
