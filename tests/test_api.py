@@ -33,7 +33,7 @@ CART = {
     "target_set": {"lower": [3, 2], "upper": [4, 3]},
     "unsafe": [{"name": "pillar", "lower": [1.6, 0.8], "upper": [2.2, 1.8]}],
     "tube": {"clearance": 0.05},
-    "control": {"gain": 0.5},
+    "control": {"period": 0.005},
 }
 README = (ROOT / "README.md").read_text().partition("```toml\n")[2].partition("```")[0]
 
