@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -65,7 +64,16 @@ def parse(text: str) -> Task:
     return parse_task(text)
 
 
-def design(task: Task) -> Design:
+def _task(given: Task | str | Path) -> Task:
+    """A task, or the one in a file."""
+    if isinstance(given, Task):
+        return given
+    if not isinstance(given, str | Path):
+        raise BadInput(f"task: is a {type(given).__name__}; a Task or the path of a task file is needed")
+    return load(given)
+
+
+def design(task: Task | str | Path) -> Design:
     """Find a tube for the task, as `tube.design` says: the numbers that fix it, not yet certified.
 
     Raises
@@ -80,11 +88,12 @@ def design(task: Task) -> Design:
     >>> design(load("tasks/omni_s2.toml")).kind
     'refined'
     """
+    task = _task(task)
     pipeline.require_supported(task)
     return pipeline.design_tube(task)
 
 
-def certify(task: Task, tube: Design) -> Certificate:
+def certify(task: Task | str | Path, tube: Design) -> Certificate:
     """Certify a tube for the task: P1 to P7, each with its margin in the task's units.
 
     Returns
@@ -98,7 +107,7 @@ def certify(task: Task, tube: Design) -> Certificate:
     >>> certify(task, design(task)).holds
     True
     """
-    task = pipeline.settled(task, tube)
+    task = pipeline.settled(_task(task), tube)
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 
@@ -124,12 +133,16 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     >>> build("tasks/omni_s2.toml").certificate.holds
     True
     """
-    made = pipeline.build_task(task if isinstance(task, Task) else load(task), uncertified)
+    made = pipeline.build_task(_task(task), uncertified)
     return Controller(made.task, made.design, made.program, made.certificate, made.files)
 
 
 def certify_tube(
-    task: Task, *, points: npt.ArrayLike | None = None, samples: tuple[Any, Any, Any] | None = None, uncertified: bool = False
+    task: Task | str | Path,
+    *,
+    points: npt.ArrayLike | None = None,
+    samples: tuple[Any, Any, Any] | None = None,
+    uncertified: bool = False,
 ) -> Controller:
     """Certify and emit a tube of your own, like one that was designed. Give `points` or `samples`.
 
@@ -166,6 +179,7 @@ def certify_tube(
     """
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
+    task = _task(task)
     if task.tube.design != "refined":
         raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
     own = spline_tube(task, points) if samples is None else fitted_tube(task, *samples)
@@ -199,6 +213,10 @@ class Controller(pipeline.Controller):
         data = io.BytesIO()
         figure_of(self).savefig(data, format="png", dpi=80)
         return data.getvalue()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For pickle: the emitted Python is loaded anew from its text."""
+        return {name: value for name, value in self.__dict__.items() if name != "module"}
 
     # ---- the emitted functions
 
@@ -290,8 +308,8 @@ class Controller(pipeline.Controller):
 
     def _times(self, t: npt.ArrayLike) -> tuple[Array, bool]:
         times = np.asarray(t, dtype=float)
-        if times.ndim > 1:
-            raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed")
+        if times.ndim > 1 or not times.size:
+            raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed, with one time or more")
         return np.atleast_1d(times), times.ndim == 0
 
     def _at(self, name: str, t: npt.ArrayLike, x: npt.ArrayLike | None = None) -> list[Any]:
@@ -340,8 +358,7 @@ class Controller(pipeline.Controller):
         from stt_codegen.program.as_casadi import casadi_function
 
         names = [f.name for f in self.program.functions if all(p.type is REAL for p in f.params) and f.inputs]
-        double = replace(self.program, scalar="double") if self.program.scalar == "double" else self.program
-        found = {name: casadi_function(double, name) for name in names}
+        found = {name: casadi_function(self.program, name) for name in names}
         law = found["control"]
         symbols = [ca.SX.sym(law.name_in(k), *law.size_in(k)) for k in range(law.n_in())]
         _, u = law(*symbols)
@@ -425,6 +442,8 @@ class Controller(pipeline.Controller):
         from stt_codegen.plants import plant_of
 
         model = plant_of(plant, self.task.dimension) if isinstance(plant, str) else plant
+        if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension")):
+            raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
             asked = Scenario(**scenario)
         except TypeError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import doctest
 import json
 import os
+import pickle
 import subprocess
 import sys
 from fractions import Fraction
@@ -80,7 +81,60 @@ def test_examples_are_true_and_every_function_has_one(monkeypatch, tool) -> None
         assert runner.run(one).failed == 0, one.name
 
 
+def test_what_takes_a_task_takes_the_path_of_its_file() -> None:
+    path = ROOT / "tasks" / "omni_s2.toml"
+    tube = stt.design(str(path))
+    assert stt.certify(path, tube) == stt.certify(stt.load(path), tube)
+    for wrong in (3, None, {"name": "cart"}):
+        with pytest.raises(stt.BadInput, match="a Task or the path"):
+            stt.design(wrong)  # type: ignore[arg-type]
+
+
+def test_a_controller_goes_through_pickle(controller) -> None:
+    controller.tube(1.0)  # what it keeps of this must not stand in the way
+    again = pickle.loads(pickle.dumps(controller))
+    assert again.files == controller.files
+    assert again.control(1.0, [0.5, 0.5])[1].tolist() == controller.control(1.0, [0.5, 0.5])[1].tolist()
+
+
+@pytest.mark.parametrize(
+    "start", [[1, 1], np.array([1, 1]), np.array([1.0, 1.0], np.float32), (np.float32(1),) * 2, (Fraction(1), "1")], ids=repr
+)
+def test_a_start_of_any_numbers_is_that_start(controller, start, tool) -> None:
+    """C reads doubles by their address: whole numbers and halves must have become doubles before."""
+    tool("gcc")
+    assert controller.simulate(start=start).trace[0, 1:3].tolist() == [1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("given", "told"), [([0.5], "1 numbers, 2"), ("ab", "2 numbers"), ([0.5, None], "2 numbers"), (3, "2 numbers")]
+)
+def test_a_start_that_is_none_is_refused(controller, given, told, tool) -> None:
+    tool("gcc")
+    with pytest.raises(stt.BadInput, match=told):
+        controller.simulate(start=given)
+
+
+def test_a_plant_that_is_none_is_refused(controller) -> None:
+    with pytest.raises(stt.BadInput, match="plant: is a function"):
+        controller.simulate(lambda x: x)
+
+
 # ---------------------------------------------------------------------------------------------------------- tasks in code
+
+
+def test_a_table_changes_where_it_is_told_to() -> None:
+    """And keeps the rest: else a design changed would lose the clearance."""
+    task = stt.Task(**{**CART, "tube": {"clearance": 0.05, "min_width": 0.2}})
+    other = task.changed(tube={"design": "adaptive"}, name="van")
+    assert (other.name, other.tube.design, other.tube.clearance, other.tube.min_width) == (
+        "van",
+        "adaptive",
+        Fraction(1, 20),
+        Fraction(1, 5),
+    )
+    assert task.changed(tube={"clearance": None}).tube.clearance == stt.Task(**{**CART, "tube": {}}).tube.clearance
+    assert task.changed(unsafe=None).unsafe == ()
 
 
 @pytest.mark.parametrize("path", TASK_FILES, ids=lambda p: p.stem)

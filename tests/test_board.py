@@ -70,3 +70,15 @@ def test_a_missing_tool_is_one_line_on_what_to_install(monkeypatch) -> None:
     result = CliRunner().invoke(app, ["pil", str(ROOT / "tasks" / "omni_s2.toml"), "--board", "rv32"])
     assert isinstance(result.exception, MissingTool)
     assert "picolibc" in str(result.exception)
+
+
+def test_the_command_line_knows_every_board() -> None:
+    import inspect
+    from typing import get_args
+
+    from stt_codegen.cli import bench, pil
+
+    named = get_args(get_args(inspect.signature(pil.pil, eval_str=True).parameters["board"].annotation)[0])
+    assert set(named) == set(BOARDS)
+    told = inspect.getsource(bench)
+    assert ", ".join(list(BOARDS)[:-1]) + f" or {list(BOARDS)[-1]}" in told

@@ -214,7 +214,7 @@ def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction
     if found is None:
         return Finding("P9", _told(task), min(spare, -age / 1000), Fraction(0), advice=_advice(task, setting, age)), None
     e = tuple((v - 1) / (v + 1) for v in found.rho)
-    text = f"{_told(task)}: |e| < {_bounds(e)}, |u| < {_bounds(found.u)}"
+    text = f"{_told(task)}: |e| < {_bounds(e)}, |u| <= {_bounds(found.u)}"
     return Finding("P9", text, Fraction(str(below(max(spare, Fraction(0)), 3))), Fraction(0)), found
 
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import DesignOption, Json, TaskFile, print_json, say
+from stt_codegen.cli.options import DesignOption, Json, TaskFile, patience, print_json, say
 
 
 def compare(
@@ -19,13 +19,14 @@ def compare(
     """Compare CasADi, the Python, and the C in float and double with an independent reference. Exit code 1 beyond a bound."""
     from dataclasses import asdict
 
-    from stt_codegen.compare.comparison import compare as compare_task
     from stt_codegen.errors import about
-    from stt_codegen.pipeline import require_supported
-    from stt_codegen.task import load_task
 
-    loaded = load_task(task).with_options(design)
-    with about(task):
+    with patience(f"comparing {task}"), about(task):
+        from stt_codegen.compare.comparison import compare as compare_task
+        from stt_codegen.pipeline import require_supported
+        from stt_codegen.task import load_task
+
+        loaded = load_task(task).with_options(design)
         require_supported(loaded)
         rows = compare_task(loaded, points, progress=say)
     good = all(r.holds for r in rows)

@@ -20,19 +20,19 @@ def design(
     uncertified: Uncertified = False,
 ) -> None:
     """Show the tube of a task before anything is emitted: width, speed, certificate, cost, picture."""
-    from stt_codegen.pipeline import build
-    from stt_codegen.report.design import design_report
-
-    begin = time.perf_counter()
     with patience(f"designing {task}"):
-        controller = build(task, design, scalar, uncertified)
-    report = design_report(controller, time.perf_counter() - begin)
-    if picture is not None:
-        from stt_codegen.report.picture import draw
+        from stt_codegen.pipeline import build
+        from stt_codegen.report.design import design_report
 
-        path = picture / f"{controller.task.name}.png"
-        draw(controller, path)
-        report = report.drawn(path)
+        begin = time.perf_counter()
+        controller = build(task, design, scalar, uncertified)
+        report = design_report(controller, time.perf_counter() - begin)
+        if picture is not None:
+            from stt_codegen.report.picture import draw
+
+            path = picture / f"{controller.task.name}.png"
+            draw(controller, path)
+            report = report.drawn(path)
     if json:
         print_json(report.document())
     else:

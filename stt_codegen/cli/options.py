@@ -51,13 +51,15 @@ def counted(number: int, thing: str) -> str:
 
 @contextmanager
 def patience(what: str) -> Iterator[None]:
-    """A line on stderr every two seconds while something takes longer."""
+    """A line on stderr after a second, and then every two, while something takes longer."""
     done = threading.Event()
     begin = time.perf_counter()
 
     def tell() -> None:
-        while not done.wait(2.0):
+        pause = 1.0
+        while not done.wait(pause):
             say(f"  {what}: {time.perf_counter() - begin:.0f} s ...")
+            pause = 2.0
 
     thread = threading.Thread(target=tell, daemon=True)
     thread.start()

@@ -20,11 +20,11 @@ def pil(
     """Processor in the loop: run the emitted C on an emulated board, compare with the reference, count what a call takes."""
     from dataclasses import asdict
 
-    from stt_codegen.board.emulated import BOARDS, run_on_board
-    from stt_codegen.pipeline import build
+    with patience(f"running {task} on {board}"):
+        from stt_codegen.board.emulated import BOARDS, run_on_board
+        from stt_codegen.pipeline import build
 
-    controller = build(task, design, scalar)
-    with patience(f"running {controller.task.name} on {board}"):
+        controller = build(task, design, scalar)
         rows, costs = run_on_board(controller, BOARDS[board], points)
     good = all(r.holds for r in rows)
     if json:

@@ -82,7 +82,7 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         most = f"sample every {_time(proved.period)}{least}"
         if sampling.latency:
             most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){least}"
-        return f"{most}: |e| stays below {_few(proved.e)}, |u| below {_few(proved.u)}"
+        return f"{most}: |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
 
     yield f"sampling, proved {plant} from every start with {starts}:"
     if own is None:
@@ -91,7 +91,7 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         yield f"  {every(own)}"
     if longest is not None and (own is None or longest.proved.period > 1.1 * own.period):
         told = f"gain {by_component(longest.gain)}"
-        yield f"  {told} would allow {_time(longest.proved.period)}, |u| below {_few(longest.proved.u)}"
+        yield f"  {told} would allow {_time(longest.proved.period)}, |u| is at most {_few(longest.proved.u)}"
     limited, best = sampling.limited, 0.0 if longest is None else longest.proved.period
     if limited is not None and limited.u_max is not None and limited.proved.period > 1.2 * best:
         told = f"control.u_max {by_component(limited.u_max)} and gain {by_component(limited.gain)}"

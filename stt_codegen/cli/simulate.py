@@ -38,11 +38,11 @@ def simulate(
     json: Json = False,
 ) -> None:
     """Drive a plant with the emitted C, held between samples: what is hit, left, reached. Exit code 1 when the task is missed."""
-    from stt_codegen.loop.command import Request
-    from stt_codegen.loop.command import simulate as drive
-    from stt_codegen.pipeline import build
-
     with patience(f"simulating {task}"):
+        from stt_codegen.loop.command import Request
+        from stt_codegen.loop.command import simulate as drive
+        from stt_codegen.pipeline import build
+
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
             seed=seed, gain=gain,

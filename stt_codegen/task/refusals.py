@@ -8,26 +8,25 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from stt_codegen.task.schema import MAX_LABEL, MAX_NAME, TaskTables
-from stt_codegen.task.values import kind_of
+from stt_codegen.task.values import MAX_LABEL, MAX_NAME, kind_of
 
 
-def explain(error: ValidationError) -> str:
-    """The first of pydantic's findings in this project's words."""
+def explain(error: ValidationError, model: type[BaseModel]) -> str:
+    """The first of pydantic's findings about such a table, in this project's words."""
     found = error.errors(include_url=False)
     first = found[0]
     if first["type"] == "missing":  # or misspelt
         table, missing = first["loc"][:-1], str(first["loc"][-1])
         unknown = (e for e in found if e["type"] == "extra_forbidden" and e["loc"][:-1] == table)
-        first = next((e for e in unknown if missing in _close(e["loc"])), first)
+        first = next((e for e in unknown if missing in _close(e["loc"], model)), first)
     where = _field(first["loc"])
     kind = first["type"]
     value = first.get("input")
     if kind == "missing":
         return f"{where}: is missing; add it (see the task files in tasks/)"
     if kind == "extra_forbidden":
-        close = _close(first["loc"])
-        hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(_known_keys(first['loc']))}"
+        close = _close(first["loc"], model)
+        hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(_known_keys(first['loc'], model))}"
         return f"{where}: unknown key; {hint}"
     if kind == "value_error":
         return f"{where}: {first['ctx']['error']}"
@@ -58,9 +57,9 @@ def _quoted(value: object) -> str:
     return repr(text) if len(text) <= MAX_NAME else f"{text[:MAX_NAME]!r}.. ({len(text)} characters)"
 
 
-def _close(location: tuple[int | str, ...]) -> list[str]:
+def _close(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
     """The known key that an unknown one is like, if there is one."""
-    return difflib.get_close_matches(str(location[-1]), _known_keys(location), 1)
+    return difflib.get_close_matches(str(location[-1]), _known_keys(location, model), 1)
 
 
 def _field(location: tuple[int | str, ...]) -> str:
@@ -73,9 +72,8 @@ def _field(location: tuple[int | str, ...]) -> str:
     return text or "the file"
 
 
-def _known_keys(location: tuple[int | str, ...]) -> list[str]:
-    """The keys of the table that a field is in, from the models themselves."""
-    model: type[BaseModel] = TaskTables
+def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
+    """The keys of the table that a field of the model is in, from the models themselves."""
     for part in location[:-1]:
         field = model.model_fields.get(str(part))
         model = next(iter(_tables_in(field.annotation)), model) if field is not None else model

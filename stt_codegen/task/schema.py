@@ -13,10 +13,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.values import Each, GainOrAuto, NotNegative, Positive, Vector, below_one, whole
-
-MAX_NAME = 20
-MAX_LABEL = 40
+from stt_codegen.task.values import MAX_LABEL, MAX_NAME, Each, GainOrAuto, NotNegative, Positive, Vector, below_one, whole
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]

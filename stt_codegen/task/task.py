@@ -22,7 +22,8 @@ class Task(TaskTables):
 
     Made from a file by `load_task`, or in Python from the same names: numbers may be floats (each means its shortest decimal),
     ints, fractions that are decimals, decimals as text, NumPy numbers; vectors lists, tuples or arrays of one axis; tables
-    dictionaries. Raises `BadInput`, with the field and what would be right, for whatever a file would be refused for.
+    dictionaries. docs/task.md says what each means, `Task.model_json_schema()` its range. Raises `BadInput`, with the field and
+    what would be right, for whatever a file would be refused for.
     """
 
     _digest: str = PrivateAttr(default="")
@@ -34,7 +35,7 @@ class Task(TaskTables):
         try:
             task = handler(data)
         except ValidationError as error:
-            raise BadInput(explain(error)) from None
+            raise BadInput(explain(error, TaskTables)) from None
         problem = first_problem(task)
         if problem:
             raise BadInput(problem)
@@ -58,9 +59,17 @@ class Task(TaskTables):
         return self.model_copy(update={"control": self.control.model_copy(update={"gain": given})})
 
     def changed(self, **values: Any) -> Task:
-        """The same task with other values for some fields, checked like a new one."""
+        """The same task with other values for some fields, checked like a new one. A dictionary changes those fields of a table
+        that it names and leaves the others; None takes a field away."""
         given = {name: getattr(self, name) for name in self.model_fields_set}
-        return Task(**{**given, **values})
+        for name, value in values.items():
+            table = given.get(name)
+            if isinstance(value, dict) and isinstance(table, BaseModel):
+                fields = {**{field: getattr(table, field) for field in table.model_fields_set}, **value}
+                given[name] = {field: v for field, v in fields.items() if v is not None}
+            else:
+                given[name] = value
+        return Task(**{name: value for name, value in given.items() if value is not None})
 
 
 def document_digest(document: object) -> str:

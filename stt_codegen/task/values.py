@@ -11,6 +11,8 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, PlainSerial
 from stt_codegen.decimals import decimal
 
 MAX_DIMENSION = 64
+MAX_NAME = 20
+MAX_LABEL = 40
 MAX_DIGITS = 40
 FILE = "file"  # in the context of a validation: the values are those of a file
 
