@@ -220,11 +220,13 @@ def test_prove_task_writes_bounds_that_a_second_run_confirms(design: str, tmp_pa
         assert numbers["least_gap"] > numbers["ln4_over_nu"]
 
 
-@pytest.mark.parametrize("name", ["omni_s1", "omni_s3", "omni_heading", "spacecraft"])
+@pytest.mark.parametrize("name", ["omni_s1", "omni_board", "omni_heading", "spacecraft", "trolley"])
 def test_the_committed_bounds_are_what_prove_says(name: str) -> None:
     folder = ROOT / "generated" / name / "refined" / "float"
     task = str(ROOT / "tasks" / f"{name}.toml")
-    assert CliRunner().invoke(app, ["prove", task, "--out", str(folder), "--check"]).exit_code == 0
+    result = CliRunner().invoke(app, ["prove", task, "--out", str(folder), "--check", "--json"])
+    assert not json.loads(result.stdout)["file_differs"]
+    assert result.exit_code == (name == "omni_board")  # its tick is not proved for its gain from all of the share
 
 
 def test_options_of_a_task_are_refused_without_one() -> None:

@@ -158,7 +158,8 @@ def show_bounds(report: BoundsReport) -> None:
             console.print(f"  sampled, {name}: proves no period")
             continue
         where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
-        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}")
+        short = "; conservative: in trials 4 to 1,000 times as long held" if name == "general" else ""
+        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}{short}")
     for line in _sampling_lines(report.sampling, None):
         console.print(f"  {line}")
     if report.proposed is not None:

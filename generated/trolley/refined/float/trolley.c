@@ -1,0 +1,466 @@
+/* trolley.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (trolley.certificate.json): for every t the tube keeps 0.05 from every
+ * unsafe set, stays in the state space, is at least 0.2 wide, and ends in the target set.
+ * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f +
+ * w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most:
+ * |e| < 0.9001, |u| <= 2.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "trolley.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "trolley.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const trolley_real trolley_coefficients[140] = {
+    0.0125103F, 0.1124897F, -0.03958893F, 0.18111324F,
+    0.033343315F, 0.13332272F, 0.0541811F, 0.12505627F,
+    0.05417633F, 0.15415573F, 0.022924423F, 0.11859989F,
+    0.075009346F, 0.17498875F, 0.018730164F, 0.08734226F,
+    0.09584236F, 0.19582176F, 0.01564312F, 0.071908F,
+    0.11667538F, 0.21665478F, 0.018730164F, 0.07499504F,
+    0.13750839F, 0.2374878F, 0.016672134F, 0.07499504F,
+    0.15834141F, 0.2583208F, 0.016672134F, 0.07499504F,
+    0.17917442F, 0.27915382F, 0.016672134F, 0.07499504F,
+    0.20000744F, 0.29998684F, 0.016672134F, 0.07499504F,
+    0.22084045F, 0.32081985F, 0.016672134F, 0.07499504F,
+    0.24167347F, 0.34165287F, 0.016672134F, 0.07499504F,
+    0.26250648F, 0.3624859F, 0.016672134F, 0.07499504F,
+    0.2833395F, 0.3833189F, 0.016672134F, 0.07499504F,
+    0.30417252F, 0.40415192F, 0.018730164F, 0.07499504F,
+    0.32500553F, 0.42498493F, 0.01564312F, 0.071908F,
+    0.34583855F, 0.44581795F, 0.020273209F, 0.076538086F,
+    0.36667156F, 0.46665096F, 0.014870644F, 0.071136475F,
+    0.38750458F, 0.48748398F, 0.020273209F, 0.08888626F,
+    0.391675F, 0.508317F, 0.016672134F, 0.12014294F,
+    0.412508F, 0.52915F, 0.016672134F, 0.15139961F,
+    0.43334103F, 0.549983F, 0.016672134F, 0.18265724F,
+    0.45417404F, 0.57081604F, 0.016672134F, 0.21391392F,
+    0.47500706F, 0.59164906F, 0.031188011F, 0.2451706F,
+    0.49584007F, 0.6124821F, 0.062444687F, 0.27499485F,
+    0.5166731F, 0.6333151F, 0.09370232F, 0.27499485F,
+    0.5375061F, 0.6541481F, 0.12495899F, 0.27499485F,
+    0.5583391F, 0.6749811F, 0.15621567F, 0.27499485F,
+    0.57917213F, 0.69581413F, 0.18747234F, 0.24373817F,
+    0.60000515F, 0.71664715F, 0.21872997F, 0.27499485F,
+    0.62083817F, 0.73748016F, 0.24998665F, 0.30625153F,
+    0.6319504F, 0.7583132F, 0.28124332F, 0.33750916F,
+    0.6527834F, 0.7791462F, 0.3125F, 0.36876583F,
+    0.6736164F, 0.7999792F, 0.34375763F, 0.4000225F,
+    0.6527834F, 0.7791462F, 0.3125F, 0.36876583F
+};
+
+/* Gain k of the control law, by component. */
+static const trolley_real trolley_gain[2] = {
+    0.193F, 0.436F
+};
+
+/* Saturation of u, by component. */
+static const trolley_real trolley_u_max[2] = {
+    2.0F, 2.0F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 8 s).
+ */
+static inline void trolley_segment(trolley_real t, int32_t *row, trolley_real *s)
+{
+    const bool positive = 0.0F < t;
+    const trolley_real started = positive ? t : 0.0F;
+    const trolley_real scaled = started * 4.0F;
+    const bool early = scaled < 31.999998F;
+    const trolley_real u = early ? scaled : 31.999998F;
+    const int32_t segment = (int32_t)u;
+    const trolley_real base = (trolley_real)segment;
+    const trolley_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static inline void trolley_basis(trolley_real s, trolley_real *w0, trolley_real *w1, trolley_real *w2,
+                                 trolley_real *w3)
+{
+    const trolley_real v0 = 1.0F - s;
+    const trolley_real v1 = v0 * v0;
+    const trolley_real v2 = v1 * v0;
+    const trolley_real v3 = v0 * s;
+    const trolley_real v4 = 1.0F + v3;
+    const trolley_real v5 = 3.0F * v4;
+    const trolley_real v6 = v0 * v5;
+    const trolley_real v7 = 1.0F + v6;
+    const trolley_real v8 = s * v5;
+    const trolley_real v9 = 1.0F + v8;
+    const trolley_real v10 = s * s;
+    const trolley_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static inline void trolley_basis_rate(trolley_real s, trolley_real *dw0, trolley_real *dw1, trolley_real *dw2,
+                                      trolley_real *dw3)
+{
+    const trolley_real v0 = 1.0F - s;
+    const trolley_real v1 = v0 + v0;
+    const trolley_real v2 = v0 * v1;
+    const trolley_real v3 = v0 * v0;
+    const trolley_real v4 = v2 + v3;
+    const trolley_real v5 = -v4;
+    const trolley_real v6 = v0 - s;
+    const trolley_real v7 = 3.0F * v6;
+    const trolley_real v8 = v0 * v7;
+    const trolley_real v9 = v0 * s;
+    const trolley_real v10 = 1.0F + v9;
+    const trolley_real v11 = 3.0F * v10;
+    const trolley_real v12 = v8 - v11;
+    const trolley_real v13 = s * v7;
+    const trolley_real v14 = v11 + v13;
+    const trolley_real v15 = s + s;
+    const trolley_real v16 = s * v15;
+    const trolley_real v17 = s * s;
+    const trolley_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static inline trolley_real trolley_blend(trolley_real w0, trolley_real w1, trolley_real w2, trolley_real w3,
+                                         trolley_real q0, trolley_real q1, trolley_real q2, trolley_real q3)
+{
+    const trolley_real v0 = w0 * q0;
+    const trolley_real v1 = w1 * q1;
+    const trolley_real v2 = v0 + v1;
+    const trolley_real v3 = w2 * q2;
+    const trolley_real v4 = w3 * q3;
+    const trolley_real v5 = v3 + v4;
+    const trolley_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static inline trolley_real trolley_normalized_error(trolley_real a, trolley_real b, trolley_real width)
+{
+    const trolley_real v0 = a - b;
+    const trolley_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static inline void trolley_transformed_error(trolley_real a, trolley_real b, trolley_real *epsilon,
+                                             trolley_real *xi)
+{
+    const trolley_real v0 = b / a;
+    const trolley_real v1 = logf(v0);
+    const trolley_real v2 = -v1;
+    const trolley_real v3 = 1.0F + v0;
+    const trolley_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static inline trolley_real trolley_law(trolley_real k, trolley_real xi, trolley_real epsilon)
+{
+    const trolley_real v0 = k * xi;
+    const trolley_real v1 = v0 * epsilon;
+    const trolley_real v2 = -v1;
+    return v2;
+}
+
+void trolley_tube(trolley_real t, trolley_real lower[TROLLEY_N], trolley_real upper[TROLLEY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (trolley_real)NAN;
+            upper[j] = (trolley_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    trolley_real s;
+    trolley_segment(t, &row, &s);
+    trolley_real w0;
+    trolley_real w1;
+    trolley_real w2;
+    trolley_real w3;
+    trolley_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const trolley_real lower_q0 = trolley_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const trolley_real lower_q1 = trolley_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const trolley_real lower_q2 = trolley_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const trolley_real lower_q3 = trolley_coefficients[lower_3];
+        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const trolley_real upper_q0 = trolley_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const trolley_real upper_q1 = trolley_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const trolley_real upper_q2 = trolley_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const trolley_real upper_q3 = trolley_coefficients[upper_3];
+        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void trolley_tube_rate(trolley_real t, trolley_real lower_rate[TROLLEY_N], trolley_real upper_rate[TROLLEY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (trolley_real)NAN;
+            upper_rate[j] = (trolley_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    trolley_real s;
+    trolley_segment(t, &row, &s);
+    trolley_real dw0;
+    trolley_real dw1;
+    trolley_real dw2;
+    trolley_real dw3;
+    trolley_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 8.0F;
+    const trolley_real per_second = moving ? 4.0F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const trolley_real lower_q0 = trolley_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const trolley_real lower_q1 = trolley_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const trolley_real lower_q2 = trolley_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const trolley_real lower_q3 = trolley_coefficients[lower_3];
+        const trolley_real lower_slope = trolley_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const trolley_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const trolley_real upper_q0 = trolley_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const trolley_real upper_q1 = trolley_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const trolley_real upper_q2 = trolley_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const trolley_real upper_q3 = trolley_coefficients[upper_3];
+        const trolley_real upper_slope = trolley_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const trolley_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+trolley_status trolley_control(trolley_real t, const trolley_real x[TROLLEY_N], trolley_real u[TROLLEY_N])
+{
+    const trolley_real t_zero = t * 0.0F;
+    trolley_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const trolley_real x_j = x[j];
+        const trolley_real x_zero = x_j * 0.0F;
+        const trolley_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return TROLLEY_BAD_INPUT;
+    }
+    int32_t row;
+    trolley_real s;
+    trolley_segment(t, &row, &s);
+    trolley_real w0;
+    trolley_real w1;
+    trolley_real w2;
+    trolley_real w3;
+    trolley_basis(s, &w0, &w1, &w2, &w3);
+    bool outside = false;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const trolley_real lower_q0 = trolley_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const trolley_real lower_q1 = trolley_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const trolley_real lower_q2 = trolley_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const trolley_real lower_q3 = trolley_coefficients[lower_3];
+        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const trolley_real upper_q0 = trolley_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const trolley_real upper_q1 = trolley_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const trolley_real upper_q2 = trolley_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const trolley_real upper_q3 = trolley_coefficients[upper_3];
+        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const trolley_real x_i = x[i];
+        const trolley_real gain_i = trolley_gain[i];
+        const trolley_real gain_minus = -gain_i;
+        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real to_lower = x_i - lower_edge;
+        const trolley_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
+        const trolley_real gain = upper_nearer ? gain_minus : gain_i;
+        const trolley_real least = room * 0.005F;
+        const bool clear = least < nearest;
+        const trolley_real near = clear ? nearest : least;
+        const trolley_real far = room - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
+        const trolley_real u_limit = trolley_u_max[i];
+        trolley_real epsilon;
+        trolley_real xi;
+        trolley_transformed_error(near, far, &epsilon, &xi);
+        const trolley_real push = trolley_law(gain, xi, epsilon);
+        const trolley_real u_min = -u_limit;
+        const bool u_held_above = u_min < push;
+        const trolley_real u_held_raised = u_held_above ? push : u_min;
+        const bool u_held_over = u_limit < u_held_raised;
+        const trolley_real u_held = u_held_over ? u_limit : u_held_raised;
+        u[i] = u_held;
+        outside = outside_any;
+    }
+    return outside ? TROLLEY_OUTSIDE_TUBE : TROLLEY_OK;
+}
+
+trolley_real trolley_margin(trolley_real t, const trolley_real x[TROLLEY_N])
+{
+    const trolley_real t_zero = t * 0.0F;
+    trolley_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const trolley_real x_j = x[j];
+        const trolley_real x_zero = x_j * 0.0F;
+        const trolley_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        return (trolley_real)NAN;
+    }
+    int32_t row;
+    trolley_real s;
+    trolley_segment(t, &row, &s);
+    trolley_real w0;
+    trolley_real w1;
+    trolley_real w2;
+    trolley_real w3;
+    trolley_basis(s, &w0, &w1, &w2, &w3);
+    trolley_real margin = 0.5F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const trolley_real lower_q0 = trolley_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const trolley_real lower_q1 = trolley_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const trolley_real lower_q2 = trolley_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const trolley_real lower_q3 = trolley_coefficients[lower_3];
+        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const trolley_real upper_q0 = trolley_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const trolley_real upper_q1 = trolley_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const trolley_real upper_q2 = trolley_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const trolley_real upper_q3 = trolley_coefficients[upper_3];
+        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const trolley_real x_i = x[i];
+        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real to_lower = x_i - lower_edge;
+        const trolley_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
+        const trolley_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const trolley_real held_share = beyond ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const trolley_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
+void trolley_transform(const trolley_real lower[TROLLEY_N], const trolley_real upper[TROLLEY_N],
+                       const trolley_real x[TROLLEY_N], trolley_real e[TROLLEY_N],
+                       trolley_real epsilon[TROLLEY_N], trolley_real xi[TROLLEY_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const trolley_real lower_edge = lower[i];
+        const trolley_real upper_edge = upper[i];
+        const trolley_real x_i = x[i];
+        const trolley_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const trolley_real width = wide ? room : 9.536743e-7F;
+        const trolley_real to_lower = x_i - lower_edge;
+        const trolley_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
+        const trolley_real gain = upper_nearer ? (-1.0F) : 1.0F;
+        const trolley_real least = width * 0.005F;
+        const trolley_real widened = width - room;
+        const trolley_real spare = widened * 0.5F;
+        const trolley_real distance = nearest + spare;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
+        const trolley_real near = clear ? distance : least;
+        const trolley_real far = width - near;
+        const trolley_real a = upper_nearer ? far : near;
+        const trolley_real b = upper_nearer ? near : far;
+        const trolley_real e_raw = trolley_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const trolley_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const trolley_real e_held = e_held_over ? 0.99F : e_held_raised;
+        trolley_real epsilon_near;
+        trolley_real xi_i;
+        trolley_transformed_error(near, far, &epsilon_near, &xi_i);
+        const trolley_real epsilon_i = gain * epsilon_near;
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const trolley_real e_settled = empty ? 0.0F : e_held;
+        const trolley_real e_out = finite ? e_settled : (trolley_real)NAN;
+        e[i] = e_out;
+        const trolley_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const trolley_real epsilon_out = finite ? epsilon_settled : (trolley_real)NAN;
+        epsilon[i] = epsilon_out;
+        const trolley_real xi_settled = empty ? 0.0F : xi_i;
+        const trolley_real xi_out = finite ? xi_settled : (trolley_real)NAN;
+        xi[i] = xi_out;
+    }
+}

@@ -1,0 +1,450 @@
+"""trolley: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (trolley.certificate.json): for every t the tube keeps 0.05 from every
+unsafe set, stays in the state space, is at least 0.2 wide, and ends in the target set.
+The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9, for |f +
+w| <= 0.15, 0.9 <= g_ii <= 1.1, |g_ij| <= 0.05, x measured to 0.002, u 0.002 s after its sample at most:
+|e| < 0.9001, |u| <= 2.
+
+The same functions as trolley.c (single precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 8.0  # prescribed time, seconds
+DESIGN_HASH = "f3db23891ea7fd14"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-20: exact in float and double.
+COEFFICIENTS = (
+    0.012510299682617188, 0.11248970031738281, -0.03958892822265625, 0.18111324310302734,
+    0.03334331512451172, 0.13332271575927734, 0.05418109893798828, 0.12505626678466797,
+    0.05417633056640625, 0.15415573120117188, 0.022924423217773438, 0.11859989166259766,
+    0.07500934600830078, 0.1749887466430664, 0.01873016357421875, 0.0873422622680664,
+    0.09584236145019531, 0.19582176208496094, 0.01564311981201172, 0.07190799713134766,
+    0.11667537689208984, 0.21665477752685547, 0.01873016357421875, 0.07499504089355469,
+    0.13750839233398438, 0.23748779296875, 0.016672134399414062, 0.07499504089355469,
+    0.1583414077758789, 0.25832080841064453, 0.016672134399414062, 0.07499504089355469,
+    0.17917442321777344, 0.27915382385253906, 0.016672134399414062, 0.07499504089355469,
+    0.20000743865966797, 0.2999868392944336, 0.016672134399414062, 0.07499504089355469,
+    0.2208404541015625, 0.3208198547363281, 0.016672134399414062, 0.07499504089355469,
+    0.24167346954345703, 0.34165287017822266, 0.016672134399414062, 0.07499504089355469,
+    0.26250648498535156, 0.3624858856201172, 0.016672134399414062, 0.07499504089355469,
+    0.2833395004272461, 0.3833189010620117, 0.016672134399414062, 0.07499504089355469,
+    0.3041725158691406, 0.40415191650390625, 0.01873016357421875, 0.07499504089355469,
+    0.32500553131103516, 0.4249849319458008, 0.01564311981201172, 0.07190799713134766,
+    0.3458385467529297, 0.4458179473876953, 0.020273208618164062, 0.0765380859375,
+    0.3666715621948242, 0.46665096282958984, 0.014870643615722656, 0.071136474609375,
+    0.38750457763671875, 0.4874839782714844, 0.020273208618164062, 0.08888626098632812,
+    0.3916749954223633, 0.5083169937133789, 0.016672134399414062, 0.12014293670654297,
+    0.4125080108642578, 0.5291500091552734, 0.016672134399414062, 0.1513996124267578,
+    0.43334102630615234, 0.549983024597168, 0.016672134399414062, 0.18265724182128906,
+    0.4541740417480469, 0.5708160400390625, 0.016672134399414062, 0.2139139175415039,
+    0.4750070571899414, 0.591649055480957, 0.031188011169433594, 0.24517059326171875,
+    0.49584007263183594, 0.6124820709228516, 0.06244468688964844, 0.2749948501586914,
+    0.5166730880737305, 0.6333150863647461, 0.09370231628417969, 0.2749948501586914,
+    0.537506103515625, 0.6541481018066406, 0.12495899200439453, 0.2749948501586914,
+    0.5583391189575195, 0.6749811172485352, 0.15621566772460938, 0.2749948501586914,
+    0.5791721343994141, 0.6958141326904297, 0.18747234344482422, 0.24373817443847656,
+    0.6000051498413086, 0.7166471481323242, 0.21872997283935547, 0.2749948501586914,
+    0.6208381652832031, 0.7374801635742188, 0.2499866485595703, 0.30625152587890625,
+    0.6319503784179688, 0.7583131790161133, 0.28124332427978516, 0.3375091552734375,
+    0.6527833938598633, 0.7791461944580078, 0.3125, 0.36876583099365234,
+    0.6736164093017578, 0.7999792098999023, 0.34375762939453125, 0.4000225067138672,
+    0.6527833938598633, 0.7791461944580078, 0.3125, 0.36876583099365234,
+)
+
+# Gain k of the control law, by component.
+GAIN = (
+    0.19300000369548798, 0.4359999895095825,
+)
+
+# Saturation of u, by component.
+U_MAX = (
+    2.0, 2.0,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    Before 0 the start; from t_c on the last number below 32 (t_c = 8 s).
+    """
+    positive = 0.0 < t
+    started = t if positive else 0.0
+    scaled = started * 4.0
+    early = scaled < 31.999998092651367
+    u = scaled if early else 31.999998092651367
+    segment = int(u)
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = b / a
+    v1 = math.log(v0)
+    v2 = -v1
+    v3 = 1.0 + v0
+    v4 = v3 / b
+    return v2, v4
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 8.0
+    per_second = 4.0 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = [0.193, 0.436], e clamped to [-0.99, 0.99] by component, u saturated.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    outside = False
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        gain_i = GAIN[i]
+        gain_minus = -gain_i
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = gain_minus if upper_nearer else gain_i
+        least = room * 0.004999999888241291
+        clear = least < nearest
+        near = nearest if clear else least
+        far = room - near
+        within = 0.0 < nearest
+        outside_any = outside if within else True
+        u_limit = U_MAX[i]
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
+        u_min = -u_limit
+        u_held_above = u_min < push
+        u_held_raised = push if u_held_above else u_min
+        u_held_over = u_limit < u_held_raised
+        u_held = u_limit if u_held_over else u_held_raised
+        u[i] = u_held
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
+
+
+def margin(t, x):
+    """How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+    components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+    Watch it: act while there is margin, not when the tube is left.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        return math.nan
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    margin = 0.5
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / room
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        less = held_share < margin
+        margin_next = held_share if less else margin
+        margin = margin_next
+    return margin
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = -1.0 if upper_nearer else 1.0
+        least = width * 0.004999999888241291
+        widened = width - room
+        spare = widened * 0.5
+        distance = nearest + spare
+        farther = least < distance
+        clear = filled and farther
+        near = distance if clear else least
+        far = width - near
+        a = far if upper_nearer else near
+        b = near if upper_nearer else far
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.9900000095367432 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.9900000095367432
+        e_held_over = 0.9900000095367432 < e_held_raised
+        e_held = 0.9900000095367432 if e_held_over else e_held_raised
+        epsilon_near, xi_i = _transformed_error(near, far)
+        epsilon_i = gain * epsilon_near
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)
