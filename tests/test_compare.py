@@ -14,7 +14,8 @@ from stt_codegen import reference
 from stt_codegen.compare.backends import CompiledC, GeneratedPython
 from stt_codegen.compare.comparison import compare, compare_backend
 from stt_codegen.compare.points import random_states, random_times, with_trajectory
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.program.read.c import differences
 
 QUANTITIES = ["tube", "tube rate", "e", "epsilon", "xi", "margin", "u", "status"]
 
@@ -149,3 +150,29 @@ def test_among_the_points_is_a_closed_loop_that_keeps_the_tube_and_arrives(name:
     assert ((low[loop] < x[loop]) & (x[loop] < high[loop])).all()
     last = x[loop][np.argmax(t[loop])]
     assert all(float(a) <= v <= float(b) for a, v, b in zip(task.target_set.lower, last, task.target_set.upper, strict=True))
+
+
+@pytest.mark.parametrize("u_max", [None, 3, ["3", "4"]], ids=repr)
+@pytest.mark.parametrize(
+    ("name", "design", "emit"),
+    [
+        ("omni_s2", "refined", {}),
+        ("omni_s2", "refined", {"math": "inline", "tick_period": "0.01"}),
+        ("omni_s2", "refined", {"scalar": "double"}),
+        ("omni_s1", "adaptive", {}),
+    ],
+)
+def test_constants_of_their_own_in_every_component(name: str, design: str, emit: dict, u_max: object, tool) -> None:
+    """Gain, clamp and limit by component: every backend agrees with the reference, and the C reads back as its Program."""
+    tool("gcc")
+    task = controller_of(name).task.changed(
+        tube={"design": design}, emit=emit, control={"gain": ["0.5", "0.25"], "e_max": ["0.99", "0.9"], "u_max": u_max}
+    )
+    rows = compare(task, 300)
+    assert {r.backend for r in rows} == {"CasADi", "Python", "C double", "C float"}
+    assert all(r.holds for r in rows), [r for r in rows if not r.holds]
+    made = build_task(task)
+    assert not differences(made.program, made.files[f"{name}.h"].decode(), made.files[f"{name}.c"].decode())
+    assert ("u_max" in {t.name for t in made.program.tables}) == (u_max is not None)
+    other = build_task(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
+    assert not {"gain", "e_max", "least_share"} & {t.name for t in other.program.tables}  # where all agree they are constants

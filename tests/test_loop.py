@@ -191,6 +191,41 @@ def test_what_is_proved_beforehand_holds_in_the_loop(name: str, plant: str, kind
         assert all(a <= b for a, b in zip(run.u, proved.u, strict=True))
 
 
+@pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "spacecraft"])
+def test_what_is_called_proved_holds_from_any_start_at_any_rate(name: str) -> None:
+    """Starts all over gamma(0), its corners too, rates about the proved ones: a run that is foretold as proved keeps its tube and
+    its bound on |e|; and some are not foretold, and fail."""
+    own, told, failed = loop(name), 0, 0
+    task, gamma = own.controller.task, own.controller.certificate.start
+    draw = np.random.default_rng(11)
+    for k in range(24):
+        share = draw.uniform(0.3, 0.985)
+        scenario = Scenario(10 ** draw.uniform(1.3, 4.0), start=starts(task, gamma, share, k, corner=k % 2 == 0))
+        (line,) = foretold(own.controller, PLANTS["integrator"], scenario)[-1:]
+        run = own.run(scenario)
+        if line.startswith("proved"):
+            bounds = [float(v) for v in line.partition("below ")[2].partition(", with")[0].split(", ")]
+            assert run.good
+            assert all(a < b for a, b in zip(run.e, bounds, strict=True))
+            told += 1
+        else:
+            failed += not run.kept
+    assert told >= 4
+    assert failed >= 1
+
+
+def test_inside_the_initial_set_a_run_at_the_period_of_the_state_alone_hits_and_was_not_foretold_to_hold() -> None:
+    """From (0.02, 4.52) at 64.2 Hz the state enters O1; the period that is proved from initial_state says nothing about it."""
+    own, scenario = loop("omni_s1"), Scenario(64.2, start=(0.02, 4.52))
+    analysis = Analysis(own.controller)
+    assert analysis.alone is not None
+    assert scenario.age < analysis.alone.seconds
+    assert own.run(scenario).hit == "O1"
+    assert analysis.period is not None
+    assert analysis.period.seconds < scenario.age
+    assert "not" in foretold(own.controller, PLANTS["integrator"], scenario)[-1]
+
+
 def test_a_period_that_is_much_too_long_fails_and_was_not_proved() -> None:
     own, windy = loop("omni_s2"), with_wind(PLANTS["integrator"], 0.3)
     period = Analysis(own.controller, windy).period

@@ -82,7 +82,7 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         most = f"sample every {_time(proved.period)}{least}"
         if sampling.latency:
             most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){least}"
-        return f"{most}: |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
+        return f"{most} ({proved.statement} statement): |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
 
     yield f"sampling, proved {plant} from every start with {starts}:"
     if own is None:
