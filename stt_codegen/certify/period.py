@@ -254,7 +254,7 @@ def _told(task: Task) -> str:
     g = f"g_ii = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= g_ii <= {decimal(g_max)}"
     told = [f"|f + w| <= {push}", g, f"|g_ij| <= {decimal(plant.g_cross or Fraction(0))}"]
     told += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
-    told += [f"u {decimal(control.latency)} s after its sample at most"] if control.latency else []
+    told += [f"u {decimal(control.latency)} s after its sample at most, the first at once"] if control.latency else []
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
     return f"sampled every {decimal(control.period)} s or faster, from every start with {starts}, for {', '.join(told)}"
 
