@@ -9,6 +9,7 @@ from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.picture import draw, draw_beside
+from stt_codegen.sampling import most_room
 
 HERE = Path(__file__).parent
 TASKS = HERE.parent / "tasks"
@@ -23,7 +24,7 @@ SHARE = 0.9  # of gamma(0): where runs begin
 def driven(name: str) -> tuple[Controller, list[Run]]:
     """A certified tube with the gain that `--gain best` takes, and runs from all over the initial set under every disturbance."""
     controller = build(TASKS / f"{name}.toml")
-    best = Analysis(controller, with_wind(INTEGRATOR, WIND)).gains.roomiest(1 / RATE)
+    best = most_room(Analysis(controller, with_wind(INTEGRATOR, WIND)).setting, 1 / RATE)
     assert best is not None
     controller = with_gain(controller, best[0].tolist())
     loop = Loop(controller, INTEGRATOR)

@@ -94,7 +94,7 @@ def design(task: Task | str | Path) -> Design:
 
 
 def certify(task: Task | str | Path, tube: Design) -> Certificate:
-    """Certify a tube for the task: P1 to P7, each with its margin in the task's units.
+    """Certify a tube for the task: P1 to P7, each with its margin in the task's units; P9, in seconds, where it has a period.
 
     Returns
     -------
@@ -421,7 +421,8 @@ class Controller(pipeline.Controller):
         plant
             A name, the path of a Python file, or a `Plant`.
         scenario
-            Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, lost, latency, start, seed.
+            Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, lost, latency, start, seed. Rate, noise
+            and latency that are not given are the task's (1 kHz, 0 and 0 where it says nothing).
 
         Returns
         -------
@@ -430,6 +431,8 @@ class Controller(pipeline.Controller):
 
         Raises
         ------
+        BadInput
+            A scenario or a plant that is none.
         MissingTool
             There is no C compiler.
 
@@ -438,14 +441,14 @@ class Controller(pipeline.Controller):
         >>> build("tasks/omni_s2.toml").simulate(rate=1000).good
         True
         """
-        from stt_codegen.loop.simulate import Loop, Scenario
+        from stt_codegen.loop.simulate import Loop, Scenario, of_task
         from stt_codegen.plants import plant_of
 
         model = plant_of(plant, self.task.dimension) if isinstance(plant, str) else plant
         if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension")):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
-            asked = Scenario(**scenario)
+            asked = Scenario(**{**of_task(self.task), **scenario})
         except TypeError as error:
             raise BadInput(f"simulate: {error}") from None
         return Loop(self, model).run(asked, trace=True)

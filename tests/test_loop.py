@@ -218,8 +218,8 @@ def test_inside_the_initial_set_a_run_at_the_period_of_the_state_alone_hits_and_
     """From (0.02, 4.52) at 64.2 Hz the state enters O1; the period that is proved from initial_state says nothing about it."""
     own, scenario = loop("omni_s1"), Scenario(64.2, start=(0.02, 4.52))
     analysis = Analysis(own.controller)
-    assert analysis.alone is not None
-    assert scenario.age < analysis.alone.seconds
+    assert analysis.from_initial_state is not None
+    assert scenario.age < analysis.from_initial_state.seconds
     assert own.run(scenario).hit == "O1"
     assert analysis.period is not None
     assert analysis.period.seconds < scenario.age

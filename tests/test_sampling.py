@@ -22,7 +22,7 @@ from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.pipeline import build
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling import Period, Setting, eps_of_state, holds, law_of, longest, setting_of
+from stt_codegen.sampling import Period, Setting, eps_of_state, holds, law_of, longest, most_room, setting_of
 from stt_codegen.sampling.plant import bounds_of_task
 from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
 from stt_codegen.sampling.windows import refined_windows
@@ -186,9 +186,9 @@ def test_the_robot_with_heading_is_certified_at_a_kilohertz() -> None:
     """From initial_state at the task's gain; from all of the share at another."""
     analysis = Analysis(controller_of("omni_heading"), PLANTS["robot"])
     assert all(h.holds for h in analysis.hypotheses())
-    assert analysis.alone is not None
-    assert analysis.alone.seconds > 0.001
-    assert analysis.gains.roomiest(0.001) is not None
+    assert analysis.from_initial_state is not None
+    assert analysis.from_initial_state.seconds > 0.001
+    assert most_room(analysis.setting, 0.001) is not None
 
 
 def test_a_robot_that_may_turn_past_a_right_angle_fails_assumption_2(tmp_path: Path) -> None:
@@ -295,7 +295,7 @@ def test_a_start_near_an_edge_is_not_called_proved() -> None:
 
     task = controller_of("omni_s2").task.model_copy(update={"initial_state": (Fraction("0.498"),) * 2})
     found = Analysis(build_task(task))
-    assert found.alone is None
+    assert found.from_initial_state is None
     assert Analysis(build_task(task), start=[0.498, 0.498]).period is None
 
 

@@ -1,6 +1,6 @@
 """Monte Carlo of closed loops: the C that ships drives xdot = u + w through the paper's random arenas, ten disturbances each.
 
-For every certified arena: the gain that the tool proposes (the longest proved sampling period), its C compiled, ten runs at the
+For every certified arena: the gain of the longest proved sampling period, its C compiled, ten runs at the
 rate with |w| <= w_max from the whole share of gamma(0) that is proved, every second one from a corner. With peers, in the same
 loops and runs: the barrier filter (OSQP's generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond
 the proved one, to see where tubes are left. One arena is one job, in this process, in processes or on a Dask cluster, as in the
@@ -190,8 +190,8 @@ def lines(outcomes: Sequence[Outcome], seconds: float, processes: int) -> list[s
         asked = f"{good[0].job.rate:g} Hz and |w| <= {good[0].job.w_max:g}"
         gains = f"{min(o.gain for o in good):.2g} to {max(o.gain for o in good):.2g}"
         found.append(
-            f"Proved sampling period at the proposed gain: {periods.min():.2f} ms at least, {np.median(periods):.1f} ms in the "
-            f"median; {enough} of {len(good)} are proved at {asked}. Proposed gains: {gains}."
+            f"Longest proved sampling period: {periods.min():.2f} ms at least, {np.median(periods):.1f} ms in the "
+            f"median; {enough} of {len(good)} are proved at {asked}. Gains for it: {gains}."
         )
     found.append(f"Runs at the rate or at the proved period in which |e| or |u| passed its bound: {sum(o.beyond for o in good)}.")
     longer = [o.left for o in good if o.left]

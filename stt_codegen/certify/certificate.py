@@ -16,15 +16,16 @@ TITLES = {
     "P5": "reach",
     "P6": "smooth",
     "P7": "arithmetic",
-    "P9": "sampled",
+    "P9": "period",  # P8, limits, comes with plants that have them
 }
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One property. It holds when `margin` >= `required` (task's units; seconds for P9); then `margin` is a proved lower bound on
-    the slack, least in the time interval `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and
-    place are those of one place where it fails, not necessarily the worst."""
+    """One property. It holds when `margin` >= `required` (task's units; seconds for P9, but a length where initial_state is
+    outside the share); then `margin` is a proved lower bound on the slack, least in the time interval `time` (seconds),
+    `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place where it fails, not
+    necessarily the worst."""
 
     code: str
     statement: str
@@ -61,7 +62,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class Sampled:
+class ProvedPeriod:
     """What P9 is about. Starts: |e_i(0)| <= share. rho: e^E by component, |e_i| < (rho - 1)/(rho + 1) throughout; u: |u_i| is
     below. shift: what the law sees of x and the edges is wrong by at most that: arithmetic and noise."""
 
@@ -82,7 +83,7 @@ class Certificate:
     steps: the shortest and longest step of alpha (seconds) for which an adaptive or literal tube is proved.
     speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
     start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set but for
-    a thousandth of its width at each edge. sampled: what P9 proves, where the task has a period and it holds.
+    a thousandth of its width at each edge. proved_period: what P9 proves, where the task has a period and it holds.
     """
 
     findings: tuple[Finding, ...]
@@ -93,7 +94,7 @@ class Certificate:
     whole_start: bool
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
-    sampled: Sampled | None = None
+    proved_period: ProvedPeriod | None = None
 
     @property
     def proves(self) -> bool:

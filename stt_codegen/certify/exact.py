@@ -53,8 +53,8 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         return replace(certificate, findings=(*certificate.findings, seventh))
     from stt_codegen.certify.period import certify_period
 
-    ninth, sampled = certify_period(task, design, error)
-    return replace(certificate, findings=(*certificate.findings, seventh, ninth), sampled=sampled)
+    ninth, proved = certify_period(task, design, error)
+    return replace(certificate, findings=(*certificate.findings, seventh, ninth), proved_period=proved)
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:

@@ -16,7 +16,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from stt_codegen.certify.certificate import Finding, Sampled
+from stt_codegen.certify.certificate import Finding, ProvedPeriod
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.program.number import FORMATS, round_down
@@ -29,6 +29,7 @@ from stt_codegen.sampling import (
     law_of,
     least,
     longest,
+    most_room,
     refined_windows,
     setting_of,
 )
@@ -39,7 +40,13 @@ from stt_codegen.task import Task
 
 BITS = 64  # of a logarithm's argument and of its series
 TERMS = 15  # 2 artanh z, |z| <= 1/5: what is left out is below 5^-31
-TRIED = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))  # above the searched E's rho
+TRIED = (
+    Fraction(0),
+    Fraction(1, 10**6),
+    Fraction(1, 10**4),
+    Fraction(1, 10**3),
+)  # above the rho of an E that was found in doubles
+MUCH = 1.2  # times as long, for a limit on u to be advised
 
 
 def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
@@ -75,7 +82,7 @@ class _Component:
 
 
 @dataclass(frozen=True)
-class Statement:
+class SharpStatement:
     """The sharp statement for one task and tube; `shift`: what the law sees of x and the edges is wrong by, by component."""
 
     task: Task
@@ -169,11 +176,11 @@ class Statement:
         return True
 
 
-def statement_of(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> Statement:
+def statement_of(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> SharpStatement:
     """With what the law sees wrong: both edges' arithmetic, x rounded to the scalar, and noise."""
     size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
     rest = FORMATS[task.emit.scalar].roundoff * size + (task.plant.noise or 0)
-    return Statement(task, design, tuple(2 * v + rest for v in edge_error))
+    return SharpStatement(task, design, tuple(2 * v + rest for v in edge_error))
 
 
 def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> Setting:
@@ -185,26 +192,23 @@ def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]
 
 
 def chosen_gain(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Fraction, ...]:
-    """control.gain = "auto": the most room at the period, by component where inputs are not coupled. Where no gain is proved for
-    it, that of the longest period: the refusal then says what would do."""
+    """control.gain = "auto": the most room at the period. Where no gain is proved for it, that of the longest period, and the
+    refusal says what would do."""
     setting = searched(task, design, edge_error)
-    age = float(statement_of(task, design, edge_error).age)
-    parts = [setting] if task.plant.g_cross else [setting.component(i) for i in range(task.dimension)]
-    found = []
-    for part in parts:
-        gains = Gains(part, natural_gain(part))
-        best = gains.roomiest(age) or gains.longest
-        found.append(rounded_gain(natural_gain(part)) if best is None else best[0])
-    return tuple(Fraction(f"{k:.12g}") for k in np.concatenate(found).tolist())
+    shape = natural_gain(setting)
+    found = most_room(setting, float(statement_of(task, design, edge_error).age)) or Gains(setting, shape).longest
+    gain = rounded_gain(shape) if found is None else found[0]
+    return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
 
-def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, Sampled | None]:
+def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, ProvedPeriod | None]:
     """P9, and what is proved with it. The margin is in seconds: by how much a longer period is proved."""
     statement, setting = statement_of(task, design, edge_error), searched(task, design, edge_error)
     outside = _outside(task, design)
     if outside is not None:
-        i, lack = outside
-        advice = "move initial_state inwards, or raise initial_set.share"
+        i, lack, share = outside
+        raised = f", or raise initial_set.share to {share:g}" if share < min(task.e_max) else ""
+        advice = f"move initial_state inwards{raised}"
         text = f"initial_state within {decimal(task.initial_set.share)} of gamma(0)'s half widths"
         return Finding("P9", text, -lack, Fraction(0), (Fraction(0), Fraction(0)), i + 1, None, advice), None
     age = statement.age
@@ -212,22 +216,27 @@ def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction
     spare = (Fraction(most.seconds) if most is not None else Fraction(0)) - age
     found = _proved(statement, setting, most)
     if found is None:
-        return Finding("P9", _told(task), min(spare, -age / 1000), Fraction(0), advice=_advice(task, setting, age)), None
+        lack = min(
+            spare, -age * Fraction(1, 1000)
+        )  # a longest period that is proved in balls only is no proof: some lack is told
+        return Finding("P9", _told(task), lack, Fraction(0), advice=_advice(task, setting, age)), None
     e = tuple((v - 1) / (v + 1) for v in found.rho)
     text = f"{_told(task)}: |e| < {_bounds(e)}, |u| <= {_bounds(found.u)}"
     return Finding("P9", text, Fraction(str(below(max(spare, Fraction(0)), 3))), Fraction(0)), found
 
 
-def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction] | None:
-    """The component in which initial_state is farthest outside the share, and by how much; None where it is inside."""
+def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction, float] | None:
+    """The component in which initial_state is farthest outside the share, by how much (a length), and the share that has it; None
+    where it is inside."""
     share, edges = task.initial_set.share, design.bezier()[0, :, :, 0]
     ends = [(int(a) * design.unit, int(b) * design.unit) for a, b in edges]
     lack = [abs(x - (a + b) / 2) - share * (b - a) / 2 for x, (a, b) in zip(task.initial_state, ends, strict=True)]
     i = lack.index(max(lack))
-    return (i, lack[i]) if lack[i] > 0 else None
+    needed = max(abs(2 * x - a - b) / (b - a) for x, (a, b) in zip(task.initial_state, ends, strict=True))
+    return (i, lack[i], above(needed, 4)) if lack[i] > 0 else None
 
 
-def _proved(statement: Statement, setting: Setting, longest_period: Period | None) -> Sampled | None:
+def _proved(statement: SharpStatement, setting: Setting, longest_period: Period | None) -> ProvedPeriod | None:
     """What is proved with the least E that is found for the period; near the longest period only with that of the longest."""
     task, age = statement.task, float(statement.age)
     assert task.control.period is not None
@@ -238,7 +247,7 @@ def _proved(statement: Statement, setting: Setting, longest_period: Period | Non
         rho = tuple(map(min, reached, most))
         u = statement.holds(rho)
         if u is not None:
-            return Sampled(task.control.period, task.control.latency, task.initial_set.share, rho, u, statement.shift)
+            return ProvedPeriod(task.control.period, task.control.latency, task.initial_set.share, rho, u, statement.shift)
     return None
 
 
@@ -251,7 +260,8 @@ def _told(task: Task) -> str:
     assert control.period is not None
     g_min, g_max = g_range(task)
     push = decimal((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)))
-    g = f"g_ii = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= g_ii <= {decimal(g_max)}"
+    g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
+    g = f"{g_ii} = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= {g_ii} <= {decimal(g_max)}"
     told = [f"|f + w| <= {push}", g, f"|g_ij| <= {decimal(plant.g_cross or Fraction(0))}"]
     told += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
     told += [f"u {decimal(control.latency)} s after its sample at most, the first at once"] if control.latency else []
@@ -262,7 +272,7 @@ def _told(task: Task) -> str:
 def _advice(task: Task, setting: Setting, age: Fraction) -> str:
     """Which gain, period or limit would do."""
     gains, latency = Gains(setting, natural_gain(setting)), float(task.control.latency)
-    best = gains.roomiest(float(age))
+    best = most_room(setting, float(age))
     if best is not None:
         return f'use control.gain = "auto" (here {by_component(best[0].tolist())})'
     told = []
@@ -270,7 +280,7 @@ def _advice(task: Task, setting: Setting, age: Fraction) -> str:
         gain, period = gains.longest
         told.append(f"control.period = {_below(period.seconds - latency)} with gain {by_component(gain.tolist())}")
     limited = gains.limited
-    if limited is not None and limited[2].seconds > 1.2 * (gains.longest[1].seconds if gains.longest else 0.0):
+    if limited is not None and limited[2].seconds > MUCH * (gains.longest[1].seconds if gains.longest else 0.0):
         u_max, seconds = by_component(limited[0].tolist()), _below(limited[2].seconds - latency)
         told.append(f"control.u_max = {u_max} and control.period = {seconds} with gain {by_component(limited[1].tolist())}")
     return (

@@ -103,8 +103,8 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         yield f"  least and largest gain proved for a period of {wanted}: {low} and {high} (to 2 %)"
     if sampling.roomiest is not None:
         yield f"  gain {by_component(sampling.roomiest.gain)} leaves the most room at {wanted}"
-    if sampling.alone is not None:
-        yield f"from initial_state alone: {every(sampling.alone)}"
+    if sampling.from_initial_state is not None:
+        yield f"from initial_state alone: {every(sampling.from_initial_state)}"
     for line in sampling.assumes:
         yield f"assumed: {escape(line)}"
     if tick_period is not None and (own is None or tick_period > own.period):
@@ -153,12 +153,16 @@ def show_bounds(report: BoundsReport) -> None:
         numbers.add_row(name, *map(_or_none, values))
     console.print(numbers)
     console.print(f"  |eps|, all of it (continuous): {_or_none(free.epsilon_star_norm)}")
+    if None in (*free.epsilon_star, free.epsilon_star_norm):
+        console.print(
+            "  none: nothing below eps(e_max) is shown for continuous control, by component not where inputs are coupled"
+        )
     for name, p in report.sampled.items():
         if p is None:
             console.print(f"  sampled, {name}: proves no period")
             continue
         where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
-        short = "; conservative: in trials 4 to 1,000 times as long held" if name == "general" else ""
+        short = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
         console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}{short}")
     for line in _sampling_lines(report.sampling, None):
         console.print(f"  {line}")

@@ -15,7 +15,7 @@ from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding, Sampled
+from stt_codegen.certify.certificate import Certificate, Finding, ProvedPeriod
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
@@ -52,8 +52,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     period = task.emit.tick_period
-    if certificate.sampled is not None:
-        common["proved"] = Const(round_down(certificate.sampled.period, program.scalar))
+    if certificate.proved_period is not None:
+        common["proved"] = Const(round_down(certificate.proved_period.period, program.scalar))
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
         common["last_tick"] = math.ceil(task.prescribed_time / period)
@@ -112,7 +112,7 @@ def certificate_document(
         "speed_bound": [above(v, DIGITS[certificate.method]) for v in certificate.speed],
         "edge_error_bound": [above(v) for v in certificate.edge_error],
         **({} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}),
-        **({} if certificate.sampled is None else {"sampled": _sampled(task, certificate.sampled)}),
+        **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
         "properties": [_finding(f, certificate.method) for f in certificate.findings],
         "sha256": {"task_data": task.digest, **digests},
     }
@@ -152,16 +152,16 @@ def _finding(finding: Finding, method: str) -> dict[str, Any]:
     return entry
 
 
-def _sampled(task: Task, sampled: Sampled) -> dict[str, Any]:
+def _sampled(task: Task, proved: ProvedPeriod) -> dict[str, Any]:
     """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
     return {
-        "period": str(sampled.period),
-        "latency": str(sampled.latency),
-        "share": str(sampled.share),
+        "period": str(proved.period),
+        "latency": str(proved.latency),
+        "share": str(proved.share),
         "plant": {name: None if value is None else str(value) for name, value in task.plant},
-        "rho": [str(v) for v in sampled.rho],
-        "u": [above(v) for v in sampled.u],
-        "shift": [str(v) for v in sampled.shift],
+        "rho": [str(v) for v in proved.rho],
+        "u": [above(v) for v in proved.u],
+        "shift": [str(v) for v in proved.shift],
     }
 
 
@@ -180,7 +180,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             lines.append("step from the t where the last one ended, and so on after t_c. In a slower loop take several a period.")
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
-        if certificate.sampled is not None:
+        if certificate.proved_period is not None:
             (ninth,) = (f for f in certificate.findings if f.code == "P9")
             told = f"The state stays in it (P9) {ninth.statement}."
             for comparison in (" <= ", " = ", " < "):  # is not broken over two lines

@@ -92,7 +92,8 @@ def _join(a: Any, b: Any, operation: Callable[[Any, Any], Any]) -> Any:
 
 
 NUMBERS = {
-    "E": 2.0, "tau": 1e-3, "l": 3e-4, "k": 0.3, "r": 1e-5, "d1": 0.5, "d2": 0.6, "w1": 0.7, "w2": 0.9, "P1": 0.4, "P2": 0.3,
+    "E": 2.0, "E1": 2.0, "E2": 1.5, "k1": 0.3, "k2": 0.4,
+    "tau": 1e-3, "l": 3e-4, "k": 0.3, "r": 1e-5, "d1": 0.5, "d2": 0.6, "w1": 0.7, "w2": 0.9, "P1": 0.4, "P2": 0.3,
     "g1": 0.9, "g2": 1.1, "G1": 1.0, "G2": 1.2, "c12": 0.1, "c21": 0.05, "eta1": 1e-3, "eta2": 2e-3, "D1": 0.2, "D2": 0.1,
     "F": 0.6, "lambda": 0.8, "N": 1.3, "m1": 50.0, "m2": 60.0,
 }  # fmt: skip
@@ -111,12 +112,15 @@ def _row(*names: str) -> Any:
 
 
 def setting(n: int, coupled: bool = False) -> Setting:
-    """A loop of one window and n components whose every number is a symbol."""
+    """A loop of one window and n components whose every number is a symbol; gains of their own where inputs are coupled."""
     numbers = [str(i + 1) for i in range(n)]
     zero = Formula(sp.Integer(0), 0.0)
     cross = [[_f(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
     eta = [_f(f"eta{i}") for i in numbers]
-    gain, limits = np.array([_f("k")] * n, dtype=object), _row(*(f"m{i}" for i in numbers))[0]
+    gain, limits = (
+        np.array([_f(f"k{i}" if coupled else "k") for i in numbers], dtype=object),
+        _row(*(f"m{i}" for i in numbers))[0],
+    )
     law: Any = Law(gain, np.full(n, 0.999), np.array(eta, dtype=object), limits, 0.0, 0.0)
     law = replace(law, rounding=_f("r"), latency=_f("l"))
     nothing = np.zeros((1, n))
@@ -142,9 +146,10 @@ def _q_rate(e: Any) -> Any:
     return sp.cosh(e / 2) ** 2 * (1 + e * sp.tanh(e / 2))
 
 
-def _distances(width: Any, change: Any) -> tuple[Any, Any]:
+def _distances(width: Any, change: Any, reach: Any = None) -> tuple[Any, Any]:
     """Far and near distance at |eps| = E, the far one less and the near one more by a change."""
-    return width / (1 + sp.exp(-V["E"])) - change, width / (1 + sp.exp(V["E"])) + change
+    e = V["E"] if reach is None else reach
+    return width / (1 + sp.exp(-e)) - change, width / (1 + sp.exp(e)) + change
 
 
 def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
@@ -152,24 +157,25 @@ def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
 
 
 def _sharp() -> Outcome:
-    """Both components of a coupled loop: U, P', c, then every condition in its order."""
-    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), _f("E"), _f("tau"))
-    r, k, tau, late = V["r"], V["k"], V["tau"], V["l"]
+    """Both components of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
+    reach = np.array([_f("E1"), _f("E2")], dtype=object)
+    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), reach, _f("tau"))
+    r, tau, late = V["r"], V["tau"], V["l"]
     inputs = []
     for name in ("1", "2"):
-        far, near = _distances(V[f"d{name}"], -V[f"eta{name}"])
-        inputs.append(k * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r))
+        far, near = _distances(V[f"d{name}"], -V[f"eta{name}"], V[f"E{name}"])
+        inputs.append(V[f"k{name}"] * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r))
     wanted: dict[str, Any] = {}
     for i, other in (0, 1), (1, 0):
         at = str(i + 1)
         push = V[f"P{at}"] + V[f"c{at}{other + 1}"] * inputs[other]
         c = push * tau + V[f"G{at}"] * inputs[i] * late + V[f"eta{at}"]
-        side = V[f"d{at}"] / 2 * (sp.tanh(V["E"] / 2) - r) - (push + V[f"G{at}"] * inputs[i]) * tau - V[f"eta{at}"]
+        side = V[f"d{at}"] / 2 * (sp.tanh(V[f"E{at}"] / 2) - r) - (push + V[f"G{at}"] * inputs[i]) * tau - V[f"eta{at}"]
         claims = [side]
         for width in (V[f"d{at}"], V[f"w{at}"]):
-            far, near = _distances(width, c)
+            far, near = _distances(width, c, V[f"E{at}"])
             held = _pull(far, near) - r * (1 / far + 1 / near)
-            claims += [far - near, k * (1 - r) * V[f"g{at}"] * held - push]
+            claims += [far - near, V[f"k{at}"] * (1 - r) * V[f"g{at}"] * held - push]
         claims.append(V[f"m{at}"] * V[f"g{at}"] - push)
         names = ("same side", "a > b at d-", "inward at d-", "a > b at d+", "inward at d+", "saturated")
         wanted |= {

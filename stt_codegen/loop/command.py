@@ -13,13 +13,13 @@ import numpy as np
 
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.simulate import Loop, Run, Scenario, csv
+from stt_codegen.loop.simulate import Loop, Run, Scenario, csv, of_task
 from stt_codegen.pipeline import Controller, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import above_float, below_float
-from stt_codegen.sampling import least
+from stt_codegen.sampling import least, most_room
 from stt_codegen.sampling.plant import g_range
 from stt_codegen.task import Task
 
@@ -45,14 +45,11 @@ class Request:
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
-        period = task.control.period or task.emit.tick_period or Fraction(1, 1000)
-        rate = self.rate if self.rate is not None else float(1 / period)
-        noise = self.noise if self.noise is not None else float(task.plant.noise or 0)
-        latency = self.latency if self.latency is not None else float(task.control.latency)
+        given = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
+        told = of_task(task) | {name: value for name, value in given.items() if value is not None}
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
         scenario = Scenario(
-            rate=rate, disturbance=self.disturbance, strength=strength, seed=self.seed, noise=noise, lost=self.lost,
-            latency=latency,
+            disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, **told,
         )  # fmt: skip
         if self.w_max and self.disturbance == "none":
             raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
@@ -105,9 +102,11 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     """One run; its trace and picture go to the folder `out`, where one is named."""
     task = controller.task
     models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension)]
-    if request.plant == BOUNDS and request.disturbance == "none":
+    if request.plant == BOUNDS and request.disturbance == "none" and models[0].w_max:
         request = replace(request, disturbance="outward")
     scenario = request.scenario(task, models[0])
+    if request.plant == BOUNDS and scenario.strength > models[0].w_max:
+        raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(models[0].w_max):g}")
     windy = None if request.plant == BOUNDS else with_wind(models[0], scenario.strength)
     if request.gain is not None:
         analysis = Analysis(controller, windy, scenario.noise, scenario.latency)
@@ -126,9 +125,10 @@ def _numbers_or_null(value: Any) -> Any:
 
 
 def within_bounds(task: Task) -> list[Plant]:
-    """Plants at the corners of [plant]: g the weakest and the strongest, inputs coupled by as much as may be with either sign,
-    and f counted to w, which pushes wherever the disturbance says."""
-    g_min, g_max = (float(v) for v in g_range(task))
+    """Plants at the corners of what P9 is about: every g_ii the weakest or the strongest (of -g for a negative gain), every g_ij
+    as large as may be with either sign, and f counted to w, which pushes wherever the disturbance says."""
+    sign = 1 if task.gain[0] > 0 else -1
+    g_min, g_max = (sign * float(v) for v in g_range(task))
     cross, push = float(task.plant.g_cross or 0), (task.plant.f_max or Fraction(0)) + (task.plant.w_max or Fraction(0))
 
     def plant(words: str, own: float, other: float) -> Plant:
@@ -162,8 +162,8 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     where none is proved for that, the gain of the longest period."""
     task = analysis.controller.task
     if text == "best":
-        gains = analysis.gains
-        best = gains.roomiest(age) or gains.longest if analysis.controller.certificate.holds else None
+        setting, shortest = analysis.setting, analysis.shortest
+        best = most_room(setting, age, shortest) or analysis.gains.longest if analysis.controller.certificate.holds else None
         if best is None:
             raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
         return tuple((math.copysign(1, task.gain[0]) * best[0]).tolist())

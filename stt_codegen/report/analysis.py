@@ -34,7 +34,7 @@ from stt_codegen.report.bounds import (
     below_float,
     rounded,
 )
-from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, setting_of
+from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, most_room, setting_of
 from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm
 from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
@@ -144,7 +144,7 @@ class Analysis:
         return max(found, key=lambda p: p.seconds, default=None)
 
     @cached_property
-    def alone(self) -> Period | None:
+    def from_initial_state(self) -> Period | None:
         """The longest period from initial_state alone, where that is longer than from all starts of the share."""
         setting = self.setting.begun_at(eps_of_state(self.windows, [float(v) for v in self.controller.task.initial_state]))
         found = [p for p in (longest_from(self.shortest, name, setting) for name in STATEMENTS) if p is not None]
@@ -221,27 +221,30 @@ class Analysis:
 
     def sampling(self) -> Sampling:
         """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
-        task, own, age = self.controller.task, self.period, self.wanted + self.latency
+        task, own, alone, age = self.controller.task, self.period, self.from_initial_state, self.wanted + self.latency
         sign = 1 if task.gain[0] > 0 else -1
-        longest, roomiest, limited, ends = self.gains.longest, self.gains.roomiest(age), self.gains.limited, self.gains.range(age)
+        longest, limited, ends = self.gains.longest, self.gains.limited, self.gains.range(age)
+        roomiest = most_room(self.setting, age, self.shortest)
 
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())
 
         return Sampling(
-            self.name,
-            self.latency,
-            tuple(self.assumptions()),
-            above_float(self.shortest),
-            self.starts,
-            tuple(float(v) for v in task.gain),
-            None if own is None else ProvedPeriod.of(own),
-            None if self.alone is None else ProvedPeriod.of(self.alone),
-            None if longest is None else Advice(signed(longest[0]), ProvedPeriod.of(longest[1])),
-            None if limited is None else Advice(signed(limited[1]), ProvedPeriod.of(limited[2]), tuple(limited[0].tolist())),
-            self.wanted,
-            None if roomiest is None else Advice(signed(roomiest[0]), ProvedPeriod.of(roomiest[1])),
-            None if ends is None else (signed(ends[0]), signed(ends[1])),
+            plant=self.name,
+            latency=self.latency,
+            assumes=tuple(self.assumptions()),
+            shortest=above_float(self.shortest),
+            starts=self.starts,
+            gain=tuple(float(v) for v in task.gain),
+            at_this_gain=None if own is None else ProvedPeriod.of(own),
+            from_initial_state=None if alone is None else ProvedPeriod.of(alone),
+            longest=None if longest is None else Advice(signed(longest[0]), ProvedPeriod.of(longest[1])),
+            limited=None
+            if limited is None
+            else Advice(signed(limited[1]), ProvedPeriod.of(limited[2]), tuple(limited[0].tolist())),
+            wanted=self.wanted,
+            roomiest=None if roomiest is None else Advice(signed(roomiest[0]), ProvedPeriod.of(roomiest[1])),
+            gains=None if ends is None else (signed(ends[0]), signed(ends[1])),
         )
 
     def report(self) -> BoundsReport:

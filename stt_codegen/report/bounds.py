@@ -79,7 +79,7 @@ class Advice:
 
 @dataclass(frozen=True)
 class Sampling:
-    """What a user chooses from, all of it for the starts that `starts` names but for `alone`, which is for initial_state.
+    """What a user chooses from, all of it for the starts that `starts` names but for `from_initial_state`.
 
     assumes: what the periods rest on and nothing here can show. shortest: seconds below which alpha may not be stepped. longest:
     the gain with the longest period; limited: the same with limits on u; roomiest: of the gains proved for `wanted` seconds the
@@ -92,7 +92,7 @@ class Sampling:
     starts: str
     gain: tuple[float, ...]
     at_this_gain: ProvedPeriod | None
-    alone: ProvedPeriod | None
+    from_initial_state: ProvedPeriod | None
     longest: Advice | None
     limited: Advice | None
     wanted: float
@@ -111,7 +111,7 @@ class Sampling:
             "starts": self.starts,
             "gain": list(self.gain),
             "at_this_gain": shown(self.at_this_gain),
-            "from_initial_state_alone": shown(self.alone),
+            "from_initial_state_alone": shown(self.from_initial_state),
             "longest": shown(self.longest),
             "longest_with_limits": shown(self.limited),
             "wanted": {

@@ -24,6 +24,7 @@ Array = npt.NDArray[np.float64]
 TRIED = np.geomspace(1e-2, 1e2, 25)  # times the natural gain
 CLOSE = 0.01  # how near, as a share, the least and the largest gain are searched for
 FINER = 3  # values of a gain for one of TRIED, where the most room is searched for
+NEARER = (1.0, 0.98, 0.9, 0.7, 0.5)  # times a searched gain, which may lie where the proof just fails
 SPARE = 1.1  # of the input that is needed, where a limit on it is proposed
 DIGITS = 3  # of a proposed gain
 
@@ -153,12 +154,26 @@ class Gains:
                     best = float(reach.max()), gain
         if best is None:
             return None
-        for share in (1.0, 0.98, 0.9, 0.7, 0.5):  # the search ends where the proof may just fail
+        for share in NEARER:
             gain = rounded_gain(best[1] * share)
             period = least(statement, self.setting.with_law(gain=gain), seconds)
             if period is not None:
                 return gain, period
         return None
+
+
+def most_room(setting: Setting, seconds: float, shortest: float = 0.0) -> tuple[Array, Period] | None:
+    """The gain that control.gain = "auto" takes, and what is proved with it for the period from these starts: by component that
+    which keeps |e| least in a run from the middle; where inputs are coupled the multiple of the natural gain that does. None
+    where no gain is found that is proved."""
+    n = setting.push.shape[1]
+    parts = [setting] if setting.cross.any() else [setting.component(i) for i in range(n)]
+    found = [Gains(part, natural_gain(part), shortest).roomiest(seconds) for part in parts]
+    gain = np.concatenate([f[0] for f in found if f is not None] or [np.zeros(0)])
+    if len(gain) < n:
+        return None
+    period = least("sharp", setting.with_law(gain=gain), seconds) or least("general", setting.with_law(gain=gain), seconds)
+    return None if period is None else (gain, period)
 
 
 def _highest(value: Callable[[float], float], low: float, high: float) -> float:

@@ -88,6 +88,12 @@ def _control_problem(task: TaskTables) -> str | None:
     for i, bound in enumerate(task.u_max or ()):
         if bound <= 0:
             return f"{named('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
+    share, most, tick = task.initial_set.share, min(task.e_max), task.emit.tick_period
+    if control.period is not None and share >= most:
+        told = f"not below control.e_max = {decimal(most)}, where the law is clamped"
+        return f"initial_set.share: is {decimal(share)}, {told}; lower the share or raise e_max"
+    if control.period is not None and tick is not None and tick > control.period:
+        return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
     if control.gain == "auto" and control.period is None:
         return 'control.gain: is "auto", which needs control.period; give the seconds between samples, or a number'
     return None

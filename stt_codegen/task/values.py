@@ -141,9 +141,9 @@ Each = Annotated[  # one number for all components, or one for each
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
 Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return_type=float), WithJsonSchema({"type": "number"})]
-Gains = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
+GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
 GainOrAuto = Annotated[
-    Annotated[Gain, Tag("<number>")] | Annotated[Gains, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
+    Annotated[Gain, Tag("<number>")] | Annotated[GainVector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
     Discriminator(_number_or_list),
 ]
 
