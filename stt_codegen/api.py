@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
+from dataclasses import fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -307,7 +308,10 @@ class Controller(pipeline.Controller):
         return found
 
     def _times(self, t: npt.ArrayLike) -> tuple[Array, bool]:
-        times = np.asarray(t, dtype=float)
+        try:
+            times = np.asarray(t, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise BadInput(f"t: {error}; a number or an array of one axis is needed") from None
         if times.ndim > 1 or not times.size:
             raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed, with one time or more")
         return np.atleast_1d(times), times.ndim == 0
@@ -449,6 +453,8 @@ class Controller(pipeline.Controller):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
             asked = Scenario(**{**of_task(self.task), **scenario})
-        except TypeError as error:
-            raise BadInput(f"simulate: {error}") from None
+        except TypeError:
+            known = [one.name for one in fields(Scenario)]
+            wrong = [name for name in scenario if name not in known] or list(scenario)
+            raise BadInput(f"simulate: {wrong[0]}: is not understood; known are {', '.join(known)}") from None
         return Loop(self, model).run(asked, trace=True)

@@ -210,6 +210,7 @@ def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None
         ({"period": "0.02"}, {"w_max": "0.3"}),
         ({"gain": "30", "period": "0.001"}, {"g_cross": "0.05"}),
         ({"period": "0.015", "latency": "0.001"}, {}),
+        ({"period": "0.02", "u_max": "0.8"}, {"w_max": "0.3"}),
     ],
 )
 def test_what_a_refusal_advises_does(control: dict[str, str], plant: dict[str, str]) -> None:
@@ -243,6 +244,26 @@ def test_an_initial_state_outside_the_share_is_refused() -> None:
     task = controller_of("omni_s2").task.changed(initial_state=("0.499", "0.25"), control={"period": "0.001"})
     with pytest.raises(stt.NotCertified, match=r"P9 period at t = 0 s, dimension 1: fails by 0\.024"):
         build_task(task)
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        (
+            {"initial_set": {"share": "0.99"}, "control": {"period": "0.001"}},
+            "initial_set.share: is 0.99, not below control.e_max",
+        ),
+        ({"initial_set": {"share": "1"}}, "initial_set.share: is 1; it must be less than 1"),
+        ({"emit": {"tick_period": "0.002"}, "control": {"period": "0.001"}}, "emit.tick_period: is 0.002, above control.period"),
+        ({"control": {"gain": ["0.5", "-0.5"]}}, r"control.gain\[1\]: is -0.5; all gains must have one sign"),
+        ({"control": {"gain": "auto"}}, "needs control.period"),
+        ({"control": {"noise": "0.1"}}, r"control.noise: unknown key; it belongs to \[plant\]"),
+        ({"control": {"perod": "0.1"}}, "did you mean 'period'"),
+    ],
+)
+def test_what_does_not_go_together_is_refused(values: dict[str, Any], told: str) -> None:
+    with pytest.raises(stt.BadInput, match=told):
+        controller_of("omni_s2").task.changed(**values)
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])
@@ -282,6 +303,35 @@ def test_the_trolley_keeps_its_bounds_under_every_corner_of_its_plant(period: st
             assert run.good
             assert all(a < b for a, b in zip(run.e, e, strict=True))
             assert all(a <= b for a, b in zip(run.u, sampled.u, strict=True))
+
+
+def test_the_worst_plants_have_the_sign_of_the_gain(tool: Any) -> None:
+    """A negative gain is for a negative definite g: within [plant] -g is what is bounded, and the tube is kept."""
+    tool("gcc")
+    task = controller_of("omni_s2").task.changed(
+        control={"gain": "-0.2", "period": "0.001"}, plant={"g_min": "0.9", "g_max": "1.1"}
+    )
+    made = build_task(task)
+    assert "-g_ii" in next(f.statement for f in made.certificate.findings if f.code == "P9")
+    for model in within_bounds(task):
+        assert Loop(made, model).run(Scenario(1000.0)).kept
+        assert model.g(np.zeros(2))[0][0] < 0
+
+
+def test_wind_beyond_what_the_plant_states_is_refused() -> None:
+    arguments = [
+        "simulate",
+        str(ROOT / "tasks" / "trolley.toml"),
+        "--plant",
+        "bounds",
+        "--w-max",
+        "5",
+        "--disturbance",
+        "outward",
+    ]
+    result = CliRunner().invoke(app, [*arguments, "--json"])
+    assert result.exit_code != 0
+    assert "beyond [plant]" in str(result.exception or result.output)
 
 
 def test_simulate_takes_rate_noise_latency_and_the_worst_plant_from_the_task(tool: Any) -> None:

@@ -57,8 +57,8 @@ class Finding:
 
     def fault(self) -> str:
         """What fails, where and by how much."""
-        where = self.place()
-        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}"
+        where, unit = self.place(), " s" if self.code == "P9" and self.time is None else ""
+        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
 @dataclass(frozen=True)

@@ -278,11 +278,14 @@ def _advice(task: Task, setting: Setting, age: Fraction) -> str:
     told = []
     if gains.longest is not None and gains.longest[1].seconds > latency:
         gain, period = gains.longest
-        told.append(f"control.period = {_below(period.seconds - latency)} with gain {by_component(gain.tolist())}")
+        told.append(f"control.period = {_below(period.seconds - latency):g} with gain {by_component(gain.tolist())}")
     limited = gains.limited
-    if limited is not None and limited[2].seconds > MUCH * (gains.longest[1].seconds if gains.longest else 0.0):
-        u_max, seconds = by_component(limited[0].tolist()), _below(limited[2].seconds - latency)
-        told.append(f"control.u_max = {u_max} and control.period = {seconds} with gain {by_component(limited[1].tolist())}")
+    if limited is not None and limited[2].seconds > max(MUCH * (gains.longest[1].seconds if gains.longest else 0.0), latency):
+        seconds = min(_below(limited[2].seconds - latency), float(age) - latency)
+        told.append(
+            f"control.u_max = {by_component(limited[0].tolist())} and control.period = {seconds:.6g} "
+            f"with gain {by_component(limited[1].tolist())}"
+        )
     return (
         f"use {', or '.join(told)}"
         if told
@@ -290,5 +293,5 @@ def _advice(task: Task, setting: Setting, age: Fraction) -> str:
     )
 
 
-def _below(seconds: float) -> str:
-    return f"{below(Fraction(seconds), 3):g}"
+def _below(seconds: float) -> float:
+    return below(Fraction(seconds), 3)

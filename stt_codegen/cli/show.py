@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from stt_codegen.compare.comparison import Row
 from stt_codegen.decimals import by_component
@@ -62,7 +63,7 @@ def show_design(report: DesignReport) -> None:
         console.print(f"  |u| up to {law.largest_u:.4g} at the clamp{saturated}")
     if law.sampling is not None:
         for line in _sampling_lines(law.sampling, law.tick_period):
-            console.print(f"  {line}")
+            _indented(console, line)
     cost = report.cost
     kinds = ", ".join(f"{count} {kind}" for kind, count in cost.operations.items())
     code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
@@ -70,6 +71,16 @@ def show_design(report: DesignReport) -> None:
     console.print(f"  {cost.table_bytes} B of tables{code}")
     if report.picture is not None:
         console.print(f"  picture: {report.picture}")
+
+
+def _indented(console: Any, line: str) -> None:
+    """A line two columns in; where it is too long, the rest two farther in."""
+    text = line.lstrip(" ")
+    depth = 2 + len(line) - len(text)
+    first, *rest = Text.from_markup(text).wrap(console, console.width - depth - 2)
+    for k, part in enumerate((first, *rest)):
+        part.rstrip()
+        console.print(Text(" " * (depth + 2 * (k > 0))) + part)
 
 
 def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[str]:
@@ -81,7 +92,8 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
     def every(proved: ProvedPeriod) -> str:
         most = f"sample every {_time(proved.period)}{least}"
         if sampling.latency:
-            most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){least}"
+            shortest = f", alpha stepped at least {_time(sampling.shortest)}" if sampling.shortest else ""
+            most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){shortest}"
         return f"{most} ({proved.statement} statement): |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
 
     yield f"sampling, proved {plant} from every start with {starts}:"
@@ -100,7 +112,8 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         yield f"  [yellow]note[/yellow]: no gain is proved for a period of {wanted}"
     else:
         low, high = (by_component(v) for v in sampling.gains)
-        yield f"  least and largest gain proved for a period of {wanted}: {low} and {high} (to 2 %)"
+        alike = ", in these proportions," if len(set(sampling.gain)) > 1 else ""
+        yield f"  least and largest gain{alike} proved for a period of {wanted}: {low} and {high} (to 2 %)"
     if sampling.roomiest is not None:
         yield f"  gain {by_component(sampling.roomiest.gain)} leaves the most room at {wanted}"
     if sampling.from_initial_state is not None:
@@ -165,7 +178,7 @@ def show_bounds(report: BoundsReport) -> None:
         short = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
         console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}{short}")
     for line in _sampling_lines(report.sampling, None):
-        console.print(f"  {line}")
+        _indented(console, line)
     if report.proposed is not None:
         console.print(f"  as bounds in the task: [plant] {report.proposed.toml()}", markup=False)
 

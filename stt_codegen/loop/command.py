@@ -192,13 +192,12 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     start = [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
-    beyond = analysis.setting.start >= analysis.setting.law.farthest
-    if beyond.any():
-        i = int(np.argmax(beyond))
-        near = math.tanh(float(analysis.setting.start[i]) / 2)
-        lines.append(
-            f"the start has |e| = {near:.4g} in dimension {i + 1}, not below e_max: sampled, nothing is proved from there"
-        )
+    low, high = analysis.windows.start.T
+    places = np.abs((2 * np.array(start) - low - high) / (high - low))
+    if (places >= analysis.setting.law.e_max).any():
+        i = int(np.argmax(places))
+        told = f"the start has |e| = {float(places[i]):.4g} in dimension {i + 1}, not below e_max"
+        lines.append(f"{told}: sampled, nothing is proved from there")
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]

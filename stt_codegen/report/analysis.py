@@ -179,7 +179,7 @@ class Analysis:
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
             free = self.period is not None or bool((effort(s) <= s.law.u_max).all())
-            yield Hypothesis("saturation", "u_max leaves the law what the tube asks for", free)
+            yield Hypothesis("saturation", "control.u_max is at least what the law may ask for", free)
         if task.emit.tick_period is not None:
             period = self.period
             enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
@@ -291,7 +291,7 @@ class Analysis:
         norm = max(b.norm for b in self.bounds)
         return ProposedBounds(
             above_float(max(push, 0.0) * (1 + 1e-12)),
-            above_float(w),
+            above_float(w) if w else None,  # the plant's file says nothing of w: what the task says stays
             below_float(min(b.definite for b in self.bounds)),
             above_float(norm),
             above_float(cross),

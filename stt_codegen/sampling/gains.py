@@ -108,11 +108,12 @@ class Gains:
 
     @cached_property
     def limited(self) -> tuple[Array, Array, Period] | None:
-        """Where u is not limited: limits SPARE above what is needed, with the gain of the longest period under them, and what is
-        proved then. Once a limit binds, a larger E asks for no more input."""
-        if np.isfinite(self.setting.law.u_max).any():
+        """Limits on u SPARE above what is needed, with the gain of the longest period under them, and what is proved then: where
+        u is not limited (once a limit binds, a larger E asks for no more input), or where its limits are below that."""
+        needed, given = needed_input(self.setting), self.setting.law.u_max
+        if np.isfinite(given).any() and (needed < given).all():
             return None
-        u_max = rounded_gain(needed_input(self.setting) * SPARE)
+        u_max = np.where(np.isfinite(given), np.maximum(given, rounded_gain(needed * SPARE)), rounded_gain(needed * SPARE))
         best = replace(self, setting=self.setting.with_law(u_max=u_max)).longest
         return None if best is None else (u_max, *best)
 

@@ -27,6 +27,8 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "extra_forbidden":
         close = _close(first["loc"], model)
         hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(_known_keys(first['loc'], model))}"
+        home = [] if close else [n for n, f in model.model_fields.items() if str(first["loc"][-1]) in _keys(f.annotation)]
+        hint = f"it belongs to [{home[0]}]" if home else hint
         return f"{where}: unknown key; {hint}"
     if kind == "value_error":
         return f"{where}: {first['ctx']['error']}"
@@ -49,6 +51,11 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     if kind == "string_type":
         return f"{where}: is {kind_of(value)}; text in quotes is needed"
     return f"{where}: is {kind_of(value)}; {first['msg']}"
+
+
+def _keys(annotation: Any) -> set[str]:
+    """The keys of the tables that a field's type is made of."""
+    return {name for table in _tables_in(annotation) for name in table.model_fields}
 
 
 def _quoted(value: object) -> str:
