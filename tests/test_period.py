@@ -25,6 +25,7 @@ from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.pipeline import build_task
+from stt_codegen.record.package import loop_period
 from stt_codegen.sampling import holds, least, longest
 from stt_codegen.task import Task
 
@@ -170,6 +171,16 @@ def test_a_period_is_in_header_certificate_and_report(tmp_path: Path) -> None:
     assert longer.certificate.holds  # as the margin says
 
 
+def test_the_example_sketch_keeps_to_what_is_proved() -> None:
+    """The task's period where it has one; else the proved one, less the latency that is in a sample's age."""
+    task = controller_of("omni_s2").task
+    assert loop_period(build_task(task.changed(control={"gain": "auto", "period": "0.002"}))) == Fraction(1, 500)
+    late = build_task(task.changed(control={"gain": "0.2", "latency": "0.0004"}))
+    age = loop_period(late) + Fraction("0.0004")
+    setting = searched(late.task, late.design, edge_error(late.design, late.program))
+    assert least("sharp", setting, float(age)) is not None
+
+
 def test_bytes_are_the_same_without_a_period() -> None:
     """[plant] alone, and what it says of the bounds, changes nothing but the task's digest."""
     plain = controller_of("omni_s2")
@@ -177,6 +188,13 @@ def test_bytes_are_the_same_without_a_period() -> None:
     strip = re.compile(r"[0-9a-f]{16}")
     for name in ("omni_s2.c", "omni_s2.h", "omni_s2.py"):
         assert strip.sub("", plain.files[name].decode()) == strip.sub("", told.files[name].decode())
+
+
+def test_a_component_that_nothing_pushes_gets_a_gain_too() -> None:
+    """omni_heading's third edge stands still, and xdot = u has no wind: any gain does there, but it must be one."""
+    made = build_task(controller_of("omni_heading").task.changed(control={"gain": "auto", "period": "0.001"}))
+    assert made.certificate.holds
+    assert all(k > 0 for k in made.task.gain)
 
 
 def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None:

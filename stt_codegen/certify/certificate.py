@@ -104,6 +104,11 @@ class Certificate:
     def holds(self) -> bool:
         return self.proves and all(f.holds for f in self.findings)
 
+    @property
+    def tube_holds(self) -> bool:
+        """Whether P1 to P7 do, whatever becomes of P9."""
+        return self.proves and all(f.holds for f in self.findings if f.code != "P9")
+
     def refusal(self) -> str:
         """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where
         the exact tube itself is sound."""

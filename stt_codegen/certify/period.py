@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
+import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, ProvedPeriod
 from stt_codegen.decimals import above, below, by_component, decimal
@@ -38,6 +39,7 @@ from stt_codegen.sampling.plant import g_range
 from stt_codegen.sampling.setting import ROUNDING
 from stt_codegen.task import Task
 
+Array = npt.NDArray[np.float64]
 BITS = 64  # of a logarithm's argument and of its series
 TERMS = 15  # 2 artanh z, |z| <= 1/5: what is left out is below 5^-31
 TRIED = (
@@ -140,12 +142,12 @@ class SharpStatement:
 
     def holds(self, rho: tuple[Fraction, ...]) -> tuple[Fraction, ...] | None:
         """A bound on |u| by component where the statement holds with these rho; else None."""
-        task, tau, late = self.task, self.age, self.task.control.latency
-        share, segment = task.initial_set.share, Fraction(task.prescribed_time) / self.design.segments
+        task, late = self.task, self.task.control.latency
+        share, segment = task.initial_set.share, task.prescribed_time / self.design.segments
         for e, e_max in zip(rho, task.e_max, strict=True):
             if not (1 + share) / (1 - share) < e <= (1 + e_max) / (1 - e_max):
                 return None
-        if tau > (segment / 2 if late else segment):
+        if self.age > (segment / 2 if late else segment):
             return None
         largest = [Fraction(0)] * task.dimension
         for window in self.windows():
@@ -196,7 +198,8 @@ def chosen_gain(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, .
     refusal says what would do."""
     setting = searched(task, design, edge_error)
     shape = natural_gain(setting)
-    found = most_room(setting, float(statement_of(task, design, edge_error).age)) or Gains(setting, shape).longest
+    age = float(statement_of(task, design, edge_error).age)
+    found = most_room(setting, age, statements=("sharp",)) or Gains(setting, shape, statements=("sharp",)).longest
     gain = rounded_gain(shape) if found is None else found[0]
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
@@ -270,27 +273,26 @@ def _told(task: Task) -> str:
 
 
 def _advice(task: Task, setting: Setting, age: Fraction) -> str:
-    """Which gain, period or limit would do."""
-    gains, latency = Gains(setting, natural_gain(setting)), float(task.control.latency)
-    best = most_room(setting, float(age))
+    """Which gain, period or limit would do, as a task file has them: with the sign of the task's gain."""
+    gains, latency = Gains(setting, natural_gain(setting), statements=("sharp",)), float(task.control.latency)
+    sign = 1 if task.gain[0] > 0 else -1
+
+    def shown(gain: Array) -> str:
+        return by_component((sign * gain).tolist())
+
+    best = most_room(setting, float(age), statements=("sharp",))
     if best is not None:
-        return f'use control.gain = "auto" (here {by_component(best[0].tolist())})'
+        return f'use control.gain = "auto" (here {shown(best[0])})' if sign > 0 else f"use control.gain = {shown(best[0])}"
     told = []
     if gains.longest is not None and gains.longest[1].seconds > latency:
-        gain, period = gains.longest
-        told.append(f"control.period = {_below(period.seconds - latency):g} with gain {by_component(gain.tolist())}")
+        told.append(f"control.period = {_below(gains.longest[1].seconds - latency):g} with gain {shown(gains.longest[0])}")
     limited = gains.limited
     if limited is not None and limited[2].seconds > max(MUCH * (gains.longest[1].seconds if gains.longest else 0.0), latency):
         seconds = min(_below(limited[2].seconds - latency), float(age) - latency)
-        told.append(
-            f"control.u_max = {by_component(limited[0].tolist())} and control.period = {seconds:.6g} "
-            f"with gain {by_component(limited[1].tolist())}"
-        )
-    return (
-        f"use {', or '.join(told)}"
-        if told
-        else "no gain is proved for any period: widen or slow the tube, or state a milder plant"
-    )
+        u_max = by_component(limited[0].tolist())
+        told.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {shown(limited[1])}")
+    nothing = "no gain is proved for any period: widen or slow the tube, or state a milder plant"
+    return f"use {', or '.join(told)}" if told else nothing
 
 
 def _below(seconds: float) -> float:

@@ -90,10 +90,8 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
     least = f", but not below {_time(sampling.shortest)} (alpha_step)" if sampling.shortest else " or faster"
 
     def every(proved: ProvedPeriod) -> str:
-        most = f"sample every {_time(proved.period)}{least}"
-        if sampling.latency:
-            shortest = f", alpha stepped at least {_time(sampling.shortest)}" if sampling.shortest else ""
-            most = f"let no u act that is from a sample older than {_time(proved.period)} (latency in it){shortest}"
+        late = f", u at most {_time(sampling.latency)} after its sample" if sampling.latency else ""
+        most = f"sample every {_time(proved.period)}{least}{late}"
         return f"{most} ({proved.statement} statement): |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
 
     yield f"sampling, proved {plant} from every start with {starts}:"

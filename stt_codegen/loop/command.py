@@ -163,7 +163,7 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     task = analysis.controller.task
     if text == "best":
         setting, shortest = analysis.setting, analysis.shortest
-        best = most_room(setting, age, shortest) or analysis.gains.longest if analysis.controller.certificate.holds else None
+        best = most_room(setting, age, shortest) or analysis.gains.longest if analysis.controller.certificate.tube_holds else None
         if best is None:
             raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
         return tuple((math.copysign(1, task.gain[0]) * best[0]).tolist())
@@ -187,7 +187,7 @@ def _numbers(text: str | None) -> tuple[float, ...] | None:
 
 def foretold(controller: Controller, plant: Model | None, scenario: Scenario) -> list[str]:
     """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
-    if not controller.certificate.holds:
+    if not controller.certificate.tube_holds:
         return ["the tube is not certified: nothing is proved"]
     start = [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)

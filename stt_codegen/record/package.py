@@ -15,11 +15,13 @@ PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
 def loop_period(controller: Controller) -> Fraction:
-    """Seconds between the example's steps: emit.tick_period; else at most `PERIOD` and what is proved for the task's plant, in
-    whole microseconds, and within the steps that an adaptive certificate allows."""
+    """Seconds between the example's steps: emit.tick_period, or control.period; else at most `PERIOD` and what is proved for the
+    task's plant, in whole microseconds, and within the steps that an adaptive certificate allows."""
     task, steps = controller.task, controller.certificate.steps
     if task.emit.tick_period is not None:
         return task.emit.tick_period
+    if task.control.period is not None:
+        return Fraction(max(1, math.floor(task.control.period * 10**6)), 10**6)
     sampling = input_report(controller).sampling
     proved = None if sampling is None else sampling.at_this_gain
     period = PERIOD if proved is None else min(PERIOD, Fraction(proved.period))

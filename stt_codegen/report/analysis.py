@@ -166,7 +166,7 @@ class Analysis:
 
     def hypotheses(self) -> Iterator[Hypothesis]:
         s, task, c = self.setting, self.controller.task, self.controller.certificate
-        yield Hypothesis("tube", "the certificate holds: P1 to P7", c.holds)
+        yield Hypothesis("tube", "the certificate holds: P1 to P7", c.tube_holds)
         yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", bool(np.isfinite(s.start).all()))
         least = float(s.definite.min())
         sign = "" if task.gain[0] > 0 else "-"
@@ -229,6 +229,10 @@ class Analysis:
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())
 
+        def advice(found: tuple[Array, Period] | None, u_max: tuple[float, ...] | None = None) -> Advice | None:
+            proved = None if found is None else ProvedPeriod.of(found[1], self.latency)
+            return None if found is None or proved is None else Advice(signed(found[0]), proved, u_max)
+
         return Sampling(
             plant=self.name,
             latency=self.latency,
@@ -236,14 +240,12 @@ class Analysis:
             shortest=above_float(self.shortest),
             starts=self.starts,
             gain=tuple(float(v) for v in task.gain),
-            at_this_gain=None if own is None else ProvedPeriod.of(own),
-            from_initial_state=None if alone is None else ProvedPeriod.of(alone),
-            longest=None if longest is None else Advice(signed(longest[0]), ProvedPeriod.of(longest[1])),
-            limited=None
-            if limited is None
-            else Advice(signed(limited[1]), ProvedPeriod.of(limited[2]), tuple(limited[0].tolist())),
+            at_this_gain=ProvedPeriod.of(own, self.latency),
+            from_initial_state=ProvedPeriod.of(alone, self.latency),
+            longest=advice(longest),
+            limited=None if limited is None else advice(limited[1:], tuple(limited[0].tolist())),
             wanted=self.wanted,
-            roomiest=None if roomiest is None else Advice(signed(roomiest[0]), ProvedPeriod.of(roomiest[1])),
+            roomiest=advice(roomiest),
             gains=None if ends is None else (signed(ends[0]), signed(ends[1])),
         )
 
@@ -275,7 +277,7 @@ class Analysis:
             ContinuousBounds(
                 rounded(epsilon_star(s), above_float), above_float(epsilon_star_norm(s)), rounded(effort(s), above_float)
             ),
-            {name: None if p is None else ProvedPeriod.of(p) for name, p in self.periods.items()},
+            {name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
             self.sampling(),
             self.update_function if isinstance(controller.design, AdaptiveDesign) else None,
             self.proposed,

@@ -43,8 +43,8 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class ProvedPeriod:
-    """A period (seconds, rounded down) with what |e| and |u| stay below by component, and the time window and dimension (0: all)
-    that allow no more."""
+    """A period (seconds, rounded down; latency is not in it) with what |e| and |u| stay below by component, and the time window
+    and dimension (0: all) that allow no more."""
 
     statement: str
     period: float
@@ -54,10 +54,13 @@ class ProvedPeriod:
     dimension: int
 
     @classmethod
-    def of(cls, period: Period) -> ProvedPeriod:
+    def of(cls, period: Period | None, latency: float = 0.0) -> ProvedPeriod | None:
+        """What is proved where u acts up to `latency` after its sample: the age of a sample less that; None where none is."""
+        if period is None or not period.seconds > latency:
+            return None
         begin, end, dimension = period.tight
         e, u = (tuple(above_float(v) for v in values) for values in (period.e, period.u))
-        return cls(period.statement, below_float(period.seconds), e, u, (begin, end), dimension)
+        return cls(period.statement, below_float(period.seconds - latency), e, u, (begin, end), dimension)
 
     def document(self) -> dict[str, Any]:
         tight = {"time": list(self.time), "dimension": self.dimension or "all"}

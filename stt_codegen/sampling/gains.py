@@ -50,8 +50,10 @@ def needed_input(s: Setting) -> Array:
 
 
 def natural_gain(s: Setting) -> Array:
-    """|k| by component that keeps |eps| near 1."""
-    return np.asarray(needed_input(s) * s.windows.wide.max(axis=0))
+    """|k| by component that keeps |eps| near 1; where nothing pushes, that which is slow beside the mission."""
+    wide = s.windows.wide.max(axis=0)
+    pushed = needed_input(s) * wide
+    return np.asarray(np.where(pushed > 0, pushed, wide**2 / s.windows.times[-1]))
 
 
 def rounded_gain(gain: Array, up: bool | None = None) -> Array:
@@ -64,16 +66,18 @@ def rounded_gain(gain: Array, up: bool | None = None) -> Array:
 @dataclass(frozen=True)
 class Gains:
     """For one loop and the starts in `setting`. shape: |k| by component, of which multiples are tried. shortest: as in
-    `longest_from`."""
+    `longest_from`. statements: those that may prove a period, the first that does being taken."""
 
     setting: Setting
     shape: Array
     shortest: float = 0.0
+    statements: tuple[str, ...] = ("sharp", "general")
 
     def at(self, gain: Array) -> Period | None:
-        """The longest period of the sharp statement at another |k|; of the general one where that has none."""
+        """The longest period at another |k|, of the first statement that has one."""
         setting = self.setting.with_law(gain=gain)
-        return longest_from(self.shortest, "sharp", setting) or longest_from(self.shortest, "general", setting)
+        found = (longest_from(self.shortest, statement, setting) for statement in self.statements)
+        return next((p for p in found if p is not None), None)
 
     @cached_property
     def tried(self) -> Array:
@@ -84,7 +88,7 @@ class Gains:
     def _peak(self) -> tuple[str, float] | None:
         """The statement and the multiple with the longest period, as the search has it: the best of those tried, then a golden
         section about it."""
-        for statement in ("sharp", "general"):
+        for statement in self.statements:
 
             def seconds(multiple: float, statement: str = statement) -> float:
                 found = proposal(statement, self.setting.with_law(gain=multiple * self.shape), COARSE)
@@ -163,17 +167,20 @@ class Gains:
         return None
 
 
-def most_room(setting: Setting, seconds: float, shortest: float = 0.0) -> tuple[Array, Period] | None:
+def most_room(
+    setting: Setting, seconds: float, shortest: float = 0.0, statements: tuple[str, ...] = ("sharp", "general")
+) -> tuple[Array, Period] | None:
     """The gain that control.gain = "auto" takes, and what is proved with it for the period from these starts: by component that
     which keeps |e| least in a run from the middle; where inputs are coupled the multiple of the natural gain that does. None
     where no gain is found that is proved."""
     n = setting.push.shape[1]
     parts = [setting] if setting.cross.any() else [setting.component(i) for i in range(n)]
-    found = [Gains(part, natural_gain(part), shortest).roomiest(seconds) for part in parts]
+    found = [Gains(part, natural_gain(part), shortest, statements).roomiest(seconds) for part in parts]
     gain = np.concatenate([f[0] for f in found if f is not None] or [np.zeros(0)])
     if len(gain) < n:
         return None
-    period = least("sharp", setting.with_law(gain=gain), seconds) or least("general", setting.with_law(gain=gain), seconds)
+    proofs = (least(statement, setting.with_law(gain=gain), seconds) for statement in statements)
+    period = next((p for p in proofs if p is not None), None)
     return None if period is None else (gain, period)
 
 
