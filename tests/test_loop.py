@@ -205,6 +205,8 @@ def test_what_is_called_proved_holds_from_any_start_at_any_rate(name: str) -> No
         run = own.run(scenario)
         if line.startswith("proved"):
             bounds = [float(v) for v in line.partition("below ")[2].partition(", with")[0].split(", ")]
+            (age,) = re.findall(r"samples up to ([\d.e+-]+) ms old;", line)  # the bound is for this age, not for the longest
+            assert float(age) == pytest.approx(1e3 * scenario.age, rel=1e-6)
             assert run.good
             assert all(a < b for a, b in zip(run.e, bounds, strict=True))
             told += 1

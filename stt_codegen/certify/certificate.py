@@ -62,7 +62,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class ProvedPeriod:
+class PeriodProof:
     """What P9 is about. Starts: |e_i(0)| <= share. rho: e^E by component, |e_i| < (rho - 1)/(rho + 1) throughout; u: |u_i| is
     below. shift: what the law sees of x and the edges is wrong by at most that: arithmetic and noise."""
 
@@ -94,7 +94,7 @@ class Certificate:
     whole_start: bool
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
-    proved_period: ProvedPeriod | None = None
+    proved_period: PeriodProof | None = None
 
     @property
     def proves(self) -> bool:

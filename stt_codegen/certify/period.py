@@ -17,7 +17,7 @@ from fractions import Fraction
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.certificate import Finding, ProvedPeriod
+from stt_codegen.certify.certificate import Finding, PeriodProof
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.program.number import FORMATS, round_down
@@ -34,7 +34,7 @@ from stt_codegen.sampling import (
     refined_windows,
     setting_of,
 )
-from stt_codegen.sampling.gains import natural_gain, rounded_gain
+from stt_codegen.sampling.gains import MUCH, natural_gain, rounded_gain
 from stt_codegen.sampling.plant import g_range
 from stt_codegen.sampling.setting import ROUNDING
 from stt_codegen.task import Task
@@ -42,13 +42,8 @@ from stt_codegen.task import Task
 Array = npt.NDArray[np.float64]
 BITS = 64  # of a logarithm's argument and of its series
 TERMS = 15  # 2 artanh z, |z| <= 1/5: what is left out is below 5^-31
-TRIED = (
-    Fraction(0),
-    Fraction(1, 10**6),
-    Fraction(1, 10**4),
-    Fraction(1, 10**3),
-)  # above the rho of an E that was found in doubles
-MUCH = 1.2  # times as long, for a limit on u to be advised
+# Above the rho of an E that was found in doubles, as shares of it, until the fractions agree.
+TRIED = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))
 
 
 def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
@@ -204,7 +199,7 @@ def chosen_gain(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, .
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
 
-def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, ProvedPeriod | None]:
+def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, PeriodProof | None]:
     """P9, and what is proved with it. The margin is in seconds: by how much a longer period is proved."""
     statement, setting = statement_of(task, design, edge_error), searched(task, design, edge_error)
     outside = _outside(task, design)
@@ -219,9 +214,7 @@ def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction
     spare = (Fraction(most.seconds) if most is not None else Fraction(0)) - age
     found = _proved(statement, setting, most)
     if found is None:
-        lack = min(
-            spare, -age * Fraction(1, 1000)
-        )  # a longest period that is proved in balls only is no proof: some lack is told
+        lack = min(spare, -age / 1000)  # where the balls alone prove the period, which is no proof here, some lack is told
         return Finding("P9", _told(task), lack, Fraction(0), advice=_advice(task, setting, age)), None
     e = tuple((v - 1) / (v + 1) for v in found.rho)
     text = f"{_told(task)}: |e| < {_bounds(e)}, |u| <= {_bounds(found.u)}"
@@ -239,7 +232,7 @@ def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction, float] |
     return (i, lack[i], above(needed, 4)) if lack[i] > 0 else None
 
 
-def _proved(statement: SharpStatement, setting: Setting, longest_period: Period | None) -> ProvedPeriod | None:
+def _proved(statement: SharpStatement, setting: Setting, longest_period: Period | None) -> PeriodProof | None:
     """What is proved with the least E that is found for the period; near the longest period only with that of the longest."""
     task, age = statement.task, float(statement.age)
     assert task.control.period is not None
@@ -250,7 +243,7 @@ def _proved(statement: SharpStatement, setting: Setting, longest_period: Period 
         rho = tuple(map(min, reached, most))
         u = statement.holds(rho)
         if u is not None:
-            return ProvedPeriod(task.control.period, task.control.latency, task.initial_set.share, rho, u, statement.shift)
+            return PeriodProof(task.control.period, task.control.latency, task.initial_set.share, rho, u, statement.shift)
     return None
 
 

@@ -17,6 +17,7 @@ from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
 from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
 from stt_codegen.report.design import DesignReport
+from stt_codegen.sampling.gains import MUCH
 
 
 class _Console(Console):
@@ -103,7 +104,7 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
         told = f"gain {by_component(longest.gain)}"
         yield f"  {told} would allow {_time(longest.proved.period)}, |u| is at most {_few(longest.proved.u)}"
     limited, best = sampling.limited, 0.0 if longest is None else longest.proved.period
-    if limited is not None and limited.u_max is not None and limited.proved.period > 1.2 * best:
+    if limited is not None and limited.u_max is not None and limited.proved.period > MUCH * best:
         told = f"control.u_max {by_component(limited.u_max)} and gain {by_component(limited.gain)}"
         yield f"  {told} would allow {_time(limited.proved.period)}"
     if sampling.gains is None:

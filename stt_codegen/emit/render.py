@@ -15,7 +15,7 @@ from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding, ProvedPeriod
+from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
@@ -152,7 +152,7 @@ def _finding(finding: Finding, method: str) -> dict[str, Any]:
     return entry
 
 
-def _sampled(task: Task, proved: ProvedPeriod) -> dict[str, Any]:
+def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
     """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
     return {
         "period": str(proved.period),

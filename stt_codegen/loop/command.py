@@ -208,7 +208,7 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
         shortest = f"{1e3 * above_float(analysis.shortest):.4g} ms"
         return [*lines, f"not proved: alpha may not be stepped more often than every {shortest}"]
     if age <= period.seconds:
-        return [*lines, f"proved from this start: {e}, with samples up to {most} old (here {here})"]
+        return [*lines, f"proved from this start: {e}, with samples up to {here} old; the tube is kept up to {most}"]
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
 
 

@@ -36,7 +36,6 @@ DISTURBANCES = {
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
-USUAL_PERIOD = Fraction(1, 1000)  # seconds, where the task says nothing
 MOST_FACES = 1024  # of an unsafe set, as in loop.h
 
 
@@ -209,8 +208,11 @@ class _Field:
 
 def of_task(task: Task) -> dict[str, Any]:
     """What a task says of its loop, by the names of `Scenario`: rate, noise, latency."""
-    period = task.control.period or task.emit.tick_period or USUAL_PERIOD
-    return {"rate": float(1 / period), "noise": float(task.plant.noise or 0), "latency": float(task.control.latency)}
+    return {
+        "rate": float(1 / task.sampling_period),
+        "noise": float(task.plant.noise or 0),
+        "latency": float(task.control.latency),
+    }
 
 
 def columns(n: int) -> list[str]:

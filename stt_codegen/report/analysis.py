@@ -42,7 +42,6 @@ from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
-USUAL_PERIOD = 0.001  # seconds; for which gains are told when the task names neither period nor tick_period
 
 
 class Analysis:
@@ -159,8 +158,7 @@ class Analysis:
     @property
     def wanted(self) -> float:
         """The period, latency not in it, for which gains are told."""
-        task = self.controller.task
-        return float(task.control.period or task.emit.tick_period or USUAL_PERIOD)
+        return float(self.controller.task.sampling_period)
 
     # ---------------------------------------------------------------------------------------- hypotheses
 

@@ -25,6 +25,7 @@ TRIED = np.geomspace(1e-2, 1e2, 25)  # times the natural gain
 CLOSE = 0.01  # how near, as a share, the least and the largest gain are searched for
 FINER = 3  # values of a gain for one of TRIED, where the most room is searched for
 NEARER = (1.0, 0.98, 0.9, 0.7, 0.5)  # times a searched gain, which may lie where the proof just fails
+MUCH = 1.2  # times as long a period, for a limit on u to be worth a word
 SPARE = 1.1  # of the input that is needed, where a limit on it is proposed
 DIGITS = 3  # of a proposed gain
 

@@ -187,6 +187,11 @@ class TaskTables(_Table):
         return None if self.control.u_max is None else self._each(self.control.u_max)
 
     @property
+    def sampling_period(self) -> Fraction:
+        """Seconds between samples: control.period, else emit.tick_period, else a millisecond."""
+        return self.control.period or self.emit.tick_period or Fraction(1, 1000)
+
+    @property
     def half_extents(self) -> tuple[Fraction, ...]:
         """The robot's half extents by dimension; 0 for a point."""
         return self.body or (Fraction(0),) * self.dimension
