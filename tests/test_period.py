@@ -26,7 +26,7 @@ from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.pipeline import build_task
 from stt_codegen.record.package import loop_period
-from stt_codegen.sampling import holds, least, longest
+from stt_codegen.sampling import STATEMENTS, holds, least, longest
 from stt_codegen.task import Task
 
 LIMITED = {"u_max": "1.3", "gain": "0.05"}
@@ -112,6 +112,42 @@ def test_fractions_and_balls_agree_on_any_e(name: str) -> None:
         assert balls == exact
         agreed[exact] += 1
     assert all(agreed.values()), agreed
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_windows_are_those_of_the_statement(name: str) -> None:
+    """Width and speed of a window and of the one before, where a sample may stem from: as the doubles have them."""
+    statement, setting = case(name)
+    for k, window in enumerate(statement.windows()):
+        for i, c in enumerate(window):
+            exact = [float(v) for v in (c.narrow, c.narrow_seen, c.wide)]
+            assert exact == [setting.windows.narrow[k, i], setting.narrow[k, i], setting.windows.wide[k, i]]
+            push = float(c.speed + (statement.task.plant.f_max or 0) + (statement.task.plant.w_max or 0))
+            assert push == pytest.approx(setting.push[k, i], rel=1e-11)  # which is rounded up by 1e-12
+
+
+@pytest.mark.parametrize("latency", ["0", "0.0002", "0.0005", "0.001"])
+@pytest.mark.parametrize("name", ["omni_s1", "spacecraft"])
+def test_latency_counts_as_in_the_statement(name: str, latency: str) -> None:
+    """For one E the longest age by halving, in fractions and in doubles; at a gain so low that what moves before u acts binds."""
+    task = with_period(name, {"gain": "0.004", "latency": latency}, {"g_min": "0.9", "g_max": "1.1", "w_max": "0.01"})
+    made = controller_of(name)
+    error = edge_error(made.design, made.program)
+    statement, setting = statement_of(task, made.design, error), searched(task, made.design, error)
+    rho = (Fraction(60),) * task.dimension
+    reach = np.full(task.dimension, math.log(60))
+
+    def last(good: Any) -> float:
+        low, high = float(latency), setting.longest_age
+        for _ in range(20):
+            middle = (low + high) / 2
+            low, high = (middle, high) if good(middle) else (low, middle)
+        return low
+
+    exact = last(lambda age: at(statement, age).holds(rho) is not None)
+    doubles = last(lambda age: all((c.values > 0).all() for c in STATEMENTS["sharp"].conditions(setting, reach, age)))
+    assert exact == pytest.approx(doubles, rel=1e-5)
+    assert exact > float(latency)
 
 
 @pytest.mark.parametrize(
