@@ -127,9 +127,9 @@ def test_windows_are_those_of_the_statement(name: str) -> None:
 
 
 @pytest.mark.parametrize("latency", ["0", "0.0002", "0.0005", "0.001"])
-@pytest.mark.parametrize("name", ["omni_s1", "spacecraft"])
-def test_latency_counts_as_in_the_statement(name: str, latency: str) -> None:
+def test_latency_counts_as_in_the_statement(latency: str) -> None:
     """For one E the longest age by halving, in fractions and in doubles; at a gain so low that what moves before u acts binds."""
+    name = "spacecraft"
     task = with_period(name, {"gain": "0.004", "latency": latency}, {"g_min": "0.9", "g_max": "1.1", "w_max": "0.01"})
     made = controller_of(name)
     error = edge_error(made.design, made.program)
