@@ -151,7 +151,8 @@ def certify_tube(
     ----------
     points
         Control points of uniform cubic B-splines over [0, t_c], of shape (K + 3, n, 2) for K segments, lower edge first, in the
-        task's units. The last equals the last but two, for the tube rests at t_c. They are rounded inwards, to 24 bits.
+        task's units. The last equals the last but two, for the tube rests at t_c. They are rounded inwards, to
+        the tube's grid.
     samples
         (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c: of any curves, a cubic spline on knots of its
         own as well. The nearest spline tube is taken, of tube.segments segments or 32; `Controller.distance` says how far it is.

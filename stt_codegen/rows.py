@@ -10,7 +10,7 @@ one set one must hold at every moment, each with a normal n of its own, c_i = n_
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -37,6 +37,10 @@ class Row:
     def size(self) -> int:
         """Sum of |c|: errors of every edge by at most delta change the left side by at most this much times delta."""
         return sum(abs(c) for _, _, c in self.terms)
+
+    def seen_from(self, origin: Sequence[Fraction]) -> Fraction:
+        """The bound of the same row on a tube whose coordinates count from `origin`."""
+        return self.bound - sum(c * origin[i] for i, _, c in self.terms)
 
     @property
     def needed(self) -> Fraction:

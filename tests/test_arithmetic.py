@@ -16,6 +16,7 @@ from stt_codegen.certify.slack import units_above
 from stt_codegen.controller.arithmetic import edge_error, time_error
 from stt_codegen.decimals import above, below
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import load_task
 
@@ -143,11 +144,17 @@ def test_the_whole_start_is_claimed_only_where_it_is_covered() -> None:
     assert not certify_refined(task, controller.design, controller.certificate.edge_error).whole_start
 
 
-def test_a_coefficient_of_more_than_24_bits_is_no_design() -> None:
-    design = controller_of("omni_s1").design
-    table = ((((1 << 24), 1 << 24),) * 2, *design.table[1:])
-    with pytest.raises(ValueError, match="24 bits"):
-        replace(design, table=table)
+@pytest.mark.parametrize(("scalar", "bits"), [("float", 24), ("double", 50)])
+def test_a_coefficient_of_more_bits_than_the_scalar_holds_is_not_emitted(scalar: str, bits: int) -> None:
+    made = controller_of("omni_s1")
+    task = made.task.with_options(scalar=scalar)
+
+    def program(largest: int) -> object:
+        return build_program(task, replace(made.design, table=(((0, largest),) * 2, *made.design.table[1:])))
+
+    program((1 << bits) - 1)
+    with pytest.raises((BadInput, ValueError), match="bits"):
+        program(1 << bits)
 
 
 @pytest.mark.parametrize("value", [Fraction(1, 3), Fraction("0.000123456789"), Fraction(-2, 3), Fraction(5)])

@@ -204,18 +204,50 @@ def test_margins_in_the_certificate_are_true_lower_bounds() -> None:
     assert margin["P4"] <= min(gaps) <= margin["P4"] + Fraction("0.001")
 
 
-def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> None:
-    """At an offset of 5,000,000 floats are half a unit apart: float is refused, whatever the tube."""
-    task = load_task(ROOT / "tasks" / "empty.toml")
-    far = Fraction(5_000_000)
+def moved_task(name: str, far: Fraction, scale: Fraction = Fraction(1)) -> Task:
+    """A shipped task with every length scaled and then every coordinate `far` larger."""
+    task = load_task(ROOT / "tasks" / f"{name}.toml")
+
+    def further(values):
+        return tuple(v * scale + far for v in values)
 
     def moved(box):
-        return box.model_copy(update={"lower": tuple(v + far for v in box.lower), "upper": tuple(v + far for v in box.upper)})
+        return box.model_copy(update={"lower": further(box.lower), "upper": further(box.upper)})
 
     boxes = {name: moved(getattr(task, name)) for name in ("state_space", "initial_set", "target_set")}
-    there = task.model_copy(update={**boxes, "initial_state": tuple(v + far for v in task.initial_state)})
-    with pytest.raises(NotCertified, match="too narrow"):
-        build_task(there)
+    unsafe = tuple(moved(box) for box in task.unsafe)
+    tube = {"clearance": task.tube.clearance * scale, "min_width": task.tube.min_width * scale}
+    return task.changed(**boxes, unsafe=unsafe, initial_state=further(task.initial_state), tube=tube)
+
+
+def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> None:
+    """At an offset of 5,000,000 floats are half a unit apart: float is refused, whatever the tube."""
+    with pytest.raises(NotCertified, match="too narrow.*emit.scalar"):
+        build_task(moved_task("empty", Fraction(5_000_000)))
+
+
+@pytest.mark.parametrize("far", [Fraction(1000), Fraction(-4821733), Fraction(10**8)])
+@pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
+def test_a_double_far_from_the_origin_has_the_room_it_has_near_it(name: str, far: Fraction) -> None:
+    """The tube is the one near the origin, moved: to 2 steps of the rounding, on the same grid. The emitted C stays within P7 of it,
+    which the self-test's bounds and the certificate's own rows hold it to."""
+    near = build_task(moved_task(name, Fraction(0)).with_options(scalar="double"))
+    there = build_task(moved_task(name, far).with_options(scalar="double"))
+    assert there.certificate.holds
+    assert there.design.bits == near.design.bits
+    offset = far * Fraction(2) ** near.design.bits / 6
+    apart = there.design.integers() - near.design.integers() - int(offset)
+    assert np.abs(apart).max() <= 2
+
+
+def test_where_a_double_holds_no_more_the_tube_is_refused_and_says_so() -> None:
+    """At 10**8 doubles are 2**-26 apart; the room left is 2**-44 of the coordinates, 8e-6 there."""
+    far = Fraction(10**8)
+    for scale in (Fraction(1, 10), Fraction(1, 1000)):
+        assert build_task(moved_task("omni_s2", far, scale).with_options(scalar="double")).certificate.holds
+    for scale in (Fraction(1, 10**5), Fraction(1, 10**7)):
+        with pytest.raises(NotCertified, match="too large for a tube in double"):
+            build_task(moved_task("omni_s2", far, scale).with_options(scalar="double"))
 
 
 def test_speed_bound_covers_every_difference_quotient() -> None:

@@ -16,11 +16,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.designs.refined import MOST_BITS
 from stt_codegen.rows import Avoidance, Row
 
 DEPTH = 20  # a piece is halved at most this often before its property counts as failed
 CHUNK = 1 << 20  # rows times pieces that are looked at together
-LARGEST_BEZIER = 6 << 24  # of a coefficient, in units of the table
+LARGEST_BEZIER = 6 << MOST_BITS  # of a coefficient, in units of the table
 
 Pieces = npt.NDArray[Any]  # Bezier coefficients (P, n, 2, 4): int64, or Fraction objects once halved
 

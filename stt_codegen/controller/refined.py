@@ -23,6 +23,7 @@ from stt_codegen.controller.law import (
 from stt_codegen.controller.ticks import segment_at_tick, ticks_of
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign
+from stt_codegen.errors import BadInput
 from stt_codegen.paper import refined_tube
 from stt_codegen.program import (
     FALSE,
@@ -49,7 +50,7 @@ from stt_codegen.program import (
     real,
 )
 from stt_codegen.program.lower import lower
-from stt_codegen.program.number import largest_below
+from stt_codegen.program.number import FORMATS, largest_below
 from stt_codegen.task import Task
 
 OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, Status.BAD_INPUT))
@@ -70,7 +71,7 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     n = design.dimension
     spline = SplineKernels(_segment(design, task.emit.scalar), *_kernels_of_the_tube())
     law = control_law_of(task)
-    tables = [_coefficients(design), *law.tables]
+    tables = [_coefficients(design, task.emit.scalar), *law.tables]
     period = task.emit.tick_period
     clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
     guarded = Program(
@@ -110,7 +111,11 @@ def _kernels_of_the_tube() -> tuple[Kernel, Kernel, Kernel]:
     )
 
 
-def _coefficients(design: RefinedDesign) -> Table:
+def _coefficients(design: RefinedDesign, scalar: str) -> Table:
+    """The table. Raises `BadInput` where the scalar does not hold its numbers."""
+    if design.significant > FORMATS[scalar].precision:
+        raise BadInput(f'the tube needs {design.significant} bits, too many for a {scalar}; use emit.scalar = "double"')
+    both = "float and " if design.significant <= FORMATS["float"].precision else ""
     values = tuple(v * design.unit for row in design.table for pair in row for v in pair)
     names = ", ".join(f"lower[{i}], upper[{i}]" for i in range(design.dimension))
     return Table(
@@ -120,7 +125,7 @@ def _coefficients(design: RefinedDesign) -> Table:
         (
             f"B-spline control points divided by 6, one row for each of {design.segments} + 3 points:",
             names if len(names) < 90 else "lower[0], upper[0], lower[1], upper[1], ...",
-            f"Multiples of 2^{-design.bits}: exact in float and double.",
+            f"Multiples of 2^{-design.bits}: exact in {both}double.",
         ),
     )
 

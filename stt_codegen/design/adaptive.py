@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 
 from stt_codegen.design.arena import Arena, Array, arena_of, starting_box
+from stt_codegen.design.lattice import shared_lattice
 from stt_codegen.design.search import Problem, Push, search
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump
 from stt_codegen.errors import NotCertified
@@ -63,7 +64,7 @@ LADDER = (
 
 def adaptive(task: Task) -> AdaptiveDesign:
     """Design an adaptive tube. Raises `NotCertified` when the search finds none."""
-    arena = arena_of(task)
+    arena = arena_of(task, shared_lattice(task))
     start = starting_box(arena)
     for settings in LADDER:
         scaled = _scaled(task, arena, start, settings)

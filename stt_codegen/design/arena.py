@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.decimals import below, decimal
+from stt_codegen.design.lattice import Lattice, lattice_of
 from stt_codegen.errors import NotCertified
 from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, speed_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
@@ -70,8 +71,8 @@ class Arena:
     index 0 lower, 1 upper. faces: what an unsafe set has beside its span.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. allowance: what rounding of the
-    coefficients and of the emitted arithmetic may move an edge by, see `arithmetic_allowance`. length_unit, time_unit:
-    what lengths and times here must be multiplied by to be the task's.
+    coefficients and of the emitted arithmetic may move an edge by, see `Lattice.allowance`. length_unit, time_unit:
+    what lengths and times here must be multiplied by to be the task's; origin: where in the task 0 is, by dimension.
     """
 
     names: tuple[str, ...]
@@ -86,6 +87,7 @@ class Arena:
     min_width: float
     max_speed: float
     allowance: float
+    origin: tuple[Fraction, ...]
     length_unit: float = 1.0
     time_unit: float = 1.0
 
@@ -103,28 +105,18 @@ class Arena:
         names = tuple(self.names[j] for j in keep)
         return replace(self, names=names, unsafe=self.unsafe[list(keep)], faces=self.faces.only(keep))
 
-
-def magnitude(task: Task) -> int:
-    """The exponent m of the least power of two with every edge of the state space in [-2**m, 2**m]."""
-    largest = max(abs(v) for v in task.state_space.lower + task.state_space.upper)
-    exponent = math.frexp(float(largest))[1]
-    return exponent - 1 if largest <= Fraction(2) ** (exponent - 1) else exponent
+    def place(self, i: int, value: float) -> float:
+        """A coordinate in the task's units and from the task's origin."""
+        return float(self.origin[i]) + value * self.length_unit
 
 
-def arithmetic_allowance(task: Task) -> Fraction:
-    """Room left at every bound: 2**(m - 18), 32 units in the last place of a float as large as the state space.
-
-    It covers the rounding of the coefficients (3 table steps of 2**(m - 23)) and the error of single-precision
-    evaluation, whose bound is derived for the finished tube and compared with the margins (property P7).
-    """
-    return Fraction(2) ** (magnitude(task) - 18)
-
-
-def arena_of(task: Task) -> Arena:
-    """The task as arrays. Raises `NotCertified` when sets are too narrow to hold a tube at all."""
+def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
+    """The task as arrays, with the room that a lattice needs, seen from its origin. Raises `NotCertified` when sets are too
+    narrow to hold a tube at all."""
+    lattice = lattice or lattice_of(task)
+    origin, allowance = lattice.origin, lattice.allowance
     shapes, sets = task.obstacles, avoid_rows(task)
     n = task.dimension
-    allowance = arithmetic_allowance(task)
     least = max(row.bound for row in width_rows(task))
     wide = least + 2 * allowance
     for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
@@ -135,8 +127,9 @@ def arena_of(task: Task) -> Arena:
                     f"P1 width: {field} is {decimal(width)} wide in dimension {i + 1}, too narrow for a tube of "
                     f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
-                        "the coordinates are too large for the tube's grid, 2^-18 of them: move the origin near the task"
-                        if width > least
+                        f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
+                        + (', or use emit.scalar = "double"' if task.emit.scalar == "float" else "")
+                        if width > least or width <= 6 * allowance
                         else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
                     )
                 )
@@ -144,55 +137,61 @@ def arena_of(task: Task) -> Arena:
 
     return Arena(
         names=tuple(one.name for one in sets),
-        space=_bounds(stay_rows(task), allowance, n),
-        start=_bounds(start_rows(task), inset, n),
-        target=_bounds(reach_rows(task), allowance, n),
-        unsafe=_spans(sets, n),
-        faces=_faces(sets, shapes, n),
-        initial_state=np.array([float(v) for v in task.initial_state]),
+        space=_bounds(stay_rows(task), allowance, origin),
+        start=_bounds(start_rows(task), inset, origin),
+        target=_bounds(reach_rows(task), allowance, origin),
+        unsafe=_spans(sets, origin),
+        faces=_faces(sets, shapes, origin),
+        initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
         min_width=float(wide),
         max_speed=min((float(-row.bound) for row in speed_rows(task)), default=math.inf),
         allowance=float(allowance),
+        origin=origin,
     )
 
 
-def _bounds(rows: Sequence[Row], room: Fraction, n: int) -> Array:
-    """The box that rows of single edges leave, less `room`: shape (2, n)."""
-    box = np.empty((2, n))
+def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Array:
+    """The box that rows of single edges leave, less `room`, seen from the origin: shape (2, n)."""
+    box = np.empty((2, len(origin)))
     for row in rows:
         ((i, side, sign),) = row.terms
-        box[side, i] = float((row.bound + room) / sign)
+        box[side, i] = float((row.seen_from(origin) + room) / sign)
     return box
 
 
-def _spans(sets: Sequence[Avoidance], n: int) -> Array:
-    """What rows of single edges say of every unsafe set, without the clearance: shape (J, 2, n)."""
-    spans = np.empty((len(sets), 2, n))
+def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
+    """What rows of single edges say of every unsafe set, without the clearance, seen from the origin: shape (J, 2, n)."""
+    spans = np.empty((len(sets), 2, len(origin)))
     for j, one in enumerate(sets):
         for row in one.rows:
             if row.dimension is not None:
                 ((i, side, sign),) = row.terms
-                spans[j, 1 - side, i] = float(row.bound / sign)
+                spans[j, 1 - side, i] = float(row.seen_from(origin) / sign)
     return spans
 
 
-def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], n: int) -> Faces:
-    """The avoidance rows whose normal is no axis, as arrays."""
+def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> Faces:
+    """The avoidance rows whose normal is no axis, as arrays, seen from the origin."""
     found = [(j, row) for j, one in enumerate(sets) for row in one.rows if row.dimension is None]
-    normal = np.zeros((len(found), n))
+    normal = np.zeros((len(found), len(origin)))
     for x, (_, row) in enumerate(found):
         for i, _, c in row.terms:
             normal[x, i] = float(c)
     skew = {j for j, _ in found}
     return Faces(
         normal,
-        np.array([float(row.bound) for _, row in found]),
+        np.array([float(row.seen_from(origin)) for _, row in found]),
         np.array([float(row.per) for _, row in found]),
         np.array([j for j, _ in found], dtype=np.int64),
-        tuple(np.array([[float(v) for v in p] for p in s.vertices]) if j in skew else None for j, s in enumerate(shapes)),
+        tuple(_points(s, origin) if j in skew else None for j, s in enumerate(shapes)),
     )
+
+
+def _points(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
+    """The vertices of a set seen from the origin: shape (V, n)."""
+    return np.array([[float(v - o) for v, o in zip(p, origin, strict=True)] for p in convex.vertices])
 
 
 def normalised(arena: Arena, exponent: int) -> Arena:
@@ -262,14 +261,14 @@ def starting_box(arena: Arena) -> Array:
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
             size = arena.length_unit
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in dimension {i + 1}, "
-                f"nearer than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {x * size:.6g} there "
+                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in dimension {i + 1}, nearer "
+                f"than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {arena.place(i, x):.6g} there "
                 "leaves no room to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
             )
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:
             raise NotCertified(
-                f"P2 start: initial_state[{i}] = {x * arena.length_unit:.9g} is nearer than "
+                f"P2 start: initial_state[{i}] = {arena.place(i, x):.9g} is nearer than "
                 f"{4 * arena.allowance * arena.length_unit:.3g} (the room for rounding) "
                 "to the edge of the initial set; move it inside"
             )

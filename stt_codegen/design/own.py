@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import magnitude
+from stt_codegen.design.lattice import lattice_of
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.task import Task
@@ -30,12 +30,13 @@ def spline_tube(task: Task, points: Any) -> RefinedDesign:
         raise BadInput(f"control points: have the shape {c.shape}; (K + 3, {task.dimension}, 2) is needed, for K segments")
     if (c[-1] != c[-3]).any():
         raise BadInput("control points: the tube moves at t_c, where it must rest; make the last equal to the last but two")
-    scaled = np.ldexp(c / 6, 23 - magnitude(task))
-    if (np.abs(scaled) >= 1 << 24).any():
+    lattice = lattice_of(task)
+    scaled = np.ldexp(c / 6, lattice.bits)
+    if (np.abs(scaled) >= 1 << lattice.significant).any():
         raise BadInput("control points: one is further out than the state space is large; nothing there can be certified")
     table = np.stack([np.ceil(scaled[..., 0]), np.floor(scaled[..., 1])], axis=-1).astype(np.int64)
     rows = tuple(tuple((low, high) for low, high in row) for row in table.tolist())
-    return RefinedDesign(task.prescribed_time, len(rows) - 3, 23 - magnitude(task), rows)
+    return RefinedDesign(task.prescribed_time, len(rows) - 3, lattice.bits, rows)
 
 
 def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:

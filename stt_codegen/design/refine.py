@@ -19,7 +19,8 @@ from fractions import Fraction
 import numpy as np
 
 from stt_codegen.decimals import below
-from stt_codegen.design.arena import Arena, Array, arena_of, magnitude, normalised, starting_box
+from stt_codegen.design.arena import Arena, Array, arena_of, normalised, starting_box
+from stt_codegen.design.lattice import STEP_BITS, lattice_of
 from stt_codegen.design.route import Route, find_route, shortest_route
 from stt_codegen.design.shape import SPEED_ROOM, Shape, find_shape
 from stt_codegen.design.sides import choose_sides, limits_by_stretch
@@ -41,7 +42,8 @@ def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
 
     room: the peak speed over the least that was found; at 1 the tube is as slow, and so as narrow, as it gets.
     """
-    arena = normalised(arena_of(task), magnitude(task))
+    lattice = lattice_of(task)
+    arena = normalised(arena_of(task, lattice), lattice.exponent)
     start = starting_box(arena)
     ladder = (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
     *wide, shortest = candidate_routes(arena, start)
@@ -135,9 +137,11 @@ def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...], r
 
 
 def round_design(task: Task, shape: Shape) -> RefinedDesign:
-    """Control points over 6 (here in units of 2**m, the size of the state space), rounded to multiples of 2**(m - 23): 24
-    bits hold them exactly, in float as in double, so both scalar types share one tube and one certificate."""
-    integers = np.rint(np.ldexp(shape.points / 6, 23)).astype(np.int64)
+    """Control points over 6 (here in units of the lattice's size, from its origin), rounded to the lattice, so that the scalar
+    holds them exactly. Floats and doubles share one tube, and one certificate, unless the task is far from the origin."""
+    lattice = lattice_of(task)
+    integers = np.rint(np.ldexp(shape.points / 6, STEP_BITS)).astype(np.int64)
+    integers += np.array(lattice.offsets, dtype=np.int64)[:, None]
     integers[:, :, -1] = integers[:, :, -3]
     table = tuple(tuple((low, high) for low, high in row) for row in integers.transpose(2, 1, 0).tolist())
-    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, 23 - magnitude(task), table)
+    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table)

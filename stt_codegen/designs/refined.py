@@ -12,10 +12,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+MOST_BITS = 50  # of a coefficient: the hull's are up to 6 times as large
 
 
 @dataclass(frozen=True)
@@ -35,13 +38,19 @@ class RefinedDesign:
     stateful = False  # the tube is a function of time alone
 
     def __post_init__(self) -> None:
-        """Every coefficient must be exact in a float, which is what the certificate and the emitted file rest on."""
-        if any(abs(v) >= 1 << 24 for row in self.table for pair in row for v in pair):
-            raise ValueError("a coefficient of the tube needs more than 24 bits")
+        """Every sum of the hull must be exact in a double, and every coefficient in the scalar of the emitted file, which is what
+        the certificate and the file rest on: `significant` says how many bits that takes."""
+        if self.significant > MOST_BITS:
+            raise ValueError(f"a coefficient of the tube needs more than {MOST_BITS} bits")
 
     @property
     def dimension(self) -> int:
         return len(self.table[0])
+
+    @cached_property
+    def significant(self) -> int:
+        """The bits of the largest coefficient without its sign."""
+        return max(abs(v) for row in self.table for pair in row for v in pair).bit_length()
 
     @property
     def size(self) -> str:

@@ -1,0 +1,78 @@
+"""Where the numbers of a refined tube may lie: multiples of a step, fine enough for the task and exact in the scalar.
+
+The step is 2**-23 of the state space's largest coordinate, 24 bits, for floats and doubles alike, so that both share one tube.
+Far from the origin that is too coarse for what is left of the space. There a double has bits to spare: the step is then 2**-23 of
+the space's size, and design looks at the task from a place near it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from stt_codegen.program.number import exponent_of
+from stt_codegen.task import Task
+
+STEP_BITS = 23  # the step over the power of two that the lattice is scaled by
+FAR = 6  # coordinates over 2**FAR times the space's size count as far
+MOST = 26  # so many bits more than 24 a double spares: the hull's sums, 6 times as large, stay whole in it
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Lengths are measured in units of 2**exponent; no coordinate is beyond 2**largest. origin: by dimension, where design counts
+    from, a multiple of 6 steps."""
+
+    exponent: int
+    largest: int
+    origin: tuple[Fraction, ...]
+
+    @property
+    def bits(self) -> int:
+        """The step is 2**-bits."""
+        return STEP_BITS - self.exponent
+
+    @property
+    def significant(self) -> int:
+        """The bits that a number of the lattice has at most, without its sign."""
+        return STEP_BITS + 1 + self.largest - self.exponent
+
+    @cached_property
+    def allowance(self) -> Fraction:
+        """Room left at every bound: 32 steps.
+
+        It covers the rounding of the coefficients (3 steps) and the error of the emitted arithmetic, whose bound is derived for
+        the finished tube and compared with the margins (property P7).
+        """
+        return Fraction(2) ** (self.exponent - 18)
+
+    @property
+    def offsets(self) -> tuple[int, ...]:
+        """The origin in units of the table, whose entries are control points over 6."""
+        return tuple(int(v / 6 * Fraction(2) ** self.bits) for v in self.origin)
+
+
+def shared_lattice(task: Task) -> Lattice:
+    """The lattice that floats and doubles share, from the task's own origin."""
+    largest = power_above(max(abs(v) for v in (*task.state_space.lower, *task.state_space.upper)))
+    return Lattice(largest, largest, (Fraction(0),) * task.dimension)
+
+
+def lattice_of(task: Task) -> Lattice:
+    """The lattice of a refined tube for the task's space and scalar."""
+    lower, upper = task.state_space.lower, task.state_space.upper
+    shared = shared_lattice(task)
+    largest = shared.largest
+    extent = power_above(max(b - a for a, b in zip(lower, upper, strict=True)))
+    if task.emit.scalar == "float" or largest - extent <= FAR:
+        return shared
+    exponent = max(extent, largest - MOST)
+    step = 6 * Fraction(2) ** (exponent - STEP_BITS)
+    return Lattice(exponent, largest, tuple(round((a + b) / 2 / step) * step for a, b in zip(lower, upper, strict=True)))
+
+
+def power_above(value: Fraction) -> int:
+    """The exponent of the least power of two that is not below a positive value."""
+    below = exponent_of(value)
+    return below if value == Fraction(2) ** below else below + 1
