@@ -7,7 +7,6 @@ unsafe sets, clearance, ...) are put where the tube has its exact extreme, less 
 from __future__ import annotations
 
 import contextlib
-import json
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -37,13 +36,11 @@ Sides = Sequence[tuple[int, int]]  # (dimension, LOWER or UPPER)
 
 @dataclass(frozen=True)
 class Base:
-    """A certified tube to start from: its margins by property, its C text and its certificate."""
+    """A certified tube to start from, and its margins by property."""
 
     task: Task
     design: RefinedDesign
     margin: dict[str, Fraction]
-    source: str
-    proof: dict[str, Any]
 
     @property
     def body(self) -> tuple[Fraction, ...]:
@@ -61,9 +58,7 @@ def base(name: str, scalar: str) -> Base | None:
         return None
     assert isinstance(c.design, RefinedDesign)
     margin = {f.code: f.margin for f in c.certificate.findings}
-    return Base(
-        c.task, c.design, margin, c.files[f"{c.task.name}.c"].decode(), json.loads(c.files[f"{c.task.name}.certificate.json"])
-    )
+    return Base(c.task, c.design, margin)
 
 
 # ------------------------------------------------------------------------------------------------ drawing

@@ -2,8 +2,8 @@
 
     python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--first 0] [--record FILE.md]
 
-The mutants are those of `mutants.py`. The tool's certificate is asked, and the stand-alone checker, which gets a certificate
-that claims success and no room, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe
+The mutants are those of `mutants.py`. The tool's certificate is asked, and the stand-alone checker, which gets files whose
+certificate claims success, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe
 passed. A mutant depends on the seed and its number only, so `--first 1234 --count 1` judges number 1234 again.
 """
 
@@ -12,7 +12,6 @@ from __future__ import annotations
 import argparse
 import contextlib
 import decimal
-import hashlib
 import io
 import json
 import multiprocessing
@@ -22,18 +21,20 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from random import Random
 
-from mutants import BASES, KINDS, Base, draw
+from mutants import BASES, KINDS, draw
 from truth import Fault, Undecided, first_fault
 
 from stt_codegen.bench.report import command, machine, record
 from stt_codegen.certify import checker
+from stt_codegen.certify.certificate import Certificate
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.emit.render import Files, render
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import Box, Task
 
@@ -65,7 +66,7 @@ class Verdict:
 
 def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = BASES) -> Verdict:
     """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
-    kind, name, base, (task, design) = draw(Random(f"{seed} {number}"), names)
+    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names)
     try:
         fault = first_fault(task, design)
         near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
@@ -73,9 +74,11 @@ def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = BAS
         return Verdict(number, kind, name, None, False, False, ())
     certificate = certify(task, design, build_program(task, design))
     failing = " ".join(sorted({f.code for f in certificate.failures} - {"P7"}))
-    asked: list[tuple[bool, Callable[[], Fraction], str]] = [(certificate.holds, lambda: max(certificate.edge_error), failing)]
+    asked: list[tuple[bool, Callable[[], Fraction], str]] = [
+        (certificate.tube_holds, lambda: max(certificate.edge_error), failing)
+    ]
     if with_checker:
-        asked.append(ask_checker(base, task, design))
+        asked.append(ask_checker(task, design, certificate))
     answers = tuple(
         Answer(passed) if passed or fault else Answer(passed, first_fault(task, design, error()) is None, reason)
         for passed, error, reason in asked
@@ -86,38 +89,37 @@ def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = BAS
 # ------------------------------------------------------------------------------------------------ the checker's files
 
 
-def ask_checker(base: Base, task: Task, design: RefinedDesign) -> tuple[bool, Callable[[], Fraction], str]:
+def ask_checker(task: Task, design: RefinedDesign, certificate: Certificate) -> tuple[bool, Callable[[], Fraction], str]:
     """Whether the checker says yes to the mutant's files, its own bound on rounding, and the property that it misses."""
-    text, source = toml(task).encode(), with_coefficients(base.source, design, base.proof["scalar"])
+    files = claiming(task, design, certificate)
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()) as said:
-        paths = [Path(folder, name) for name in ("task.toml", "controller.c", "certificate.json")]
-        for path, data in zip(paths, (text, source.encode(), claims(base, task, text, source)), strict=True):
-            path.write_bytes(data)
-        answer = checker.main([str(path) for path in paths])
-    found = re.search(r"P\d", said.getvalue())
+        for name, data in files.items():
+            Path(folder, name).write_bytes(data)
+        answer = checker.main(
+            [str(Path(folder, name)) for name in ("task.toml", f"{task.name}.c", f"{task.name}.certificate.json")]
+        )
+    found = re.search(r"P\d does not hold|P6: the tube has a kink", said.getvalue())
     if answer not in (0, 1) or (answer == 1 and not found):
         raise RuntimeError(f"the checker did not come to its proof: {said.getvalue()}")
 
     def error() -> Fraction:
-        tube = checker.Tube(source, checker.Task(text))
-        return checker.arithmetic(tube, list(tube.pieces()))
+        known = checker.Task(files["task.toml"])
+        source = checker.Source(files[f"{task.name}.c"], known, task.emit.scalar == "float")
+        return max(checker.arithmetic(source, checker.Tube(source, known, design.bits)))
 
-    return answer == 0, error, found[0] if found else ""
-
-
-def claims(base: Base, task: Task, text: bytes, source: str) -> bytes:
-    """The base's certificate with the mutant's hashes and demands, success everywhere and no room claimed at all."""
-    digests = {"task_data": checker.Task(text).digest, f"{task.name}.c": hashlib.sha256(source.encode()).hexdigest()}
-    properties = [{**p, "holds": True, "margin": -1e9} for p in base.proof["properties"]]
-    demands = {"clearance": number_text(task.tube.clearance), "min_width": number_text(task.tube.min_width)}
-    return json.dumps({**base.proof, **demands, "certified": True, "properties": properties, "sha256": digests}).encode()
+    return answer == 0, error, found[0][:2] if found else ""
 
 
-def with_coefficients(source: str, design: RefinedDesign, scalar: str) -> str:
-    """The C text with another table of coefficients."""
-    suffix = "F" if scalar == "float" else ""
-    values = ", ".join(number_text(v * design.unit) + suffix for row in design.table for pair in row for v in pair)
-    return re.sub(r"(_coefficients\[\d+\] = \{).*?(\};)", lambda m: m[1] + values + m[2], source, flags=re.DOTALL)
+def claiming(task: Task, design: RefinedDesign, certificate: Certificate) -> Files:
+    """The files of a tube that may be unsafe, with its task, and a certificate that claims success: all that it says of the tube
+    is true, so that only the checker's own proof can refuse."""
+    text = toml(task).encode()
+    known = task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
+    known._digest = checker.Task(text).digest
+    certificate = replace(certificate, proved_period=None)
+    files = render(known, design, build_program(known, design), certificate)
+    proof = f"{task.name}.certificate.json"
+    return {**files, "task.toml": text, proof: json.dumps({**json.loads(files[proof]), "certified": True}).encode()}
 
 
 def number_text(value: Fraction) -> str:
@@ -127,7 +129,7 @@ def number_text(value: Fraction) -> str:
 
 
 def toml(task: Task) -> str:
-    """What the checker reads of a task file."""
+    """What the checker reads of a task file; without a period, for mutants are judged by P1 to P6."""
 
     def vector(values: Iterable[Fraction]) -> str:
         return f"[{', '.join(number_text(v) for v in values)}]"
@@ -135,6 +137,7 @@ def toml(task: Task) -> str:
     def box(head: str, b: Box) -> str:
         return f"{head}\nlower = {vector(b.lower)}\nupper = {vector(b.upper)}\n"
 
+    limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
     speed = "" if task.tube.max_speed is None else f"max_speed = {number_text(task.tube.max_speed)}\n"
     return "".join(
         (
@@ -143,6 +146,7 @@ def toml(task: Task) -> str:
             *(box(f"[{name}]", getattr(task, name)) for name in ("state_space", "initial_set", "target_set")),
             *(box("[[unsafe]]", s) + f'name = "{s.name}"\n' for s in task.unsafe),
             f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n{speed}",
+            f'[control]\ngain = {vector(task.gain)}\ne_max = {vector(task.e_max)}\n{limits}[emit]\nmath = "{task.emit.math}"\n',
         )
     )
 

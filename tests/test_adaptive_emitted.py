@@ -218,7 +218,7 @@ def test_an_adaptive_tube_is_written_with_its_certificate_and_the_steps_it_holds
     shortest, longest = document["alpha_steps"]
     assert f"#define OMNI_S2_DT_SHORTEST {shortest}F" in files["omni_s2.h"].decode()
     assert f"every dt from {shortest} to {longest} s" in files["omni_s2.py"].decode()
-    assert all("margin_exact" not in p for p in document["properties"])
+    assert all(p["holds"] and p["margin"] >= p["required"] for p in document["claims"])
 
 
 def test_the_refusal_of_a_literal_tube_says_what_it_does() -> None:

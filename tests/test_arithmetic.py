@@ -112,7 +112,8 @@ def test_a_state_space_less_than_a_unit_too_small_is_refused() -> None:
 
 def test_the_margin_demanded_is_the_worst_dimensions() -> None:
     controller = controller_of("omni_s1")
-    small, large = Fraction(1, 10**9), Fraction(1, 100)
+    unit = controller.design.unit  # errors count in whole units of the table
+    small, large = Fraction(1, 10**9), math.ceil(Fraction(1, 100) / unit) * unit
     for error in ((small, large), (large, small)):
         certificate = certify_refined(controller.task, controller.design, error)
         assert all(f.required in (large, 2 * large) for f in certificate.findings if f.required)

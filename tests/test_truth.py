@@ -14,11 +14,12 @@ from test_certificate import bend, exact_edges, oracle
 
 from stt_codegen.certify import checker
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import Box, Task, UnsafeSet, parse_task
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from mutants import KINDS, draw
-from mutations import Random, judge, toml, with_coefficients
+from mutations import Random, claiming, judge, toml
 from truth import LEAST_WIDTH, Fault, above, deepest, faults, first_fault, signed_edges, uncovered
 
 TINY = Fraction(1, 10**60)
@@ -240,7 +241,7 @@ def test_width_and_speed_are_decided_at_their_extremes() -> None:
 
 def test_the_checker_is_asked_about_the_very_mutant() -> None:
     for number in range(40):
-        _, _, base, (task, design) = draw(Random(f"files {number}"), BASES)
+        _, _, _, (task, design) = draw(Random(f"files {number}"), BASES)
         read = checker.Task(toml(task).encode())
         assert read.unsafe == [(s.name, (list(s.lower), list(s.upper))) for s in task.obstacles]
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
@@ -248,8 +249,9 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
             assert theirs == (list(ours.lower), list(ours.upper))
         assert (read.clearance, read.max_speed) == (task.tube.clearance, task.tube.max_speed)
         assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, LEAST_WIDTH))
-        tube = checker.Tube(with_coefficients(base.source, design, base.proof["scalar"]), read)
-        assert tube.table == [[(a * design.unit, b * design.unit) for a, b in row] for row in design.table]
+        files = claiming(task, design, certify(task, design, build_program(task, design)))
+        source = checker.Source(files[f"{task.name}.c"], read, task.emit.scalar == "float")
+        assert checker.Tube(source, read, design.bits).table == [list(row) for row in design.table]
 
 
 def test_nothing_unsafe_passes_among_some_mutants() -> None:

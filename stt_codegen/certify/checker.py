@@ -1,13 +1,18 @@
 #!/usr/bin/env python3
 """Checks a certified controller without the tool that made it. Standard library only.
 
-    python3 checker.py task.toml controller.c certificate.json
+    python3 checker.py task.toml controller.c certificate.json        (controller.h beside controller.c)
 
-It reads the task's numbers as exact decimals and the tube's coefficients out of the C text, and repeats the proof that the
-tube starts, keeps its width, stays, avoids and arrives (P1 to P6), in exact fractions, with a bound of its own on the rounding
-of the emitted arithmetic (P7). Then it compares with what the certificate claims, and the hashes. It does not read the rest
-of the C code. It speaks about refined tubes; for others it says that it cannot.
+It reads the task's numbers as exact decimals and every token of the C, runs the C's statements on symbols, and finds that they
+compute the tube of the C's table and the control law of the task: every branch, every index, every constant. It repeats the proof
+that this tube starts, keeps its width, stays, avoids, arrives and is smooth (P1 to P6) and, where the task has a period, that a
+sampled loop keeps the state in it (P9), in exact fractions, with a bound of its own on the rounding of the statements read (P7).
+Every claim of the certificate is compared; a claim that it does not know is refused. docs/certificate-format.md says what it all
+means. It speaks about refined tubes; for others it says that it cannot.
 
+Long because it is one file, to be copied anywhere and read from top to bottom: task, C, symbols, specification, proof, claims.
+
+Assumed: a C99 compiler without contraction of a * b + c, IEEE-754 arithmetic, and a library whose logarithm is within 4 units.
 Exit code 0: all holds. 1: something does not, and what. 2: a file cannot be used.
 """
 
@@ -15,44 +20,70 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import re
-import struct
+import secrets
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-Edge = list[Fraction]  # Bezier coefficients of one cubic piece
-Piece = list[tuple[Edge, Edge]]  # by dimension: lower and upper edge
 LEAST_WIDTH = Fraction(1, 1 << 20)  # the emitted law treats narrower tubes as this wide
-DEPTH = 20  # how often a piece is halved where its hull is too coarse
+RUNS = 4096  # of one function, by the answers to its comparisons
+LAW = {
+    "libm": {24: 2.0**-19, 53: 2.0**-46},
+    "inline": {24: 2.0**-14, 53: 2.0**-14},
+}  # its rounding, see docs/certificate-format.md
+KNOWN = {
+    "": "name prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
+    "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper", "unsafe": "name lower upper",
+    "tube": "design clearance min_width max_speed segments seed adaptive", "control": "gain e_max u_max period latency",
+    "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
+}  # fmt: skip
+CLAIMS = (
+    "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
+).split()
 
 
 class Failed(Exception):
-    """A property, a claim or a hash that does not hold."""
+    """A property, a claim, a hash or a statement of the C that does not hold."""
 
 
 class Unusable(Exception):
     """A file that is not what it should be."""
 
 
+def need(holds: bool, otherwise: str) -> None:
+    if not holds:
+        raise Failed(otherwise)
+
+
+# ------------------------------------------------------------------------------------------------ the task
+
+
 class Task:
-    """The numbers of a task file that the proof is about, exact; body already added to the sets."""
+    """The numbers of a task file, exact; the body already added to the sets. Keys that are not known here are refused."""
 
     def __init__(self, data: bytes) -> None:
         document = tomllib.loads(data.decode("utf-8-sig"), parse_float=Decimal)
         self.digest = hashlib.sha256(json.dumps(_plain(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
-        self.name = str(document["name"])
+        tables = [(name, entry) for name, v in document.items() for entry in (v if name == "unsafe" else [v]) if name in KNOWN]
+        for name, entry in [("", document), *tables]:
+            unknown = set(entry) - set(KNOWN[name].split())
+            if unknown:
+                raise Unusable(f"the task has {sorted(unknown)[0]!r}, which is not known here")
+        control, emit, self.name = document.get("control", {}), document.get("emit", {}), str(document["name"])
         self.t_c = _number(document["prescribed_time"])
-        self.period = _number(document.get("emit", {}).get("tick_period", document["prescribed_time"]))
         self.state = [_number(v) for v in document["initial_state"]]
-        self.n = len(self.state)
-        body = [_number(v) for v in document.get("body", [0] * self.n)]
+        n = self.n = len(self.state)
+        body = [_number(v) for v in document.get("body", [0] * n)]
         self.start, self.target = _box(document["initial_set"]), _box(document["target_set"])
         lower, upper = _box(document["state_space"])
+        self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
         self.unsafe = []
         for j, entry in enumerate(document.get("unsafe", []), 1):
@@ -63,12 +94,28 @@ class Task:
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
         self.max_speed = _number(tube["max_speed"]) if "max_speed" in tube else None
+        self.share = _number(document["initial_set"].get("share", Decimal("0.9")))
+        self.plant = {
+            k: _number(document["plant"][k]) if k in document.get("plant", {}) else None for k in KNOWN["plant"].split()
+        }
+        self.period = _number(control["period"]) if "period" in control else None
+        self.latency = _number(control.get("latency", 0))
+        gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
+        self.gain = None if gain == "auto" else _each(gain, n)
+        self.e_max = _each(control.get("e_max", Decimal("0.99")), n)
+        self.u_max = _each(control["u_max"], n) if "u_max" in control else None
+        self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
+        self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
 
 
 def _number(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | Decimal):
         raise Unusable(f"the task has {value!r} where a number is needed")
     return Fraction(value)
+
+
+def _each(value: Any, n: int) -> list[Fraction]:
+    return [_number(v) for v in (value if isinstance(value, list) else [value] * n)]
 
 
 def _box(table: Any) -> tuple[list[Fraction], list[Fraction]]:
@@ -87,181 +134,1070 @@ def _plain(value: Any) -> Any:
     return f"{number.numerator}/{number.denominator}"
 
 
-class Tube:
-    """The tube that the C text describes: control points over 6, as the numbers that the compiler makes of the literals."""
-
-    def __init__(self, text: str, task: Task) -> None:
-        p = re.escape(task.name)
-        code = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
-        tables = re.findall(rf"static const {p}_real {p}_coefficients\[(\d+)\] = \{{(.*?)\}};", code, re.DOTALL)
-        if len(tables) != 1:
-            raise Unusable("the C file has no table of coefficients of this task; only refined tubes can be checked here")
-        literals = [v.strip() for v in tables[0][1].split(",")]
-        if len(literals) != int(tables[0][0]) or len(literals) % (2 * task.n):
-            raise Failed(f"the table has {len(literals)} entries, it should have {tables[0][0]}, a multiple of {2 * task.n}")
-        self.single = any(v.endswith("F") for v in literals)
-        values = [self.read(v) for v in literals]
-        rows = [values[k : k + 2 * task.n] for k in range(0, len(values), 2 * task.n)]
-        self.table = [[(row[2 * i], row[2 * i + 1]) for i in range(task.n)] for row in rows]
-        self.segments = len(rows) - 3
-        self.eps = Fraction(1, 1 << (24 if self.single else 53))
-        self._check_time(code, task)
-
-    def read(self, literal: str) -> Fraction:
-        """A literal as the compiler rounds it. (Decimal to double to float can only differ where both round up to a tie.)"""
-        if not re.fullmatch(r"-?\d+\.\d*(e-?\d+)?F?", literal) or literal.endswith("F") != self.single:
-            raise Failed(f"the literal {literal!r} is not of the file's scalar type")
-        value = float(literal.rstrip("F"))
-        return Fraction(struct.unpack("<f", struct.pack("<f", value))[0] if self.single else value)
-
-    def _check_time(self, code: str, task: Task) -> None:
-        """The constants of the time scale: K / t_c and the last number below K, where the code has them."""
-        body = re.search(rf"static inline void {re.escape(task.name)}_segment\(.*?\n\}}", code, re.DOTALL)
-        found = body.group(0) if body else ""
-        k = Fraction(self.segments)
-        patterns = (r"scaled = started \* ([^;]+);", r"early = scaled < ([^;]+);", r"u = early \? scaled : ([^;]+);")
-        rate, early, end = (self.read(m.group(1)) if (m := re.search(p, found)) else Fraction(0) for p in patterns)
-        if abs(rate - k / task.t_c) > self.eps * k / task.t_c or not k * (1 - 2 * self.eps) <= early == end < k:
-            raise Failed(f"the time scale of the C file is not that of {self.segments} segments over {float(task.t_c)} s")
-        if "segment = (int32_t)u;" not in found or f"segment * {2 * task.n};" not in found:
-            raise Failed("the table index of the C file does not fit its table")
-        if "_control_tick(" in code:
-            self._check_ticks(code, task)
-
-    def _check_ticks(self, code: str, task: Task) -> None:
-        """Integer time: every constant follows from the task's period."""
-        body = re.search(rf"static inline void {re.escape(task.name)}_segment_at_tick\(.*?\n\}}", code, re.DOTALL)
-        k, found, last = self.segments, body.group(0) if body else "", -(-task.t_c // task.period)
-        num, den = (task.period * k / task.t_c).as_integer_ratio()
-        wanted = (
-            f"tick < {last}U;|running ? tick : {last}U;|count * {num};|passed < {k * den};|early ? passed : {k * den};|"
-            f"place / {den};|whole < {k - 1};|before_last ? whole : {k - 1};|segment * {den};|place - base;|"
-            f"segment * {2 * task.n};"
-        ).split("|")
-        part = re.search(r"share = part / ([^;]+);", found)
-        if any(f" = {v}" not in found for v in wanted) or not part or abs(self.read(part.group(1)) - den) > self.eps * den:
-            raise Failed(f"the ticks of the C file are not those of {float(task.period)} s over {float(task.t_c)} s")
-
-    def pieces(self) -> Iterator[Piece]:
-        """Bezier coefficients of every segment, by dimension (lower, upper)."""
-        for k in range(self.segments):
-            piece = []
-            for i in range(len(self.table[0])):
-                edges = []
-                for side in (0, 1):
-                    q0, q1, q2, q3 = (self.table[k + j][i][side] for j in range(4))
-                    edges.append([q0 + 4 * q1 + q2, 4 * q1 + 2 * q2, 2 * q1 + 4 * q2, q1 + 4 * q2 + q3])
-                piece.append((edges[0], edges[1]))
-            yield piece
+# ------------------------------------------------------------------------------------------------ the C, read
 
 
-def arithmetic(tube: Tube, pieces: list[Piece]) -> Fraction:
-    """P7, by hand: the emitted spline time is within 4 K eps (two roundings, and the end below K); every weight is a sum and
-    product of positive numbers with at most 7 roundings, product and sums add 3, so the blend is within 11 eps of 6 times the
-    largest coefficient."""
-    steepest = max(3 * abs(b - a) for piece in pieces for pair in piece for e in pair for a, b in zip(e, e[1:]))
-    largest = max(abs(v) for row in tube.table for pair in row for v in pair)
-    return 4 * tube.segments * tube.eps * steepest + 66 * tube.eps * largest
-
-
-def halves(piece: Piece) -> tuple[Piece, Piece]:
-    """De Casteljau at the middle."""
-
-    def cut(c: Edge) -> tuple[Edge, Edge]:
-        a, b, d = ((u + v) / 2 for u, v in zip(c, c[1:]))
-        e, f = (a + b) / 2, (b + d) / 2
-        return [c[0], a, e, (e + f) / 2], [(e + f) / 2, f, d, c[3]]
-
-    pairs = [(cut(low), cut(high)) for low, high in piece]
-    return [(low[0], high[0]) for low, high in pairs], [(low[1], high[1]) for low, high in pairs]
-
-
-def least(piece: Piece, slack: Callable[[Piece], Fraction], needed: Fraction, depth: int = DEPTH) -> Fraction:
-    """A lower bound on the slack over the piece, halving it where the hull does not show what is needed; where the curve itself
-    lacks it, what it has at one such point."""
-    value = slack(piece)
-    if value >= needed or depth == 0:
+def rounded(value: Fraction, bits: int, toward: Callable[[Fraction], int] = round) -> Fraction:
+    """The nearest number of so many significant bits, ties to even; `math.floor`: the largest that is not above. No constant of a
+    controller is near the ends of the exponent's range."""
+    if value == 0:
         return value
-    begin = slack([([low[0]] * 4, [high[0]] * 4) for low, high in piece])
-    if begin < needed:
-        return begin
-    first, second = halves(piece)
-    return min(least(first, slack, needed, depth - 1), least(second, slack, needed, depth - 1))
+    exponent = value.numerator.bit_length() - value.denominator.bit_length() - bits
+    exponent += abs(value) >= Fraction(2) ** (exponent + bits)
+    return toward(value / Fraction(2) ** exponent) * Fraction(2) ** exponent
 
 
-def prove(task: Task, tube: Tube) -> dict[str, Fraction]:
-    """The margin of every property; raises `Failed` when one is below what rounding may take."""
-    pieces = list(tube.pieces())
-    error = arithmetic(tube, pieces)
-    dims = range(task.n)
+TOKEN = re.compile(
+    r"(?P<skip>[ \n]+|/\*.*?\*/)|(?P<line>#[^\n]*)|(?:\d+\.\d+(?:e-?\d+)?F?|0x[0-9a-f]+U|\d+U?)(?!\w)|[A-Za-z_]\w*|\"[^\"\n]*\""
+    r"|<=|!=|&&|>>|\+\+|[-+*/<=!?:;,(){}\[\]&]", re.DOTALL | re.ASCII,
+)  # fmt: skip
 
-    def width(piece: Piece) -> Fraction:
-        return min(h - low for e, u in piece for low, h in zip(e, u)) - task.min_width
 
-    def stay(piece: Piece) -> Fraction:
-        low, high = task.space
-        return min(min(min(piece[i][0]) - low[i], high[i] - max(piece[i][1])) for i in dims)
+def tokens(data: bytes) -> list[str]:
+    """The tokens of a C file without its comments; a directive is one token."""
+    text = data.decode("ascii", "replace")
+    need(re.fullmatch(r"[\n -~]*", text) is not None and "\\" not in text and "??" not in text, "the C has characters of no use")
+    found, place = [], 0
+    while place < len(text):
+        match = TOKEN.match(text, place)
+        if match is None:
+            raise Failed(f"the C has {text[place : place + 20].splitlines()[0]!r}, which is no part of its language")
+        place = match.end()
+        if match["line"]:
+            line = re.sub(r"/\*[^*]*\*/", " ", match["line"])
+            need("/*" not in line and "//" not in line, f"the C has the line {line!r}")
+            found.append(" ".join(line.split()))
+        elif match["skip"] is None:
+            found.append(match.group())
+    return found
 
-    def avoid(piece: Piece) -> Fraction:
-        gaps = []
-        for _, (low, high) in task.unsafe:
-            gaps.append(max(max(low[i] - max(piece[i][1]), min(piece[i][0]) - high[i]) for i in dims))
-        return min(gaps) - task.clearance
 
-    first, last = ([(low[k], high[k]) for low, high in pieces[k]] for k in (0, -1))
-    margins = {
-        "P1": min(least(p, width, 2 * error) for p in pieces) - 2 * error,
-        "P2": min(
-            min(
-                task.state[i] - first[i][0],
-                first[i][1] - task.state[i],
-                first[i][0] - task.start[0][i],
-                task.start[1][i] - first[i][1],
-            )
-            for i in dims
+Tree = list[Any]  # statements as their tokens with a blank between; (head, Tree) for what stands in braces
+
+
+def tree(words: Iterator[str], top: bool = True) -> Tree:
+    """Tokens as statements and blocks."""
+    found: Tree = []
+    words_now: list[str] = []
+    for word in words:
+        if word == "{":
+            found.append((" ".join(words_now), tree(words, False)))
+            words_now = []
+        elif word == "}" and not top:
+            return found + ([("not ended", " ".join(words_now))] if words_now else [])
+        elif word == ";" and words_now.count("(") == words_now.count(")"):
+            found += [" ".join(words_now)] if words_now else []
+            words_now = []
+        else:
+            words_now.append(word)
+    need(top and not words_now, "the braces of the C do not match")
+    return found
+
+
+KERNELS = "segment segment_at_tick basis basis_rate blend normalized_error transformed_error law".split()
+_SPLIT = """typedef char $_real_size[(sizeof($_real) == %dU) ? 1 : -1];
+static inline int32_t $_exponent($_real y) { %s bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - %s) >> %d); }
+static inline $_real $_mantissa($_real y) { %s bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - %s) & %s) + %s;
+    $_real m; (void)memcpy(&m, &bits, sizeof m); return m; }"""  # y = m 2^e with m in [1/sqrt 2, sqrt 2), by the bits of IEEE-754
+_BITS = {
+    True: (4, "uint32_t", "0x3f3504f3U", 23, "0x7fffffU"),
+    False: (8, "uint64_t", "0x3fe6a09e667f3bcdU", 52, "0xfffffffffffffU"),
+}
+HELPERS = {s: _SPLIT % (size, word, cut, shift, word, cut, mask, cut) for s, (size, word, cut, shift, mask) in _BITS.items()}
+
+
+class Function:
+    """A function of the C: head, type of result, parameters (type, name, how it is passed), and its body."""
+
+    def __init__(self, head: str, result: str, params: list[tuple[str, str, str]], body: Tree) -> None:
+        self.head, self.result, self.params, self.body = head, result, params, body
+
+
+class Source:
+    """The C file: directives that are known, tables of numbers, functions; nothing else."""
+
+    def __init__(self, data: bytes, task: Task, single: bool) -> None:
+        p = self.p = task.name
+        self.single, self.bits, self.scalar = single, 24 if single else 53, "float" if single else "double"
+        self.types = {
+            f"{p}_real": "real",
+            "int32_t": "int",
+            "uint32_t": "uint",
+            "bool": "bool",
+            f"{p}_status": "status",
+            "void": "void",
+        }
+        self.tables: dict[str, list[Fraction]] = {}
+        self.functions: dict[str, Function] = {}
+        words, lines = tokens(data), self.lines(task)
+        need(
+            words[: len(lines)] == lines and "#" not in {w[0] for w in words[len(lines) :]},
+            "the C has other directives than it should",
         )
-        - error,
-        "P3": min(least(p, stay, error) for p in pieces) - error,
-        "P5": min(min(last[i][0] - task.target[0][i], task.target[1][i] - last[i][1]) for i in dims) - error,
-    }
-    if task.unsafe:
-        margins["P4"] = min(least(p, avoid, error) for p in pieces) - error
-    if any(tube.table[-1][i][s] != tube.table[-3][i][s] for i in dims for s in (0, 1)):
-        raise Failed("P6: the tube has a kink at t_c")
-    if task.max_speed is not None:
-        steps = (abs(b - a) for piece in pieces for pair in piece for e in pair for a, b in zip(e, e[1:]))
-        margins["P6"] = task.max_speed - 3 * max(steps) * tube.segments / task.t_c
-    for code in sorted(margins):
-        if margins[code] < 0:
-            raise Failed(f"{code} does not hold: {float(-margins[code]):.3g} is missing")
-    return margins
+        items = tree(iter(words[len(lines) :]))
+        helpers = tree(iter(tokens(HELPERS[single].replace("$", p).encode()))) if task.inline else []
+        for item in items:
+            if item in helpers:
+                helpers.remove(item)
+            elif isinstance(item, tuple) and item[0].startswith("static const "):
+                self.table(*item)
+            else:
+                need(isinstance(item, tuple), f"the C has {str(item)[:60]!r} outside a function")
+                self.function(*item)
+        need(not helpers, "the C lacks what splits a number")
+
+    def lines(self, task: Task) -> list[str]:
+        sure = "(FLT_EVAL_METHOD != 0)" + ("" if self.single else " && (FLT_EVAL_METHOD != 1)")
+        x87 = f"{self.scalar} arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+        return [
+            f'#include "{self.p}.h"', *(f"#include <{h}.h>" for h in ("float", "math", "stdbool", "stdint")),
+            *(["#include <string.h>"] if task.inline else []),
+            "#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))",
+            f'#error "{self.p}.c: compile without -ffast-math; it tests its inputs for NaN and infinity"', "#endif",
+            f"#if {sure}", f'#error "{self.p}.c: compile for {x87}"', "#endif",
+        ]  # fmt: skip
+
+    def number(self, token: str) -> tuple[str, Fraction]:
+        """A literal's type, and its value as the compiler rounds it."""
+        sign = -1 if token.startswith("- ") else 1
+        token = token.removeprefix("- ")
+        if "." in token:
+            need(token.endswith("F") == self.single, f"the literal {token!r} is not of the file's scalar type")
+            return "real", sign * rounded(Fraction(token.rstrip("F")), self.bits)
+        need(re.fullmatch(r"\d{1,10}U?", token) is not None, f"the C has {token[:40]!r} where a number is expected")
+        return ("uint" if token.endswith("U") else "int"), Fraction(token.rstrip("U"))
+
+    def table(self, head: str, body: Tree) -> None:
+        match = re.fullmatch(rf"static const {self.p}_real {self.p}_(\w+) \[ (\d+) \] =", head)
+        entries = body[0][1] if len(body) == 1 and body[0][0] == "not ended" else ""
+        numbers = [self.number(v) for v in entries.split(" , ")]
+        sound = match is not None and int(match[2]) == len(numbers) and {t for t, _ in numbers} == {"real"}
+        need(sound and match is not None and match[1] not in self.tables, f"the C has a table that is none: {head[:60]}")
+        self.tables[match[1]] = [v for _, v in numbers]  # type: ignore[index]
+
+    def function(self, head: str, body: Tree) -> None:
+        p, known = re.escape(self.p), "|".join(map(re.escape, self.types))
+        match = re.fullmatch(rf"(static inline )?({known}) {p}_(\w+) \( (.*) \)", head)
+        parts = (
+            [re.fullmatch(rf"(const )?({known}) (\* )?(\w+)( \[ {p.upper()}_N \])?", v) for v in match[4].split(" , ")]
+            if match
+            else []
+        )
+        if match is None or None in parts or match[3] in self.functions or (match[1] is not None) != (match[3] in KERNELS):
+            raise Failed(f"the C has a function that is not known: {head[:60]}")
+        params = []
+        for part in parts:
+            constant, kind, out, name, array = part.groups()  # type: ignore[union-attr]
+            how = ("array" if constant else "result") if array else "out" if out else "value"
+            need(not (array and out) and (how == "array" or not constant), f"the C has a parameter that is not known: {name}")
+            params.append((self.types[kind], name, how))
+        need(len({name for _, name, _ in params}) == len(params), f"{match[3]} of the C has two parameters of one name")
+        self.functions[match[3]] = Function(head, self.types[match[2]], params, body)
 
 
-def compare(task: Task, tube: Tube, certificate: dict[str, Any], source: bytes) -> None:
-    """The certificate's hashes and claims against what was read."""
-    if certificate.get("certified") is not True or certificate.get("task") != task.name:
-        raise Failed("the certificate does not certify this task")
-    if certificate["sha256"]["task_data"] != task.digest:
-        raise Failed("the task's data is not that of the certificate (SHA-256)")
-    if certificate["sha256"][f"{task.name}.c"] != hashlib.sha256(source).hexdigest():
-        raise Failed("the C file is not that of the certificate (SHA-256)")
-    if certificate["parameters"]["segments"] != tube.segments or certificate["scalar"] != ("float" if tube.single else "double"):
-        raise Failed("the certificate names another number of segments or scalar type than the C file has")
-    for key, value in (("clearance", task.clearance), ("min_width", task.min_width), ("prescribed_time", task.t_c)):
-        if Fraction(str(certificate[key])) != value and not (key == "min_width" and value == LEAST_WIDTH):
-            raise Failed(f"the certificate's {key} is not the task's")
-    slack = prove(task, tube)
-    for entry in certificate["properties"]:
-        code, room = entry["property"], Fraction(str(entry["margin"])) - Fraction(str(entry["required"]))
-        if entry["holds"] is not True:
-            raise Failed(f"the certificate itself says that {code} does not hold")
-        # both bounds on rounding differ by less than half of the certificate's own; a larger claim is a wrong one
-        if (
-            code in slack
-            and code not in ("P2", "P6")
-            and room > slack[code] + 2 * Fraction(str(max(certificate["edge_error_bound"])))
-        ):
-            raise Failed(f"the certificate claims more room for {code} than there is")
+def header(source: Source, task: Task, hash_: str) -> list[str]:
+    """The tokens that the header must have; * stands for a literal that is compared by its value."""
+    p, macro = source.p, source.p.upper()
+    last = -(-task.t_c // task.tick) if task.tick else 0
+    return [
+        f"#ifndef {macro}_H", f"#define {macro}_H", *(["#include <stdint.h>"] if task.tick else []),
+        "#ifdef __cplusplus", "extern", '"C"', "{", "#endif",
+        *f"typedef {source.scalar} {p}_real ;".split(), f"#define {macro}_N {task.n}", f"#define {macro}_T_C *",
+        *([f"#define {macro}_TICK_PERIOD *", f"#define {macro}_TICKS {last}U"] if task.tick else []),
+        *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
+        *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
+        *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
+        *([f"#define {macro}_SELFTEST_{hash_}", *f"int {p}_selftest ( void ) ;".split()] if task.selftest else []),
+        "#ifdef __cplusplus", "}", "#endif", "#endif",
+    ]  # fmt: skip
+
+
+# ------------------------------------------------------------------------------------------------ the C, run on symbols
+
+PRIME = 2**521 - 1  # numbers and symbols are elements of this field
+Value = tuple[str, Any]  # type, and an element, a bool or the name of a status
+OPERATIONS: dict[str, Callable[[int, int], int]] = {
+    "+": int.__add__,
+    "-": int.__sub__,
+    "*": int.__mul__,
+    "/": lambda a, b: a * pow(b, -1, PRIME),
+}
+
+
+def element(value: Fraction | int) -> int:
+    return Fraction(value).numerator * pow(Fraction(value).denominator, -1, PRIME) % PRIME
+
+
+class Machine:
+    """Runs the C's functions on symbols, and the specification beside them.
+
+    A symbol is a random element of a field of 2^521 elements: formulas that are not the same quotient of polynomials are found
+    equal with a probability below 2^-500. What is no arithmetic (the library's logarithm, truncation, a table at an index) is a
+    symbol too, one for each argument. A loop's body is run once, for the component i. Comparisons are questions; `explore` goes
+    through all their answers, and with each the C must do what the specification does. Every operation outside the spline kernels
+    must give a value that the specification computes too, so that no cancellation hides in between.
+    """
+
+    def __init__(self, source: Source, task: Task) -> None:
+        self.source, self.task = source, task
+        self.symbols: dict[Any, int] = {}
+        self.segments = len(source.tables["coefficients"]) // (2 * task.n) - 3
+        name, word, out = r"([A-Za-z_]\w*)", rf"([A-Za-z_]\w*|\d\S*|\( - \S+ \)|\( {task.name}_real \) NAN)", r"\* ([A-Za-z_]\w*)"
+        kind = "(" + "|".join(map(re.escape, source.types)) + ")"
+        call, pick, two = rf"{name} \( (.+) \)", rf"{word} \? {word} : {word}", rf"{word} (<=|&&|[-+*/<]) {word}"
+        shapes = {
+            "declare": rf"{kind} {name}",
+            "let": rf"(const )?{kind} {name} = (.+)",
+            "out": rf"{out} = (.+)",
+            "set": rf"{name} = (.+)",
+            "store": rf"{name} \[ {name} \] = (.+)",
+            "return": r"return(?: (.+))?",
+            "call": call,
+        }
+        formulas = {"is": word, "pick": pick, "two": two, "one": rf"([-!]) {word}", "cast": rf"\( {kind} \) {word}",
+                    "load": rf"{name} \[ {word} \]", "finite": rf"isfinite \( {word} \) != 0", "call": call}  # fmt: skip
+        self.shapes, self.formulas = ({k: re.compile(v) for k, v in given.items()} for given in (shapes, formulas))
+        s, at, n = self.symbol("s"), self.symbol("row") + 2 * self.symbol("i"), task.n
+        self.places = {(at + c) % PRIME: c for c in range(6 * n + 2)}  # indices of the table that are within it
+        weights = [(1 - s) ** 3, 3 * s**3 - 6 * s**2 + 4, -3 * s**3 + 3 * s**2 + 3 * s + 1, s**3]
+        rates = [-3 * (1 - s) ** 2, 9 * s**2 - 12 * s, -9 * s**2 + 6 * s + 3, 3 * s**2]
+        self.edges: dict[int, int] = {}  # the symbol of an edge, or of its rate in spline time, by the spline's formula
+        for prime, given in (("", weights), ("'", rates)):
+            for side in (0, 1):
+                places = (self.symbol("load coefficients", (at + 2 * n * j + side) % PRIME) for j in range(4))
+                self.edges[sum(w * q for w, q in zip(given, places)) % PRIME] = self.symbol("LU"[side] + prime)
+
+    def symbol(self, name: str, *of: int) -> int:
+        """An unknown, or an unknown function's value: the same for the same arguments."""
+        return self.symbols.setdefault((name, *of), secrets.randbelow(PRIME))
+
+    # ---- questions
+
+    def explore(self, name: str, specification: Callable[[], None], act: Callable[[], None]) -> None:
+        """In every run the C does what the specification does: the same stores, carried values and result."""
+        pending: list[dict[Any, bool]] = [{}]
+        for _ in range(RUNS):
+            if not pending:
+                return
+            given = pending.pop()
+            self.answers, self.allowed, self.effects, self.where, self.carried, self.kernel = dict(given), set(), [], name, 0, ""  # type: ignore[var-annotated]
+            specification()
+            wanted, self.effects, self.carried = self.effects, [], 0
+            act()
+            need(self.effects == wanted, f"{name} of the C does not compute what it should")
+            asked = list(self.answers.items())
+            pending += [{**dict(asked[:k]), asked[k][0]: not asked[k][1]} for k in range(len(given), len(asked))]
+        raise Failed(f"{name} of the C has more branches than can be looked at")
+
+    def ask(self, *question: Any) -> bool:
+        return bool(self.answers.setdefault(question, True))
+
+    def less(self, a: int, b: int, sign: str = "<") -> bool:
+        return self.ask(sign, (b - a) % PRIME)
+
+    def carry(self, kind: str) -> Any:
+        """What a loop carries: first as its body has it, then after it."""
+        self.carried += 1
+        return self.ask("carried", self.carried) if kind == "bool" else self.symbol("carried", self.carried)
+
+    # ---- operations, of the C and of the specification
+
+    def op(self, sign: str, a: int, b: int) -> int:
+        """A value that the C may compute too."""
+        found = self.calculate(sign, a, b)
+        self.allowed.add(found)
+        return found
+
+    def calculate(self, sign: str, a: int, b: int) -> int:
+        if sign == "*" and 0 in (a, b):
+            return self.symbol("zero times", a + b)  # NaN for an infinity or a NaN
+        need(sign != "/" or b != 0, "the C divides by zero")
+        return OPERATIONS[sign](a, b) % PRIME
+
+    # ---- the C
+
+    def run(self, name: str, arguments: dict[str, Value]) -> None:
+        """A public function; arguments by their roles: a symbol, or an array that is read or that is the result."""
+        f, wanted = self.source.functions[name], [(kind, v if isinstance(v, str) else "value") for kind, v in arguments.values()]
+        need([(kind, how) for kind, _, how in f.params] == wanted, f"{name} of the C has other parameters than it should")
+        scope: dict[str, Any] = {}
+        for (_, label, _), (role, (kind, value)) in zip(f.params, arguments.items()):
+            scope[label] = ["array", role, value == "result"] if isinstance(value, str) else [kind, value, True]
+        self.result, self.stored = f.result, False
+        if not self.block(f.body, scope):
+            need(f.result == "void", f"{name} of the C ends without a result")
+            self.effects.append(("return", None))
+
+    def block(self, body: Tree, scope: dict[str, Any]) -> bool:
+        """Runs statements; whether they returned."""
+        for item in body:
+            if isinstance(item, str):
+                if self.statement(item, scope):
+                    return True
+                continue
+            branch = re.fullmatch(r"if \( (\w+) \)", item[0])
+            if branch is None:
+                self.loop(item[0], item[1], scope)
+            elif self.operand(branch[1], scope, "bool"):
+                self.sure(self.block(item[1], dict(scope)), "a branch that goes on", item[0])
+                return True
+        return False
+
+    def sure(self, holds: bool, what: str, where: str) -> None:
+        need(holds, f"{self.where} of the C has {what}: {where[:80]}")
+
+    def match(self, shapes: dict[str, re.Pattern[str]], text: str) -> tuple[str, tuple[str, ...]]:
+        for kind, shape in shapes.items():
+            found = shape.fullmatch(text)
+            if found:
+                return kind, found.groups()
+        raise Failed(f"{self.where} of the C has what is no statement of one operation: {text[:80]}")
+
+    def statement(self, text: str, scope: dict[str, Any]) -> bool:
+        kind, parts = self.match(self.shapes, text)
+        if kind in ("declare", "let"):
+            label, given = self.source.types[parts[-2 if kind == "let" else 0][:99] if kind == "declare" else parts[1]], None
+            name = parts[1] if kind == "declare" else parts[2]
+            if kind == "let":
+                given = self.typed(parts[3], scope, label)
+            self.sure(name not in scope and label != "void", "a name twice, or of no type", text)
+            scope[name] = [label, given, kind == "let" and parts[0] is not None]
+        elif kind == "set":
+            held = scope.get(parts[0], ["", None, True])
+            self.sure(held[2] is False and held[0] != "array", "a value set that cannot be", text)
+            scope[parts[0]] = [held[0], self.typed(parts[1], scope, held[0]), False]
+        elif kind == "store":
+            value, held = self.typed(parts[2], scope, "real"), scope.get(parts[0], ["", None, False])
+            at = self.operand(parts[1], scope, "int") == self.symbol("i")
+            self.sure(held[0] == "array" and held[2] and at, "a store where none may be", text)
+            self.effects.append(("store", held[1], value))
+            self.stored = True
+        elif kind == "return":
+            value = None if parts[0] is None else self.typed(parts[0], scope, self.result)
+            self.sure(value is not None or self.result == "void", "no result", text)
+            self.effects.append(("return", value))
+        else:
+            self.sure(kind == "call" and self.call(parts[0], parts[1].split(" , "), scope)[0] == "void", "what has no use", text)
+        return kind == "return"
+
+    def loop(self, head: str, body: Tree, scope: dict[str, Any]) -> None:
+        """The body once, for i; what it sets of the outside is a symbol in it and after it."""
+        match = re.fullmatch(rf"for \( int32_t (\w+) = 0 ; \1 < {self.task.n} ; \+\+ \1 \)", head)
+        self.sure(match is not None and all(isinstance(item, str) for item in body), "another loop than it should", head)
+        inner = {name: list(entry) for name, entry in scope.items()}
+        self.sure(match[1] not in inner, "a name twice", head)  # type: ignore[index]
+        inner[match[1]] = ["int", self.symbol("i"), True]  # type: ignore[index]
+        changed = [name for name in scope if any(item.startswith(f"{name} = ") for item in body)]
+        self.sure(len(changed) < 2, "two values carried through a loop", head)
+        for name in changed:
+            inner[name][1] = self.carry(scope[name][0])
+        self.stored = False
+        self.sure(not self.block(body, inner), "a return out of a loop", head)
+        for name in changed:
+            self.effects.append(("carried", scope[name][1], inner[name][1]))
+            scope[name] = [scope[name][0], self.carry(scope[name][0]), False]
+
+    def operand(self, text: str, scope: dict[str, Any], kind: str = "") -> Any:
+        """The value of a name or a literal; with its type where none is asked for."""
+        if text.endswith(" NAN"):
+            found = ("real", self.symbol("nan"))
+        elif text[0] in "(0123456789":
+            label, value = self.source.number(text.removeprefix("( ").removesuffix(" )"))
+            found = (label, element(value))
+        elif text in ("true", "false"):
+            found = ("bool", text == "true")
+        elif text.startswith(f"{self.source.p.upper()}_"):
+            found = ("status", text)  # type: ignore[assignment]
+        else:
+            label, value, _ = scope.get(text, ["array", None, True])
+            self.sure(label != "array" and value is not None, "a name without a value", text)
+            found = (label, value)
+        self.sure(kind in ("", found[0]), f"a {found[0]} where a {kind} is needed", text)
+        return found[1] if kind else found
+
+    def typed(self, text: str, scope: dict[str, Any], kind: str) -> Any:
+        found = self.value(text, scope)
+        self.sure(found[0] == kind, f"a {found[0]} where a {kind} is needed", text)
+        return found[1]
+
+    def value(self, text: str, scope: dict[str, Any]) -> Value:
+        """An expression of one operation."""
+        kind, parts = self.match(self.formulas, text)
+        if kind == "call":
+            return self.call(parts[0], parts[1].split(" , "), scope)
+        if kind == "load":
+            return "real", self.load(parts[0], self.operand(parts[1], scope, "int"), scope)
+        if kind == "finite":
+            return "bool", self.ask("finite", self.operand(parts[0], scope, "real"))
+        if kind == "pick":
+            condition, then, other = self.operand(parts[0], scope, "bool"), *(self.operand(v, scope) for v in parts[1:])
+            self.sure(then[0] == other[0], "a choice between two types", text)
+            return then if condition else other  # type: ignore[no-any-return]
+        if kind == "cast":
+            to, (label, value) = self.source.types[parts[0]], self.operand(parts[1], scope)
+            self.sure((to, label) in (("int", "real"), ("real", "int"), ("int", "uint")), "another cast", text)
+            return to, self.symbol("truncated", value) if label == "real" else value
+        if kind == "one" and parts[0] == "!":
+            return "bool", not self.operand(parts[1], scope, "bool")
+        if kind == "one":
+            return "real", -self.operand(parts[1], scope, "real") % PRIME
+        if kind == "is":
+            return self.operand(parts[0], scope)  # type: ignore[no-any-return]
+        (label, a), (other, b), sign = self.operand(parts[0], scope), self.operand(parts[2], scope), parts[1]
+        fits = label == other and (label == "bool") == (sign == "&&") and (label in ("real", "int", "bool") or sign == "<")
+        self.sure(fits and label != "status", "an operation on these types", text)
+        if label == "bool":
+            return "bool", a and b
+        if sign in ("<", "<="):
+            return "bool", self.less(a, b, sign)
+        if label == "int":
+            return "int", self.symbol("whole quotient", a, b) if sign == "/" else OPERATIONS[sign](a, b) % PRIME
+        found = self.calculate(sign, a, b)
+        self.sure(self.kernel in ("basis", "basis_rate", "blend") or found in self.allowed, "a value of no use", text)
+        return "real", found
+
+    def load(self, array: str, index: int, scope: dict[str, Any]) -> int:
+        table = array.removeprefix(f"{self.source.p}_")
+        if array in scope:
+            good = scope[array][0] == "array" and index == self.symbol("i") and not self.stored
+            table = scope[array][1]
+        elif table == "coefficients":
+            good = array != table and index in self.places
+        else:
+            good = array != table and len(self.source.tables.get(table, [])) == self.task.n and index == self.symbol("i")
+        self.sure(good, "a number read where none may be", array)
+        return self.symbol(f"load {table}", index)
+
+    def call(self, name: str, arguments: list[str], scope: dict[str, Any]) -> Value:
+        """A kernel, inlined; those of the segment are compared by themselves and give row and s."""
+        values = [self.operand(a, scope) for a in arguments if a[0] != "&"]
+        targets, name, f = [a[2:] for a in arguments if a[0] == "&"], name.removeprefix(f"{self.source.p}_"), None
+        if name == ("logf" if self.source.single else "log") or (self.task.inline and name in ("exponent", "mantissa")):
+            self.sure([t for t, _ in values] == ["real"] and not targets, "a call with other arguments", name)
+            return ("int" if name == "exponent" else "real"), self.symbol(name.rstrip("f"), values[0][1])
+        f = self.source.functions.get(name) if name in KERNELS else None
+        if f is None:
+            raise Failed(f"{self.where} of the C calls {name}, which is not known")
+        wanted = [kind for kind, _, how in f.params if how == "value"]
+        self.sure(wanted == [t for t, _ in values] and len(targets) == len(set(targets)), "a call with other arguments", name)
+        if name.startswith("segment"):
+            self.sure(
+                values[0][1] == self.symbol("tick" if name == "segment_at_tick" else "t"), "the segment of another time", name
+            )
+            results: list[Value] = [("int", self.symbol("row")), ("real", self.symbol("s"))]
+        else:
+            results = self.inlined(name, [v for _, v in values])
+        if f.result != "void":
+            self.sure(not targets, "a call with other results", name)
+            return results[0]
+        self.sure(len(targets) == len(results), "a call with other results", name)
+        for target, (kind, value) in zip(targets, results):
+            self.sure(scope.get(target) == [kind, None, False], "no place for a result", target)
+            scope[target] = [kind, value, False]
+        return "void", None
+
+    def inlined(self, name: str, values: list[int]) -> list[Value]:
+        """The outputs of a kernel; an edge of the tube, where it is one, by its symbol."""
+        f, outer, found = self.source.functions[name], self.kernel, {}
+        self.kernel = name
+        outs = {label: kind for kind, label, how in f.params if how == "out"}
+        inputs = [(kind, label) for kind, label, how in f.params if how == "value"]
+        order = ["value"] * len(inputs) + ["out"] * len(outs)
+        self.sure([how for *_, how in f.params] == order, "other parameters than it should", name)
+        scope: dict[str, Any] = {label: [kind, value, True] for (kind, label), value in zip(inputs, values)}
+        for text in f.body:
+            kind, parts = self.match(self.shapes, text) if isinstance(text, str) else ("", ())
+            label = parts[0] if kind == "out" else "return"
+            if kind in ("out", "return"):
+                self.sure("return" not in found and label not in found, "a result twice", text)
+                found[label] = (outs.get(label, f.result), self.typed(parts[-1] or "", scope, outs.get(label, f.result)))
+            else:
+                self.sure(
+                    kind == "let" and "return" not in found and not self.statement(text, scope),
+                    "no statement of a kernel",
+                    str(text),
+                )
+        wanted = ["return"] if f.result != "void" else list(outs)
+        self.sure(set(found) == set(wanted) and bool(outs) == (f.result == "void"), "a kernel without its results", name)
+        self.kernel = outer
+        results = [found[label] for label in wanted]
+        return [(kind, self.edges.get(value, value)) for kind, value in results] if name == "blend" else results
+
+
+# ------------------------------------------------------------------------------------------------ what the C must do
+
+
+class Specification:
+    """What every function of the C must do, in the same operations on the same symbols."""
+
+    def __init__(self, machine: Machine, gain: list[Fraction], wide: bool) -> None:
+        self.m, self.task, self.bits, self.guarded = machine, machine.task, machine.source.bits, not wide
+        self.k, self.n, self.i = machine.segments, machine.task.n, machine.symbol("i")
+        shares = [(1 - v) / 2 for v in self.task.e_max]
+        known = {"gain": gain, "e_max": self.task.e_max, "least_share": shares}
+        self.constants = {name: [rounded(v, self.bits) for v in values] for name, values in known.items()}
+
+    def tables(self) -> dict[str, list[Fraction]]:
+        """What differs by component stands in a table."""
+        found = {name: values for name, values in self.constants.items() if len(set(values)) > 1}
+        limits = {} if self.task.u_max is None else {"u_max": [rounded(v, self.bits, math.floor) for v in self.task.u_max]}
+        return found | limits
+
+    def each(self, name: str) -> int:
+        values = self.constants[name]
+        return self.m.symbol(f"load {name}", self.i) if len(set(values)) > 1 else element(values[0])
+
+    def constant(self, value: Fraction) -> int:
+        return element(rounded(value, self.bits))
+
+    # ---- time
+
+    def segment(self) -> None:
+        """Spline time K t / t_c, held from 0 to the last number below K: the table's row and the place in the segment."""
+        m, t = self.m, self.m.symbol("t")
+        end = element(rounded(self.k - Fraction(self.k, 2 ** (self.bits + 2)), self.bits, math.floor))
+        scaled = m.op("*", t if m.less(0, t) else 0, self.constant(self.k / self.task.t_c))
+        u = scaled if m.less(scaled, end) else end
+        whole = m.symbol("truncated", u)
+        m.effects.append([("int", whole * 2 * self.n % PRIME), ("real", m.op("-", u, whole))])
+
+    def segment_at_tick(self) -> None:
+        """The same for a count of ticks, num/den of a segment each, in integers."""
+        assert self.task.tick is not None
+        m, tick, k = self.m, self.m.symbol("tick"), self.k
+        num, den = (self.task.tick * k / self.task.t_c).as_integer_ratio()
+        last = -(-k * den // num)
+        need(k * den + num < 1 << 31, "the ticks of the C do not fit 31 bits")
+        passed = (tick if m.less(tick, last) else last) * num % PRIME
+        place = passed if m.less(passed, k * den) else k * den
+        whole = m.symbol("whole quotient", place, den)
+        segment = whole if m.less(whole, k - 1) else k - 1
+        share = m.op("/", (place - segment * den) % PRIME, self.constant(Fraction(den)))
+        m.effects.append([("int", segment * 2 * self.n % PRIME), ("real", share)])
+
+    # ---- the law
+
+    def place(self, lower: int, upper: int, x: int, guarded: bool) -> tuple[int, int, int, int, int]:
+        """Distance to the nearer edge, both distances clamped, width, room; notes which edge is nearer, whether there is room.
+        A width below LEAST_WIDTH counts as that, about the middle."""
+        m = self.m
+        room, to_lower, to_upper = m.op("-", upper, lower), m.op("-", x, lower), m.op("-", upper, x)
+        self.filled = not guarded or m.less(0, room)
+        width = room if not guarded or m.less(element(LEAST_WIDTH), room) else element(LEAST_WIDTH)
+        self.upper_nearer = m.less(to_upper, to_lower)
+        nearest = to_upper if self.upper_nearer else to_lower
+        least, distance = m.op("*", width, self.each("least_share")), nearest
+        if guarded:
+            distance = m.op("+", nearest, m.op("*", m.op("-", width, room), element(Fraction(1, 2))))
+        near = distance if self.filled and m.less(least, distance) else least
+        return nearest, near, m.op("-", width, near), width, room
+
+    def transformed(self, near: int, far: int) -> tuple[int, int]:
+        """epsilon and xi of (13), from the nearer edge: -ln(far/near) and 1/near + 1/far."""
+        m, y = self.m, self.m.op("/", far, near)
+        return -self.log(y) % PRIME, m.op("/", m.op("+", 1, y), far)
+
+    def log(self, y: int) -> int:
+        """The library's; or with y = m 2^e: e ln 2 + 2 atanh((m - 1)/(m + 1)), see docs/certificate-format.md."""
+        m = self.m
+        if not self.task.inline:
+            return m.symbol("log", y)
+        mantissa = m.symbol("mantissa", y)
+        s = m.op("/", m.op("-", mantissa, 1), m.op("+", mantissa, 1))
+        bent = m.op("*", m.op("*", s, s), element(rounded(Fraction("0.67660441"), 24)))
+        whole = m.op("*", m.symbol("exponent", y), self.constant(Fraction("0.693147180559945309417232121458")))
+        return m.op("+", whole, m.op("*", s, m.op("+", bent, 2)))
+
+    def held(self, value: int, low: int, high: int) -> int:
+        raised = value if self.m.less(low, value) else low
+        return high if self.m.less(high, raised) else raised
+
+    # ---- the functions
+
+    def bad(self, time: bool, stores: Sequence[str], status: Any) -> bool:
+        """With a NaN or an infinity among t and x: zeros, and the status."""
+        m = self.m
+        total = m.op("*", m.symbol("t"), 0) if time else 0
+        m.effects.append(("carried", total, m.op("+", m.carry("real"), m.op("*", m.symbol("load x", self.i), 0))))
+        if m.less(m.carry("real"), 0, "<="):
+            return False
+        m.effects += [*(("store", name, 0) for name in stores), ("return", status)]
+        return True
+
+    def control(self, time: bool) -> None:
+        m, (ok, outside, bad) = self.m, [f"{self.task.name.upper()}_{name}" for name in ("OK", "OUTSIDE_TUBE", "BAD_INPUT")]
+        if self.bad(time, ["u"], bad):
+            return
+        was = m.carry("bool")
+        nearest, near, far, _, _ = self.place(m.symbol("L"), m.symbol("U"), m.symbol("load x", self.i), self.guarded)
+        epsilon, xi = self.transformed(near, far)
+        gain = -self.each("gain") % PRIME if self.upper_nearer else self.each("gain")
+        push = -m.op("*", m.op("*", gain, xi), epsilon) % PRIME
+        u = push if self.filled else 0
+        if self.task.u_max is not None:
+            limit = m.symbol("load u_max", self.i)
+            u = self.held(u, -limit % PRIME, limit)
+        m.effects += [("store", "u", u), ("carried", False, was if m.less(0, nearest) else True)]
+        m.effects.append(("return", outside if m.carry("bool") else ok))
+
+    def margin(self) -> None:
+        m = self.m
+        if self.bad(True, [], m.symbol("nan")):
+            return
+        before = m.carry("real")
+        nearest, _, _, width, _ = self.place(m.symbol("L"), m.symbol("U"), m.symbol("load x", self.i), self.guarded)
+        share = m.op("/", nearest, width)
+        share = -1 % PRIME if m.less(share, -1) else share
+        m.effects.append(("carried", element(Fraction(1, 2)), share if m.less(share, before) else before))
+        m.effects.append(("return", m.carry("real")))
+
+    def tube(self) -> None:
+        self.of_time(["lower", "upper"], [self.m.symbol("L"), self.m.symbol("U")])
+
+    def tube_rate(self) -> None:
+        m = self.m
+        moving = m.less(m.symbol("t"), self.constant(self.task.t_c))
+        per_second = self.constant(self.k / self.task.t_c) if moving else 0
+        self.of_time(["lower_rate", "upper_rate"], [m.op("*", m.symbol(name), per_second) for name in ("L'", "U'")])
+
+    def of_time(self, names: list[str], values: list[int]) -> None:
+        finite = self.m.ask("finite", self.m.symbol("t"))
+        self.m.effects += [("store", name, value if finite else self.m.symbol("nan")) for name, value in zip(names, values)]
+        self.m.effects.append(("return", None))
+
+    def transform(self) -> None:
+        m = self.m
+        lower, upper, x = (m.symbol(f"load {name}", self.i) for name in ("lower", "upper", "x"))
+        _, near, far, width, room = self.place(lower, upper, x, True)
+        a, b, sign = (far, near, -1 % PRIME) if self.upper_nearer else (near, far, 1)
+        e_max = self.each("e_max")
+        e = self.held(m.op("/", m.op("-", a, b), width), -e_max % PRIME, e_max)
+        size, xi = self.transformed(near, far)
+        finite = all([m.ask("finite", x), m.ask("finite", room)])
+        for name, value in (("e", e), ("epsilon", m.op("*", sign, size)), ("xi", xi)):
+            m.effects.append(("store", name, (value if self.filled else 0) if finite else m.symbol("nan")))
+        m.effects.append(("return", None))
+
+
+def computes(source: Source, task: Task, gain: list[Fraction], wide: bool) -> None:
+    """That the C computes the tube of its table and the law of the task. wide: the edges are always farther apart than
+    LEAST_WIDTH, so `control` and `margin` may do without a guard against narrower tubes."""
+    m = Machine(source, task)
+    spec, free, ticks = Specification(m, gain, False), Specification(m, gain, wide), task.tick is not None
+    kernels = [k for k in KERNELS if ticks or k != "segment_at_tick"]
+    public = ["tube", "tube_rate", "control", *(["control_tick"] if ticks else []), "margin", "transform"]
+    need(list(source.functions) == kernels + public, "the C has other functions than it should")
+    need({k: v for k, v in source.tables.items() if k != "coefficients"} == spec.tables(), "a table of the C is not the task's")
+    t, tick, x, out = ("real", m.symbol("t")), ("uint", m.symbol("tick")), ("real", "array"), ("real", "result")
+    for name, time, place in (("segment", t, spec.segment), ("segment_at_tick", tick, spec.segment_at_tick))[: 1 + ticks]:
+        kinds = [kind for kind, _, how in source.functions[name].params if how == "value"]
+        need(kinds == [time[0]], f"{name} of the C has other parameters than it should")
+        m.explore(name, place, partial(lambda name, value: m.effects.append(m.inlined(name, [value])), name, time[1]))
+    functions: list[tuple[str, list[Callable[[], None]], dict[str, Value]]] = [
+        ("tube", [spec.tube], {"t": t, "lower": out, "upper": out}),
+        ("tube_rate", [spec.tube_rate], {"t": t, "lower_rate": out, "upper_rate": out}),
+        ("transform", [spec.transform], {"lower": x, "upper": x, "x": x, "e": out, "epsilon": out, "xi": out}),
+        ("margin", [free.margin, spec.margin], {"t": t, "x": x}),
+    ]
+    for name, time in (("control", t), ("control_tick", tick))[: 1 + ticks]:
+        functions.append((name, [partial(s.control, name == "control") for s in (free, spec)], {"t": time, "x": x, "u": out}))
+    for name, allowed, arguments in functions:
+        for number, specification in enumerate(allowed, 1):
+            try:
+                m.explore(name, specification, partial(m.run, name, arguments))
+                break
+            except Failed:
+                if number == len(allowed):
+                    raise
+
+
+# ------------------------------------------------------------------------------------------------ the tube and its arithmetic
+
+Edge = list[Any]  # Bezier coefficients of one cubic piece, in units of the table
+Piece = list[tuple[Edge, Edge]]  # by dimension: lower and upper edge
+
+
+class Tube:
+    """The tube of the C's table, in whole units of it: control points over 6."""
+
+    def __init__(self, source: Source, task: Task, bits: int) -> None:
+        values = source.tables.get("coefficients", [])
+        rows, rest = divmod(len(values), 2 * task.n)
+        need(rows > 3 and not rest, f"the table has {len(values)} entries, no multiple of {2 * task.n}, or too few")
+        self.n, self.segments, self.unit = task.n, rows - 3, Fraction(2) ** -bits
+        whole = [v / self.unit for v in values]
+        need(all(v.denominator == 1 for v in whole), "the table is not of whole units of 2^-unit_bits")
+        self.table = [
+            [(int(whole[j + 2 * i]), int(whole[j + 2 * i + 1])) for i in range(task.n)] for j in range(0, len(whole), 2 * task.n)
+        ]
+        self.pieces: list[Piece] = []
+        for k in range(self.segments):
+            q = [[[self.table[k + j][i][side] for j in range(4)] for side in (0, 1)] for i in range(task.n)]
+            edges = [[[a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d] for a, b, c, d in e] for e in q]
+            self.pieces.append([(low, high) for low, high in edges])
+
+    def steps(self, i: int) -> int:
+        """The largest difference of neighbouring Bezier coefficients of dimension i: a third of an edge's steepest slope."""
+        return max(int(abs(b - a)) for piece in self.pieces for edge in piece[i] for a, b in zip(edge, edge[1:]))
+
+
+def arithmetic(source: Source, tube: Tube) -> list[Fraction]:
+    """P7, by dimension: how far the emitted edge is from the tube's. Spline time is within K (2 eps + eps^2) of the true one;
+    twice that is allowed, so that t may have been rounded. Then the statements of basis and blend, one rounding each."""
+    eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
+    late, found = tube.segments * 4 * eps * (1 + eps) + tiny, []
+    for i in range(tube.n):
+        largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
+        weights = _errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
+        (edge,) = _errors(source, "blend", [*weights, *[(-largest, largest, Fraction(0))] * 4], eps, tiny)
+        found.append(edge[2] + late * 3 * tube.steps(i) * tube.unit)
+    return found
+
+
+Inexact = tuple[Fraction, Fraction, Fraction]  # least, largest, error
+
+
+def _errors(source: Source, name: str, inputs: list[Inexact], eps: Fraction, tiny: Fraction) -> list[Inexact]:
+    """Ranges and errors of a kernel's results, from its statements."""
+    f = source.functions[name]
+    known, results = dict(zip((label for _, label, how in f.params if how == "value"), inputs)), []
+
+    def get(text: str) -> Inexact:
+        return known[text] if text in known else (source.number(text)[1], source.number(text)[1], Fraction(0))
+
+    for text in f.body:
+        left, _, right = text.removeprefix("return ").rpartition(" = ")
+        words = right.split()
+        if len(words) == 1:
+            results.append(get(words[0]))
+            continue
+        need(len(words) == 3 and words[1] in "+-*", f"the rounding of a statement of {name} is not known: {text}")
+        (a, b, d), (p, q, g), sign = get(words[0]), get(words[2]), words[1]
+        low, high, error = (a + p, b + q, d + g) if sign == "+" else (a - q, b - p, d + g)
+        if sign == "*":
+            corners = [v * w for v in (a, b) for w in (p, q)]
+            low, high = max(min(corners), Fraction(0)) if words[0] == words[2] else min(corners), max(corners)
+            error = max(abs(a), abs(b)) * g + max(abs(p), abs(q)) * d + d * g
+        known[left.split()[-1]] = (low, high, error + (max(abs(low), abs(high)) + error) * eps + tiny)
+    return results
+
+
+# ------------------------------------------------------------------------------------------------ P1 to P6
+
+
+def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tuple[Piece, Any]]:
+    """The pieces that the hints name, each with its normal: stretches of time in parts of a segment, one after the other without
+    a gap. whole: segments of which there is no hint are taken as they are."""
+    at, end = 0, tube.segments * cuts
+    need(all(isinstance(hint, list) and len(hint) == (2 if whole else 3) for hint in hints), "a hint is not [from, to, normal]")
+    stretches = [(*hint, None)[:3] for hint in hints]
+    for begin, stop, normal in [*stretches, (end, end, None)]:
+        need(all(isinstance(v, int) for v in (begin, stop)) and at <= begin <= stop <= end, "the hints are in no order")
+        need(begin == at or (whole and at % cuts == begin % cuts == 0), "the hints leave a gap in time")
+        for k in range(at // cuts, begin // cuts):
+            yield tube.pieces[k], None
+        at = begin
+        while at < stop:
+            k = at // cuts
+            to = min(stop, (k + 1) * cuts)
+            yield (
+                (tube.pieces[k] if to - at == cuts else within(tube.pieces[k], Fraction(at, cuts) - k, Fraction(to, cuts) - k)),
+                normal,
+            )
+            at = to
+    need(at == end, "the hints leave a gap in time")
+
+
+def within(piece: Piece, a: Fraction, b: Fraction) -> Piece:
+    """The Bezier coefficients of a part of a piece, by de Casteljau's rule."""
+
+    def cut(c: Edge, s: Fraction) -> tuple[Edge, Edge]:
+        first: Edge = []
+        last: Edge = []
+        row = list(c)
+        while row:
+            first.append(row[0])
+            last.insert(0, row[-1])
+            row = [u + s * (v - u) for u, v in zip(row, row[1:])]
+        return first, last
+
+    def part(c: Edge) -> Edge:
+        return cut(cut(c, b)[0], a / b)[1]
+
+    return [(part(low), part(high)) for low, high in piece]
+
+
+def above(value: Fraction, unit: Fraction) -> int:
+    """The least whole number of units that is not below."""
+    return math.ceil(value / unit)
+
+
+def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts: int) -> None:
+    """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
+    unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
+    need(all(task.start[0][i] < task.start[1][i] for i in dims), "the initial set is empty")
+
+    def claim(code: str, on: list[int], slack: int | None, needed: int, **more: Any) -> None:
+        found = claims.pop(0) if claims else {}
+        told = {"property": code, **more, "on": on, **({} if slack is None else {"margin": slack})}
+        need(slack is None or slack >= needed, f"{code} does not hold: {float((needed - (slack or 0)) * unit):.3g} is missing")
+        need(
+            found == told,
+            f"the certificate does not claim what holds of {code}: {told}",
+        )
+
+    def hints(code: str) -> list[Any]:
+        found = claims[0].pop("hints", None) if claims and claims[0].get("property") == code else None
+        need(found is None or (isinstance(found, list) and bool(found)), f"the hints of {code} are none")
+        return found or []
+
+    def least(code: str, slack: Callable[[Piece], Any]) -> int:
+        """The slack over all pieces, in whole units."""
+        found: Iterator[int] = (math.floor(slack(piece)) for piece, _ in parts(tube, hints(code), cuts, True))
+        return min(found)
+
+    narrow = above(task.min_width, unit)
+    width = least("P1", lambda piece: min(h - v for low, high in piece for v, h in zip(low, high)) - narrow)
+    claim("P1", [0, end], width, 2 * error)
+
+    def box(edges: list[tuple[int, int]], lower: list[Fraction], upper: list[Fraction]) -> int:
+        return min(min(a - above(low, unit), -above(-high, unit) - b) for (a, b), low, high in zip(edges, lower, upper))
+
+    first = [(low[0], high[0]) for low, high in tube.pieces[0]]
+    state = min(min(-above(-x, unit) - a, b - above(x, unit)) for (a, b), x in zip(first, task.state))
+    claim("P2", [0, 0], min(state, box(first, *task.start)), error)
+
+    def stay(piece: Piece) -> Any:
+        return box([(min(low), max(high)) for low, high in piece], *task.space)
+
+    claim("P3", [0, end], least("P3", stay), error)
+    for name, (lower, upper) in task.unsafe:
+        slacks = []
+        for piece, normal in parts(tube, hints("P4"), cuts, False):
+            good = (
+                isinstance(normal, list)
+                and len(normal) == task.n
+                and all(type(c) is int for c in normal)
+                and math.gcd(*normal) == 1
+            )
+            need(good, f"a hint of {name} has no normal of whole numbers without a common divisor")
+            size = sum(map(abs, normal))
+            support = sum((c * (upper[i] if c > 0 else lower[i]) for i, c in enumerate(normal)), Fraction(0))
+            values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
+            slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
+        claim("P4", [0, end], min(slacks), error, set=name)
+    last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
+    claim("P5", [end, end], box(last, *task.target), error)
+    need(tube.table[-1] == tube.table[-3], "P6: the tube has a kink at t_c")
+    most = None if task.max_speed is None else math.floor(task.max_speed * task.t_c / tube.segments / unit)
+    claim("P6", [0, end], None if most is None else most - 3 * max(map(tube.steps, dims)), 0)
+    need(not claims, "the certificate claims more than is known")
+
+
+# ------------------------------------------------------------------------------------------------ P9
+
+
+def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
+    """ln y for y > 1, from below and above: halved k times until it is below 3/2, and twice artanh series."""
+    k = max(0, y.numerator.bit_length() - y.denominator.bit_length() - 1)
+    k += y / 2**k >= Fraction(3, 2)
+    pairs = [_artanh((y / 2**k - 1) / (y / 2**k + 1)), *([_artanh(Fraction(1, 3))] * k)]
+    return 2 * sum((low for low, _ in pairs), Fraction(0)), 2 * sum((high for _, high in pairs), Fraction(0))
+
+
+def _artanh(z: Fraction, bits: int = 80, terms: int = 26) -> tuple[Fraction, Fraction]:
+    """The series z + z^3/3 + .. for |z| <= 1/3, in whole multiples of 2^-bits; what is left out is below z^(2 terms + 1)."""
+    one = 1 << bits
+    ends = []
+    for v, toward in ((math.floor(z * one), math.floor), (math.ceil(z * one), math.ceil)):
+        power, square, total = Fraction(v, one), Fraction(v, one) ** 2, Fraction(0)
+        for j in range(terms):
+            total += Fraction(toward(power / (2 * j + 1) * one), one)
+            power = Fraction(toward(power * square * one), one)
+        ends.append(total)
+    left = Fraction(2, 3 ** (2 * terms + 1)) + Fraction(2 * terms, one)
+    return ends[0] - left, ends[1] + left
+
+
+def sampled(
+    task: Task, tube: Tube, gain: list[Fraction], bits: int, rho: list[Fraction], shift: list[Fraction]
+) -> list[Fraction]:
+    """P9, window by window (a segment, and the time from t_c on; a sample may stem from the window before). Bounds on |u|; raises
+    `Failed` where a condition does not hold. docs/certificate-format.md has the statement, the lemma book its proof."""
+    assert task.period is not None
+    p, n = {k: v or Fraction(0) for k, v in task.plant.items()}, range(task.n)
+    g_min = task.plant["g_min"] if task.plant["g_min"] is not None else min(Fraction(1), task.plant["g_max"] or Fraction(1))
+    g_max = task.plant["g_max"] if task.plant["g_max"] is not None else max(Fraction(1), g_min)
+    r, tau, segment = (
+        Fraction(LAW["inline" if task.inline else "libm"][bits]),
+        task.period + task.latency,
+        task.t_c / tube.segments,
+    )
+    limits = None if task.u_max is None else [rounded(v, bits, math.floor) for v in task.u_max]
+    need(tau <= (segment / 2 if task.latency else segment), "P9 does not hold: a sample may be older than a segment")
+    for e, e_max, (low, high), x, s in zip(
+        rho, task.e_max, [(a[0], b[0]) for a, b in tube.pieces[0]], task.state, [task.share] * task.n
+    ):
+        need((1 + s) / (1 - s) < e <= (1 + e_max) / (1 - e_max), "P9 does not hold: rho is not between the share and e_max")
+        a, b = low * tube.unit, high * tube.unit
+        need(abs(2 * x - a - b) <= s * (b - a), "P9 does not hold: initial_state is outside the share")
+    spans = [
+        [(min(h - v for v, h in zip(*edges)), max(h - v for v, h in zip(*edges))) for edges in piece] for piece in tube.pieces
+    ]
+    speeds = [[max(abs(b - a) for e in edges for a, b in zip(e, e[1:])) for edges in piece] for piece in tube.pieces]
+    spans.append([(high[3] - low[3],) * 2 for low, high in tube.pieces[-1]])
+    speeds.append([0] * task.n)
+    largest = [Fraction(0)] * task.n
+    for k in range(len(spans)):
+        before = max(k - 1, 0)
+        u = []
+        for i in n:
+            seen = min(spans[k][i][0], spans[before][i][0]) * tube.unit
+            far, near = seen * rho[i] / (1 + rho[i]) + shift[i], seen / (1 + rho[i]) - shift[i]
+            share = (1 - task.e_max[i]) / 2
+            if near <= (far + near) * share:  # the clamp acts
+                far, near = (1 - share) * (seen - 2 * shift[i]), share * (seen - 2 * shift[i])
+            if near > 0:
+                pull = abs(gain[i]) * (1 / far + 1 / near) * (logarithm(far / near)[1] + r) * (1 + r)
+                u.append(pull if limits is None else min(pull, limits[i]))
+            else:
+                need(limits is not None, "P9 does not hold: what the law may see is wider than the tube")
+                u.append((limits or [Fraction(0)])[i])
+        for i in n:
+            narrow, wide = (v * tube.unit for v in spans[k][i])
+            speed = 3 * max(speeds[k][i], speeds[before][i]) * tube.unit / segment
+            push = p["f_max"] + p["w_max"] + speed + p["g_cross"] * (sum(u, Fraction(0)) - u[i])
+            side = narrow / 2 * ((rho[i] - 1) / (rho[i] + 1) - r) > (push + g_max * u[i]) * tau + shift[i]
+            need(side, f"P9 does not hold: x may pass the middle of the tube between two samples (window {k}, component {i + 1})")
+            need(
+                limits is None or g_min * limits[i] > push,
+                f"P9 does not hold: u_max is too small (window {k}, component {i + 1})",
+            )
+            drift = push * tau + g_max * u[i] * task.latency + shift[i]
+            for d in (narrow, wide):
+                a, b = d * rho[i] / (1 + rho[i]) - drift, d / (1 + rho[i]) + drift
+                held = a > b and abs(gain[i]) * (1 - r) * g_min * (1 / a + 1 / b) * (logarithm(a / b)[0] - r) > push
+                need(held, f"P9 does not hold: the law does not push back enough (window {k}, component {i + 1})")
+        largest = [max(a, b) for a, b in zip(largest, u)]
+    return largest
+
+
+# ------------------------------------------------------------------------------------------------ the certificate
+
+
+def fractions(values: Any, n: int) -> list[Fraction]:
+    need(
+        isinstance(values, list) and len(values) == n and all(isinstance(v, str) for v in values),
+        "a claim has no list of fractions",
+    )
+    return [Fraction(v) for v in values]
+
+
+def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) -> Tube:
+    """The certificate's hashes and claims against what is read, found and proved."""
+    sampling = ["sampled"] if task.period is not None else []
+    unknown = set(certificate) ^ {*CLAIMS, *sampling}
+    need(not unknown, f"the certificate lacks a claim or has one that is not known: {', '.join(sorted(unknown))}")
+    told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": 1}
+    for key, value in told.items():
+        need(type(certificate[key]) is type(value) and certificate[key] == value, f"the certificate's {key} is not {value!r}")
+    scalar, p = certificate["scalar"], task.name
+    need(scalar in ("float", "double"), "the certificate's scalar is not known")
+    source = Source(text, task, scalar == "float")
+    names = [f"{p}.h", f"{p}.c", f"{p}.py", *([f"{p}_selftest.c"] if task.selftest else [])]
+    need(list(certificate["sha256"]) == ["task_data", *names], "the certificate has other hashes than it should")
+    need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
+    head = (folder / names[0]).read_bytes()
+    for name in names:
+        data = text if name == f"{p}.c" else (folder / name).read_bytes() if (folder / name).exists() else None
+        same = data is None or certificate["sha256"][name] == hashlib.sha256(data).hexdigest()
+        need(same, f"{'the C file' if name == f'{p}.c' else name} is not that of the certificate (SHA-256)")
+
+    grid = certificate["grid"]
+    need(isinstance(grid, dict) and list(grid) == ["segments", "cuts", "unit_bits"], "the certificate's grid is not known")
+    need(
+        all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200,
+        "the certificate's grid is not of whole numbers",
+    )
+    tube, cuts = Tube(source, task, grid["unit_bits"]), grid["cuts"]
+    need(grid["segments"] == tube.segments, "the certificate has another number of segments than the C")
+    need(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
+    error = arithmetic(source, tube)
+    for own, claimed in zip(error, certificate["edge_error"], strict=True):
+        fits = type(claimed) is int and above(own, tube.unit) <= claimed <= above(own * Fraction(32769, 32768), tube.unit)
+        need(fits, f"P7: the arithmetic moves an edge by {float(own / tube.unit):.4g} units, not {claimed}")
+    need(certificate["speed"] == [3 * tube.steps(i) for i in range(task.n)], "the certificate's speed is not the tube's")
+    start = [[low[0], high[0]] for low, high in tube.pieces[0]]
+    need(certificate["start"] == start, "the certificate's start is not the tube's")
+    lack = [max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(start, *task.start)]
+    need(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
+
+    control = certificate["control"]
+    need(isinstance(control, dict) and list(control) == ["gain", "e_max", "u_max"], "the certificate's control is not known")
+    gain = fractions(control["gain"], task.n)
+    need(task.gain in (None, gain) and all(gain), "the certificate's gain is not the task's")
+    need(fractions(control["e_max"], task.n) == task.e_max, "the certificate's e_max is not the task's")
+    limits = None if control["u_max"] is None else fractions(control["u_max"], task.n)
+    wanted = None if task.u_max is None else [rounded(v, source.bits, math.floor) for v in task.u_max]
+    need(limits == wanted, "the certificate's u_max is not the task's, as the C has it")
+
+    need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
+    prove(task, tube, max(certificate["edge_error"]), [dict(claim) for claim in certificate["claims"]], cuts)
+    narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
+    computes(source, task, gain, narrowest - 2 * max(error) > LEAST_WIDTH)
+    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"]))
+    if task.period is not None:
+        _sampled(task, tube, certificate["sampled"], gain, source.bits, error)
+    return tube
+
+
+def _sampled(task: Task, tube: Tube, claim: dict[str, Any], gain: list[Fraction], bits: int, error: list[Fraction]) -> None:
+    """The claim about samples: its numbers are the task's, and what is proved with its rho."""
+    need(list(claim) == ["period", "latency", "share", "plant", "rho", "u", "shift"], "the certificate's `sampled` is not known")
+    told = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
+    told["plant"] = {k: None if v is None else str(v) for k, v in task.plant.items()}  # type: ignore[assignment]
+    for key, value in told.items():
+        need(claim[key] == value, f"the certificate's sampled {key} is not the task's")
+    rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
+    rest = Fraction(1, 1 << bits) * task.farthest + (task.plant["noise"] or 0)
+    for own, claimed in zip(error, shift):
+        need(
+            2 * own + rest <= claimed <= 2 * own * Fraction(32769, 32768) + rest, "P9: the law sees more wrong than `shift` says"
+        )
+    for own, claimed in zip(sampled(task, tube, gain, bits, rho, shift), u):
+        need(own <= claimed <= own * (1 + Fraction(1, 10**5)), f"P9: |u| is at most {float(own):.6g}, not {float(claimed):.6g}")
+
+
+def design_hash(task: Task, tube: Tube, scalar: str, bits: int) -> str:
+    """The 16 hex digits that name the design in the header."""
+    design = {"prescribed_time": str(task.t_c), "segments": tube.segments, "bits": bits, "table": tube.table}
+    data = {"task": task.digest, "scalar": scalar, "design": design}
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def _header(text: bytes, source: Source, task: Task, hash_: str) -> None:
+    """The header: nothing but its types, constants and prototypes."""
+    numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period}
+    found = tokens(text)
+    for k, token in enumerate(found):
+        name, value = ([*token.split(" "), ""] if token.startswith("#define") else ["", "", ""])[1:3]
+        wanted = numbers.get(name.removeprefix(f"{task.name.upper()}_"))
+        if wanted is not None:
+            toward = math.floor if name.endswith("PROVED") else round
+            need(source.number(value) == ("real", rounded(wanted, source.bits, toward)), f"{name} of the header is wrong")
+            found[k] = f"#define {name} *"
+    should = [*header(source, task, hash_), "the end"]
+    different = next((f"{a} where {b} is expected" for a, b in zip([*found, "the end"], should) if a != b), "")
+    need(not different, f"the header has {different}")
+
+
+def _no_decimals(text: str) -> NoReturn:
+    raise Failed(f"the certificate has the decimal {text}; its numbers are whole, or fractions")
+
+
+def _no_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    need(len(dict(pairs)) == len(pairs), "the certificate claims something twice")
+    return dict(pairs)
 
 
 def main(arguments: list[str]) -> int:
@@ -270,13 +1206,13 @@ def main(arguments: list[str]) -> int:
         print((__doc__ or "").strip(), file=sys.stderr)
         return 2
     try:
-        data, source, proof = (Path(a).read_bytes() for a in arguments)
+        data, text, proof = (Path(a).read_bytes() for a in arguments)
         task = Task(data)
         certificate = json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
-        tube = Tube(source.decode(), task)
-        compare(task, tube, certificate, source)
+        certificate = json.loads(proof, parse_float=_no_decimals, object_pairs_hook=_no_doubles)
+        tube = compare(task, certificate, text, Path(arguments[1]).parent)
     except Failed as error:
         print(f"checker: NO: {error}")
         return 1
@@ -287,8 +1223,9 @@ def main(arguments: list[str]) -> int:
     except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
         print(f"checker: cannot check: give task, C file, certificate ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
+    proved = "P1 to P7" + (" and P9" if task.period is not None else "")
     size = f"{tube.segments} segments, {task.n} dimensions"
-    print(f"checker: yes: {task.name}: P1 to P7 hold for the coefficients in the C file, {size}")
+    print(f"checker: yes: {task.name}: {proved} hold, and the C computes this tube and this law; {size}")
     return 0
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.decimals import above, decimal
@@ -58,11 +59,11 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:
-    """P1-P6 for the exact tube, with P7's `edge_error` (by dimension) demanded as margin of P1-P5.
+    """P1-P6 for the exact tube, with P7's `edge_error` (by dimension), in whole units of the table, demanded as margin of P1-P5.
 
     The tube is cubic on K segments and constant after t_c, so P1-P6 are finitely many comparisons.
     """
-    tube = _Tube(task, design, max(edge_error), design.bezier())
+    tube = _Tube(task, design, units_of_error(design, edge_error) * design.unit, design.bezier())
     width, speed = tube.width(), _speed(design, tube.bezier)
     start = tuple((int(a) * design.unit, int(b) * design.unit) for a, b in tube.bezier[0, :, :, 0])
     return Certificate(

@@ -82,9 +82,7 @@ class RowBlock:
     def slack(self, pieces: Pieces) -> tuple[Any, Any]:
         """For every piece the least slack over the rows (or sets), told as a distance and rounded down, and its row: both
         (P,)."""
-        left = self._left(pieces) - self.bound
-        if (self.per != 1).any():
-            left = left // self.per if pieces.dtype == np.int64 else left * Fraction(1) / self.per
+        left = self.told(pieces)
         if not self.names:
             worst = left.argmin(axis=1)
             return left[np.arange(len(left)), worst], worst
@@ -94,6 +92,17 @@ class RowBlock:
         ends = np.append(self.first[1:], len(self.rows))
         chosen = [int(self.first[a] + left[p, self.first[a] : ends[a]].argmax()) for p, a in enumerate(j.tolist())]
         return slack, np.array(chosen)
+
+    def told(self, pieces: Pieces) -> Any:
+        """The slack of every row on every piece, told as a distance, whole units of the table rounded down: (P, R)."""
+        left = self._left(pieces) - self.bound
+        if (self.per != 1).any():
+            left = left // self.per if pieces.dtype == np.int64 else left * Fraction(1) / self.per
+        return left
+
+    def told_of(self, told: Any) -> Any:
+        """The least of `told` over rows that must all hold, the best over those of one set: (P,)."""
+        return told.max(axis=1) if self.names else told.min(axis=1)
 
     def _left(self, pieces: Pieces) -> Any:
         """The least of the left side's Bezier coefficients: (P, R)."""

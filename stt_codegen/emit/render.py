@@ -7,17 +7,16 @@ import hashlib
 import json
 import math
 import textwrap
-from collections.abc import Sequence
-from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
-from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
+from stt_codegen.certify.certificate import Certificate
+from stt_codegen.decimals import decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.emit.document import certificate_text
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
 from stt_codegen.program import Const, Program, Status
 from stt_codegen.program.number import round_down, round_to
@@ -27,8 +26,6 @@ from stt_codegen.task import Task
 
 Files = dict[str, bytes]
 NO_BREAK = "\u00a0"
-CERTIFICATE_FORMAT = 1
-DIGITS = {"exact": 6, "enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
 
 
 def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate) -> Files:
@@ -71,8 +68,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
-    document = certificate_document(task, design, program, certificate, digests)
-    encoded[proof] = (json.dumps(document, indent=2, ensure_ascii=True) + "\n").encode()
+    encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
     return encoded
 
 
@@ -80,89 +76,6 @@ def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
     data = {"task": task.digest, "scalar": task.emit.scalar, "design": dataclasses.asdict(design)}
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
-
-
-def certificate_document(
-    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, digests: dict[str, str]
-) -> dict[str, Any]:
-    """The certificate as JSON data. Margins are rounded down, bounds up; `exact` fields are fractions."""
-    return {
-        "format": CERTIFICATE_FORMAT,
-        "task": task.name,
-        "certified": certificate.holds,
-        "method": certificate.method,
-        "design": design.kind,
-        "scalar": program.scalar,
-        "dimension": design.dimension,
-        "prescribed_time": exact_decimal(design.prescribed_time),
-        "parameters": design.parameters(),
-        "clearance": exact_decimal(task.tube.clearance),
-        "min_width": exact_decimal(task.tube.min_width),
-        "start": {
-            "lower": [_edge(a, b - a, certificate, 1) for a, b in certificate.start],
-            "upper": [_edge(b, b - a, certificate, -1) for a, b in certificate.start],
-            "covers_initial_set": certificate.whole_start,
-        },
-        "control": {
-            "gain": _one_or_each(task.gain),
-            "e_max": _one_or_each(task.e_max),
-            "u_max": None if task.u_max is None else [decimal(v) for v in task.u_max],
-        },
-        "least_width": below(certificate.least_width, DIGITS[certificate.method]),
-        "speed_bound": [above(v, DIGITS[certificate.method]) for v in certificate.speed],
-        "edge_error_bound": [above(v) for v in certificate.edge_error],
-        **({} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}),
-        **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
-        "properties": [_finding(f, certificate.method) for f in certificate.findings],
-        "sha256": {"task_data": task.digest, **digests},
-    }
-
-
-def _one_or_each(values: Sequence[Fraction]) -> str | list[str]:
-    shown = [decimal(v) for v in values]
-    return shown[0] if len(set(shown)) == 1 else shown
-
-
-def _edge(value: Fraction, width: Fraction, certificate: Certificate, inward: int) -> str:
-    """An edge of gamma(0), exact where the certificate is, else rounded inward (1: up, -1: down) by at most a thousandth of the
-    width: fewer digits than were computed, so that no library's last digit reaches the file."""
-    if certificate.method == "exact":
-        return str(value)
-    step = Fraction(10) ** (math.floor(math.log10(width)) - 3) if width > 0 else Fraction(1, 10**9)
-    return exact_decimal(inward * math.ceil(inward * value / step) * step)
-
-
-def _finding(finding: Finding, method: str) -> dict[str, Any]:
-    entry: dict[str, Any] = {
-        "property": finding.code,
-        "title": finding.title,
-        "statement": finding.statement,
-        "holds": finding.holds,
-        "margin": below(finding.margin, DIGITS[method]),
-        "required": above(finding.required),
-    }
-    if method == "exact":
-        entry["margin_exact"] = str(finding.margin)
-    if finding.time is not None:
-        entry["time"] = [nine_digits(v) for v in finding.time]
-    if finding.dimension is not None:
-        entry["dimension"] = finding.dimension
-    if finding.obstacle is not None:
-        entry["unsafe_set"] = finding.obstacle
-    return entry
-
-
-def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
-    """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
-    return {
-        "period": str(proved.period),
-        "latency": str(proved.latency),
-        "share": str(proved.share),
-        "plant": {name: None if value is None else str(value) for name, value in task.plant},
-        "rho": [str(v) for v in proved.rho],
-        "u": [above(v) for v in proved.u],
-        "shift": [str(v) for v in proved.shift],
-    }
 
 
 def _notice(task: Task, certificate: Certificate) -> list[str]:

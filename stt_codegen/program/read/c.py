@@ -138,8 +138,9 @@ def printed(program: Program) -> Program:
 # ------------------------------------------------------------------------------------------- from the text
 
 _DIRECTIVE = re.compile(
-    r'#include ("P\.h"|<(math|stdbool|stdint|string)\.h>)$|#error "P\.c: |#endif$'
+    r'#include ("P\.h"|<(float|math|stdbool|stdint|string)\.h>)$|#error "P\.c: |#endif$'
     r"|#if defined\(__FAST_MATH__\) \|\| \(defined\(__FINITE_MATH_ONLY__\) && \(__FINITE_MATH_ONLY__ > 0\)\)$"
+    r"|#if \(FLT_EVAL_METHOD != 0\)( && \(FLT_EVAL_METHOD != 1\))?$"
 )
 
 

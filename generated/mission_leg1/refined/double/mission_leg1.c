@@ -7,12 +7,16 @@
  */
 #include "mission_leg1.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "mission_leg1.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+#if (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
+#error "mission_leg1.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:

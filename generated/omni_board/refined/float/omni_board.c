@@ -7,6 +7,7 @@
  */
 #include "omni_board.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -14,6 +15,9 @@
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "omni_board.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+#if (FLT_EVAL_METHOD != 0)
+#error "omni_board.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
 
 /* B-spline control points divided by 6, one row for each of 32 + 3 points:

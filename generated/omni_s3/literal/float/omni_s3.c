@@ -10,12 +10,16 @@
  */
 #include "omni_s3.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
 
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "omni_s3.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+#if (FLT_EVAL_METHOD != 0)
+#error "omni_s3.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
 
 /* By dimension: X0hat and That of the lower edge, X0hat and That of the upper edge. */

@@ -1,0 +1,150 @@
+"""What format 2 of the certificate claims of a refined tube: for every property the least slack of its rows in whole units of the
+table, and where a checker finds it: which normal of an unsafe set on which stretch of time, and where a segment must be cut.
+
+The hints are for whoever repeats the proof and need not be believed; docs/certificate-format.md is for them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.certify.certificate import Certificate
+from stt_codegen.certify.slack import DEPTH, Pieces, RowBlock, halves
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.rows import Row, avoid_rows, reach_rows, speed_rows, start_rows, state_rows, stay_rows, width_rows
+from stt_codegen.task import Task
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """From a place to another of spline time, in segments, along a normal (None where every row must hold)."""
+
+    begin: Fraction
+    end: Fraction
+    normal: tuple[int, ...] | None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One property for all of `on` (spline time, in segments): the slack of its rows is at least `margin` units of the table,
+    None where there is no row. name: of the unsafe set. hints: empty where whole segments and every row do."""
+
+    code: str
+    on: tuple[int, int]
+    margin: int | None
+    name: str | None = None
+    hints: tuple[Stretch, ...] = ()
+
+
+def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
+    """The claims P1 to P6, in that order; P4 for every unsafe set."""
+    unit, bezier, segments = design.unit, design.bezier(), design.segments
+    error = units_of_error(design, certificate.edge_error)
+    always, n = (0, segments), task.dimension
+
+    def every(code: str, rows: Sequence[Row]) -> Claim:
+        found = _pieces(bezier, RowBlock.of(rows, unit), error * _demand(rows))
+        worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
+        cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
+        return Claim(code, always, min(math.floor(slack[0]) for _, _, slack in worst), hints=cut)
+
+    def at(code: str, rows: Sequence[Row], piece: int, point: int) -> Claim:
+        place = 0 if piece == 0 else segments
+        held = np.repeat(bezier[piece : piece + 1 or None, ..., point : point + 1 or None], 4, axis=-1)
+        return Claim(code, (place, place), int(RowBlock.of(rows, unit).slack(held)[0][0]))
+
+    def avoid() -> list[Claim]:
+        found = []
+        for one in avoid_rows(task):
+            pieces = _pieces(bezier, RowBlock.choice([one], unit), error * _demand(one.rows))
+            margin = min(math.floor(slack.max()) for _, _, slack in pieces)
+            found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
+        return found
+
+    rates, table = 3 * np.diff(bezier, axis=3), design.integers()
+    kink = int(np.abs(table[-1] - table[-3]).max())
+    most = [math.floor(-row.bound * design.prescribed_time / segments / unit) for row in speed_rows(task)]
+    smooth = -kink if kink else min(most) - int(np.abs(rates).max()) if most else None
+    return [
+        every("P1", width_rows(task)),
+        at("P2", (*state_rows(task), *start_rows(task)), 0, 0),
+        every("P3", stay_rows(task)),
+        *avoid(),
+        at("P5", reach_rows(task), -1, -1),
+        Claim("P6", always, smooth),
+    ]
+
+
+def units_of_error(design: RefinedDesign, edge_error: Sequence[Fraction]) -> int:
+    """P7's bound over all edges in whole units of the table: what P1 to P5 must have to spare."""
+    return math.ceil(max(edge_error) / design.unit)
+
+
+def cuts_of(claims: Sequence[Claim]) -> int:
+    """Into how many parts a segment is cut where the hints have it finest: a power of two."""
+    places = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
+    return max((v.denominator for v in places), default=1)
+
+
+def _demand(rows: Sequence[Row]) -> Fraction:
+    return max(row.needed for row in rows)
+
+
+Found = tuple[Fraction, Fraction, npt.NDArray[Any]]  # from, to, and the slack of every row
+
+
+def _pieces(bezier: npt.NDArray[np.int64], block: RowBlock, required: Fraction) -> list[Found]:
+    """Every segment with the slack of every row, told as a distance; halved where its hull does not show what is required."""
+    slack = block.told(bezier)
+    shown = block.told_of(slack) >= required
+    result: list[Found] = []
+    for k, good in enumerate(shown.tolist()):
+        if good:
+            result.append((Fraction(k), Fraction(k + 1), slack[k]))
+        else:
+            result += _halved(bezier[k].astype(object), Fraction(k), Fraction(1), block, required, DEPTH)
+    return result
+
+
+def _halved(piece: Pieces, begin: Fraction, length: Fraction, block: RowBlock, required: Fraction, depth: int) -> list[Found]:
+    """A piece of shape (n, 2, 4), in halves until the hull shows what is required; whole where the curve itself lacks it."""
+    slack = block.told(piece[None])
+    lacks = block.told_of(block.told(np.repeat(piece[None, ..., :1], 4, axis=-1)))[0] < required
+    if lacks or depth == 0 or block.told_of(slack)[0] >= required:
+        return [(begin, begin + length, slack[0])]
+    early, late = halves(piece * Fraction(1))
+    first = _halved(early, begin, length / 2, block, required, depth - 1)
+    return first + _halved(late, begin + length / 2, length / 2, block, required, depth - 1)
+
+
+def _stretches(pieces: list[Found], rows: Sequence[Row], margin: int, n: int) -> list[Stretch]:
+    """The fewest stretches with one normal each that show the margin; pieces of a cut segment stay apart."""
+    result: list[Stretch] = []
+    k = 0
+    while k < len(pieces):
+        reach = []
+        for r in range(len(rows)):
+            last = k
+            while last < len(pieces) and pieces[last][2][r] >= margin and _joins(pieces, k, last):
+                last += 1
+            reach.append(last)
+        best = int(np.argmax(reach))
+        normal = [0] * n
+        for i, _, c in rows[best].terms:
+            normal[i] = c
+        last = max(reach[best], k + 1)
+        result.append(Stretch(pieces[k][0], pieces[last - 1][1], tuple(normal)))
+        k = last
+    return result
+
+
+def _joins(pieces: list[Found], first: int, last: int) -> bool:
+    """Whether a piece may share a stretch with the first: both are whole segments, or it is the first."""
+    return first == last or all(pieces[k][1] - pieces[k][0] == 1 for k in (first, last))

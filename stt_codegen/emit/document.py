@@ -1,0 +1,161 @@
+"""The certificate as a JSON document, format 2: docs/certificate-format.md specifies it for whoever writes a checker.
+
+A refined tube's claims are whole numbers in units of its table and fractions; one line each. Adaptive and literal designs keep
+decimals, rounded to the safe side.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from fractions import Fraction
+from typing import Any
+
+from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
+from stt_codegen.certify.claims import Claim, claims_of, cuts_of
+from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.program import Program
+from stt_codegen.program.number import round_down
+from stt_codegen.task import Task
+
+CERTIFICATE_FORMAT = 2
+DIGITS = {"enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
+
+
+def certificate_text(
+    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, digests: dict[str, str]
+) -> str:
+    """The document as it is written: one claim a line."""
+    head = {
+        "format": CERTIFICATE_FORMAT,
+        "task": task.name,
+        "certified": certificate.holds,
+        "design": design.kind,
+        "method": certificate.method,
+        "order": 1,
+        "scalar": program.scalar,
+        "sha256": {"task_data": task.digest, **digests},
+    }
+    body = _exact(task, design, certificate) if isinstance(design, RefinedDesign) else _decimals(task, design, certificate)
+    return _lines({**head, **body}) + "\n"
+
+
+def _lines(document: dict[str, Any]) -> str:
+    """Every entry on one line, but for those that open."""
+    entries = []
+    for key, value in document.items():
+        if isinstance(value, list) and value and isinstance(value[0], dict):
+            shown = "[\n" + ",\n".join(f"    {json.dumps(one)}" for one in value) + "\n  ]"
+        elif isinstance(value, dict) and len(json.dumps(value)) > 100:
+            shown = "{\n" + ",\n".join(f"    {json.dumps(k)}: {json.dumps(v)}" for k, v in value.items()) + "\n  }"
+        else:
+            shown = json.dumps(value)
+        entries.append(f"  {json.dumps(key)}: {shown}")
+    return "{\n" + ",\n".join(entries) + "\n}"
+
+
+# ------------------------------------------------------------------------------------------------ exact
+
+
+def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
+    """What is claimed of a refined tube."""
+    claims, bezier = claims_of(task, design, certificate), design.bezier()
+    cuts = cuts_of(claims)
+    rates = 3 * abs(bezier[..., 1:] - bezier[..., :-1]).max(axis=(0, 2, 3))
+    return {
+        "grid": {"segments": design.segments, "cuts": cuts, "unit_bits": design.bits},
+        "edge_error": [math.ceil(v / design.unit) for v in certificate.edge_error],
+        "speed": [int(v) for v in rates],
+        "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
+        "covers_initial_set": certificate.whole_start,
+        "control": _control(task),
+        "claims": [_claim(claim, cuts) for claim in claims],
+        **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
+    }
+
+
+def _claim(claim: Claim, cuts: int) -> dict[str, Any]:
+    """One claim; times in parts of a segment."""
+    entry: dict[str, Any] = {"property": claim.code}
+    if claim.name is not None:
+        entry["set"] = claim.name
+    entry["on"] = [v * cuts for v in claim.on]
+    if claim.margin is not None:
+        entry["margin"] = claim.margin
+    if claim.hints:
+        entry["hints"] = [
+            [int(h.begin * cuts), int(h.end * cuts), *([] if h.normal is None else [list(h.normal)])] for h in claim.hints
+        ]
+    return entry
+
+
+def _control(task: Task) -> dict[str, Any]:
+    """The law's constants by component, as the task has them; u_max as it is emitted."""
+    limit = None if task.u_max is None else [str(round_down(v, task.emit.scalar)) for v in task.u_max]
+    return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit}
+
+
+def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
+    """P9's numbers: fractions, and |u| rounded up. An absent bound of the plant is as its field says."""
+    return {
+        "period": str(proved.period),
+        "latency": str(proved.latency),
+        "share": str(proved.share),
+        "plant": {name: None if value is None else str(value) for name, value in task.plant},
+        "rho": [str(v) for v in proved.rho],
+        "u": [str(Fraction(str(above(v)))) for v in proved.u],
+        "shift": [str(v) for v in proved.shift],
+    }
+
+
+# ------------------------------------------------------------------------------------------------ decimals
+
+
+def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> dict[str, Any]:
+    """What is claimed of an adaptive or literal tube: margins rounded down, bounds up."""
+    digits = DIGITS[certificate.method]
+    steps = {} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}
+    return {
+        "prescribed_time": exact_decimal(design.prescribed_time),
+        "parameters": design.parameters(),
+        "clearance": exact_decimal(task.tube.clearance),
+        "min_width": exact_decimal(task.tube.min_width),
+        "start": {
+            "lower": [_inward(a, b - a, 1) for a, b in certificate.start],
+            "upper": [_inward(b, b - a, -1) for a, b in certificate.start],
+        },
+        "covers_initial_set": certificate.whole_start,
+        "control": {
+            name: value if value is None else [decimal(Fraction(v)) for v in value] for name, value in _control(task).items()
+        },
+        "least_width": below(certificate.least_width, digits),
+        "speed_bound": [above(v, digits) for v in certificate.speed],
+        "edge_error_bound": [above(v) for v in certificate.edge_error],
+        **steps,
+        "claims": [_finding(f, digits) for f in certificate.findings],
+    }
+
+
+def _inward(value: Fraction, width: Fraction, inward: int) -> str:
+    """An edge of gamma(0), rounded inward (1: up, -1: down) by at most a thousandth of the width: fewer digits than were
+    computed, so that no library's last digit reaches the file."""
+    step = Fraction(10) ** (math.floor(math.log10(width)) - 3) if width > 0 else Fraction(1, 10**9)
+    return exact_decimal(inward * math.ceil(inward * value / step) * step)
+
+
+def _finding(finding: Finding, digits: int) -> dict[str, Any]:
+    entry: dict[str, Any] = {
+        "property": finding.code,
+        "statement": finding.statement,
+        "holds": finding.holds,
+        "margin": below(finding.margin, digits),
+        "required": above(finding.required),
+    }
+    if finding.time is not None:
+        entry["time"] = [nine_digits(v) for v in finding.time]
+    if finding.dimension is not None:
+        entry["dimension"] = finding.dimension
+    if finding.obstacle is not None:
+        entry["unsafe_set"] = finding.obstacle
+    return entry
