@@ -115,6 +115,15 @@ def test_fast_math_is_refused_by_the_file_itself(tool, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
+def test_the_x87_is_refused_by_the_file_itself(scalar: str, tool, tmp_path) -> None:
+    source = write(tmp_path, controller_of("omni_s2", scalar))
+    command = [tool("gcc"), "-std=c99", "-mfpmath=387", "-c", str(source)]
+    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert result.returncode != 0
+    assert f"compile for {scalar} arithmetic" in result.stderr
+
+
+@pytest.mark.parametrize("scalar", ["float", "double"])
 def test_every_real_literal_reads_back_exactly_and_has_its_suffix(scalar: str) -> None:
     text = controller_of("omni_s2", scalar).files["omni_s2.c"].decode()
     code = re.sub(r"/\*.*?\*/|\"[^\"]*\"", "", text, flags=re.DOTALL)

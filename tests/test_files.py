@@ -13,8 +13,10 @@ import pytest
 from conftest import ROOT, controller_of
 
 from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import build_task
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
+from stt_codegen.task import load_task
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
 SURROUNDINGS = [
@@ -152,7 +154,7 @@ def test_a_failed_write_leaves_the_old_files_whole(tmp_path, monkeypatch) -> Non
     def broken(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fdopen", broken)
+    monkeypatch.setattr(os, "fsync", broken)
     with pytest.raises(BadInput, match="No space left"):
         write_files(tmp_path, {"a.c": b"new a", "b.c": b"new b"})
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == {"a.c": b"old a", "b.c": b"old b"}
@@ -237,3 +239,43 @@ def test_an_uncertified_controller_does_not_replace_a_certified_one(tmp_path) ->
     assert result.returncode == 2
     assert "holds a certified 'omni_s3'" in result.stderr
     assert {p.name: p.read_bytes() for p in (tmp_path / "out").iterdir()} == before
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from stt_codegen.pipeline import build
+from stt_codegen.record.files import write_files
+
+files, replace, left = build(Path(sys.argv[1])).files, os.replace, [int(sys.argv[3])]
+
+def killed(source, target):
+    if not left[0]:
+        os._exit(9)
+    left[0] -= 1
+    replace(source, target)
+
+os.replace = killed
+write_files(Path(sys.argv[2]), files)
+"""
+
+
+@pytest.mark.parametrize("renamed", [0, 1, 2, 3, 4])
+def test_a_run_killed_between_renames_leaves_a_whole_set_or_no_certificate(renamed: int, tmp_path) -> None:
+    from stt_codegen.certify import checker
+
+    old, new = tmp_path / "old.toml", tmp_path / "new.toml"
+    text = (ROOT / "tasks" / "empty.toml").read_text()
+    old.write_text(text)
+    new.write_text(text.replace("prescribed_time = 4.0", "prescribed_time = 5.0"))
+    out = tmp_path / "out"
+    write_files(out, build_task(load_task(old)).files)
+    run = subprocess.run([sys.executable, "-c", KILLED, str(new), str(out), str(renamed)], check=False)
+    assert run.returncode == (9 if renamed < 4 else 0)
+    good = [checker.main([str(task), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0 for task in (old, new)]
+    assert good == [False, renamed == 4]
+    assert (out / "empty.certificate.json").exists() == (renamed == 4)
+    assert bool(list(out.glob(".*"))) == (renamed < 4)
+    write_files(out, build_task(load_task(new)).files)
+    assert not list(out.glob(".*"))  # swept
+    assert checker.main([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0

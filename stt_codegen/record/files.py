@@ -1,43 +1,74 @@
-"""Files written all or none."""
+"""Files written as one set: what names the set is taken away first and written last."""
 
 from __future__ import annotations
 
 import os
-import tempfile
+import re
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
 
+SEAL = ".certificate.json"  # it has the hashes of the others: a folder that has one has all of its set
+UNFINISHED = re.compile(r"\.(.+)\.(\d+)\.unfinished")  # of a file, by the process that writes it
+
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
-    """Write all files, each by renaming a finished one over the old: a killed run leaves every old file whole.
+    """Write all files, each by renaming a finished one over the old. A killed run leaves every file whole; if it is killed
+    between two renames the folder has no certificate, so that nothing vouches for the mixture. What killed runs left is swept.
 
     Raises `BadInput` when the folder cannot be written.
     """
+    names = sorted(files, key=lambda name: name.endswith(SEAL))
+    seals = [name for name in names if name.endswith(SEAL)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        old = {name: (folder / name).read_bytes() for name in files if (folder / name).exists()}
-        finished: dict[str, str] = {}
+        old = {name: (folder / name).read_bytes() for name in names if (folder / name).exists()}
+        finished: dict[str, Path] = {}
         replaced: list[str] = []
+        gone: list[str] = []
         try:
-            for name, data in files.items():
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                handle, finished[name] = tempfile.mkstemp(prefix=f".{Path(name).name}.", dir=(folder / name).parent)
-                with os.fdopen(handle, "wb") as file:
-                    file.write(data)
+            for name in names:
+                path = folder / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                _sweep(path.parent)
+                finished[name] = path.parent / f".{path.name}.{os.getpid()}.unfinished"
+                with finished[name].open("wb") as file:
+                    file.write(files[name])
                     file.flush()
                     os.fsync(file.fileno())
-                os.chmod(finished[name], 0o644)
-            for name in files:
+                finished[name].chmod(0o644)
+            if len(names) > 1:
+                for name in seals:
+                    (folder / name).unlink(missing_ok=True)
+                    gone.append(name)
+            for name in names:
                 os.replace(finished[name], folder / name)
                 replaced.append(name)
         except OSError:
-            for name in replaced:  # all new or all old, never a mixture
-                (folder / name).write_bytes(old[name]) if name in old else (folder / name).unlink()
+            for name in dict.fromkeys([*replaced, *gone]):  # all new or all old, never a mixture
+                (folder / name).write_bytes(old[name]) if name in old else (folder / name).unlink(missing_ok=True)
             raise
         finally:
             for name, temporary in finished.items():
                 if name not in replaced:
-                    os.unlink(temporary)
+                    temporary.unlink(missing_ok=True)
     except OSError as error:
         raise BadInput(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
+
+
+def _sweep(folder: Path) -> None:
+    """Remove what runs left that are no more."""
+    for path in folder.glob(".*.unfinished"):
+        match = UNFINISHED.fullmatch(path.name)
+        if match and not _runs(int(match[2])):
+            path.unlink(missing_ok=True)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
