@@ -1,5 +1,5 @@
-"""How many mutated Programs the lemma book finds: one node of an emitted kernel or function changed, the lemmas that read it run
-again.
+"""How many mutated Programs the lemma book finds: one node of an emitted kernel or function, or of the source of the sampled
+statements, changed, and the lemmas that read it run again.
 
     python benchmarks/lemma_mutants.py [COUNT]
 
@@ -10,6 +10,9 @@ listed.
 
 from __future__ import annotations
 
+import ast
+import contextlib
+import inspect
 import math
 import os
 import random
@@ -21,9 +24,12 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
-from stt_codegen.lemmas import examples, functions, kernels, refined, transform
+import numpy as np
+
+from stt_codegen.lemmas import examples, functions, kernels, refined, sampled_evaluated, transform
 from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.program import (
     REAL,
@@ -48,6 +54,7 @@ from stt_codegen.program import (
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
 from stt_codegen.program.print.python import PythonPrinter
+from stt_codegen.sampling import statements
 
 OTHER = {
     "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",
@@ -234,8 +241,91 @@ def function_subject(name: str, case_name: str, function: str, points: list[Any]
     return Subject(name, case.program.function(function), differs, verdicts)
 
 
+# ------------------------------------------------------------------------- the source of the sampled statements
+
+EVALUATED = (
+    "input_bound", "sharp_push", "sharp_under", "pull", "q", "q_rate", "_seen", "_seen_reach", "_stale", "_input",
+    "_diagonal_staleness", "diagonal", "_general_staleness", "general",
+)  # fmt: skip
+SWAPS: dict[type[ast.AST], type[ast.AST]] = {
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Lt: ast.Gt, ast.Gt: ast.Lt, ast.Pow: ast.Mult,
+}  # fmt: skip
+
+
+def mutate_source(text: str, draw: random.Random) -> str:
+    """The text of a function with one operator, number, name or attribute changed."""
+    tree = ast.parse(text)
+    names = sorted(
+        {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+        & {"u", "tau", "push", "drift", "narrow", "far", "near", "e", "a", "b", "reach"}
+    )
+    attributes = [
+        ("least", "most"),
+        ("narrow", "wide"),
+        ("most", "least"),
+        ("wide", "narrow"),
+        ("shift", "latency"),
+        ("latency", "shift"),
+        ("cosh", "tanh"),
+    ]
+    spots: list[Callable[[], None]] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.BinOp) and type(node.op) in SWAPS:
+            spots.append(partial(setattr, node, "op", SWAPS[type(node.op)]()))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, int | float) and not isinstance(node.value, bool):
+            spots.append(partial(setattr, node, "value", node.value * 2 + 1))
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in names and len(names) > 1:
+            spots.append(partial(setattr, node, "id", draw.choice([v for v in names if v != node.id])))
+        elif isinstance(node, ast.Attribute):
+            spots += [partial(setattr, node, "attr", after) for before, after in attributes if before == node.attr]
+        elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
+            spots.append(partial(setattr, node, "op", ast.UAdd()))
+    draw.choice(spots)()
+    return ast.unparse(tree)
+
+
+def _evaluated() -> list[float]:
+    """Every condition of the three statements, and |u|, at a point."""
+    found: list[float] = []
+    for name, n, reach in (("sharp", 2, ["E1", "E2"]), ("diagonal", 1, ["E"]), ("general", 2, ["E"])):
+        loop = sampled_evaluated.setting(n, coupled=name == "sharp")
+        at: Any = (
+            np.array([sampled_evaluated._f(v) for v in reach], dtype=object) if name == "sharp" else sampled_evaluated._f("E")
+        )
+        for condition in statements.STATEMENTS[name].conditions(loop, at, sampled_evaluated._f("tau")):
+            found += [float(v) for v in np.asarray(condition.values, dtype=object).ravel()]
+    return found
+
+
+def source_subject(name: str) -> Subject:
+    """A function of sampling/statements.py, for the lemmas that run it on symbols."""
+    original = getattr(statements, name)
+    text, before = inspect.getsource(original), _evaluated()
+
+    @contextlib.contextmanager
+    def bent(after: str) -> Iterator[None]:
+        exec(compile(after, name, "exec"), statements.__dict__)
+        try:
+            yield
+        finally:
+            setattr(statements, name, original)
+
+    def differs(after: Any, _: random.Random) -> bool:
+        with bent(after):
+            try:
+                return _unlike(before, _evaluated())
+            except Exception:
+                return True
+
+    def verdicts(after: Any) -> list[Verdict]:
+        with bent(after):
+            return [lemma.run().verdict for lemma in sampled_evaluated.LEMMAS]
+
+    return Subject(f"statements.{name}", text, differs, verdicts)  # type: ignore[arg-type]
+
+
 def subjects() -> list[Subject]:
-    found = []
+    found = [source_subject(name) for name in EVALUATED]
     shipped = kernels.shipped()
     for name, kernel in shipped.items():
         lemma = next(v for v in kernels.LEMMAS if v.name == f"kernels.{name}")
@@ -299,21 +389,28 @@ def main(count: int) -> int:
         subject = everything[tally["mutants"] % len(everything)]
         tally["mutants"] += 1
         try:
-            after = mutate(subject.thing, draw)
+            after = mutate_source(subject.thing, draw) if isinstance(subject.thing, str) else mutate(subject.thing, draw)
         except TypeError:  # no value of that type to put there
             continue
         if after == subject.thing or not subject.differs(after, draw):
             continue
         tally["changed"] += 1
         if still_proved(subject, after):
-            before = {repr(s) for s in _flat(subject.thing.body)}
-            missed.append(f"{subject.name}: {[s for s in map(repr, _flat(after.body)) if s not in before]}"[:300])
+            missed.append(f"{subject.name}: {_changes(subject.thing, after)}"[:300])
         else:
             tally["found"] += 1
     print(f"{tally['mutants']} mutants of {len(everything)} subjects, {tally['changed']} change a value, {tally['found']} found")
     for what in missed:
         print(f"  missed: {what}")
     return 1 if tally["found"] < LEAST_FOUND * tally["changed"] else 0
+
+
+def _changes(before: Any, after: Any) -> list[str]:
+    """What stands in a mutant that did not stand in the original."""
+    if isinstance(before, str):
+        return [line.strip() for line in after.splitlines() if line not in ast.unparse(ast.parse(before)).splitlines()]
+    known = {repr(s) for s in _flat(before.body)}
+    return [s for s in map(repr, _flat(after.body)) if s not in known]
 
 
 def _flat(body: tuple[Statement, ...]) -> Iterator[Statement]:

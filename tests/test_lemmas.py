@@ -25,10 +25,10 @@ from stt_codegen.controller import logarithm
 from stt_codegen.lemmas import bumps, examples, functions, kernels, plant, reach, sampled, theorem, update
 from stt_codegen.lemmas import cache as cache_module
 from stt_codegen.lemmas.book import FAMILIES, Entry, page, prove_all
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube, smooth
 from stt_codegen.plants import Plant
-from stt_codegen.program import INT, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
+from stt_codegen.program import BOOL, INT, REAL, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
 from stt_codegen.program.print.python import PythonPrinter
@@ -260,6 +260,32 @@ def threshold(name: str, k: int, value: Fraction) -> Callable[[Any], Any]:
     return change
 
 
+def test_a_branch_that_no_point_takes_leaves_its_lemma_open(monkeypatch: Any) -> None:
+    """For 7.00 < t < 7.05 the gain has the other sign; no time that is looked at lies there."""
+    t = Var("t", REAL)
+
+    def change(s: Any) -> Any:
+        return replace(s, value=Select(Var("there", BOOL), s.value.other, s.value.then)) if _is_gain(s) else s
+
+    def _is_gain(s: Any) -> bool:
+        return isinstance(s, Assign) and s.var.name == "gain" and isinstance(s.value, Select)
+
+    wrong = with_function("wide", "control", change)["wide"]
+    asked = (
+        Assign(Var("after", BOOL), Op("lt", (real(Fraction(7)), t))),
+        Assign(Var("before", BOOL), Op("lt", (t, real(Fraction("7.05"))))),
+        Assign(Var("there", BOOL), Op("and", (Var("after", BOOL), Var("before", BOOL)))),
+    )
+    (control,) = (f for f in wrong.program.functions if f.name == "control")
+    bent = replace(control, body=(*asked, *control.body))
+    program = replace(wrong.program, functions=tuple(bent if f.name == "control" else f for f in wrong.program.functions))
+    assert not any(7 < time < 7.05 for time in functions.TIMES)
+    monkeypatch.setattr(functions, "cases", lambda: {**examples.cases(), "wide": replace(wrong, program=program)})
+    outcome = lemma("functions.wide_control").run()
+    assert outcome.verdict is Verdict.OPEN
+    assert "lt 7 t is no comparison of the frame" in outcome.evidence
+
+
 @pytest.mark.parametrize(
     ("name", "function", "change"),
     [
@@ -339,6 +365,25 @@ def test_an_inequality_is_proved_refuted_or_left_open_but_never_wrongly_proved()
         positive("x y - 1/2 on the unit square", lambda v, w: v * w - arb("0.5"), [(0.0, 1.0), (0.0, 1.0)]).verdict
         is Verdict.REFUTED
     )
+
+
+def test_no_evidence_is_no_proof() -> None:
+    for nothing in (lambda: identity({}), lambda: all_of(), lambda: sign({})):
+        assert Lemma("a.b", "", "", (), "", nothing).run().verdict is Verdict.OPEN
+
+
+def test_what_holds_for_positive_numbers_alone_is_no_identity() -> None:
+    """Forced logarithms would take log x^2 for 2 log x."""
+    assert identity({"log x^2 - 2 log x": sp.log(x**2) - 2 * sp.log(x)}).verdict is Verdict.OPEN
+    y = sp.Symbol("y", positive=True)
+    assert identity({"log y^2 - 2 log y": sp.log(y**2) - 2 * sp.log(y)}).verdict is Verdict.PROVED
+
+
+def test_a_sign_is_for_all_values() -> None:
+    y = sp.Symbol("y", positive=True)
+    assert sign({"y + sinh y": y + sp.sinh(y)}).verdict is Verdict.PROVED
+    for unknown in (x, x**2, y - 1, sp.cosh(y) - 2):
+        assert sign({"good": y, "bad": unknown}).verdict is Verdict.OPEN
 
 
 def test_all_of_is_as_good_as_its_worst() -> None:

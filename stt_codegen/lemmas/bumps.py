@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
 
 t, m = sp.symbols("t m", real=True)
 height, k, r = sp.symbols("B k r", positive=True)
@@ -31,11 +31,12 @@ def _edges() -> Outcome:
 
 
 def _between() -> Outcome:
-    x = sp.Symbol("x", real=True)
+    x, w = sp.Symbol("x", real=True), sp.Symbol("w", positive=True)
+    rest = 2 * sp.exp(-w / 2) * sp.sinh(w / 2)
     return all_of(
         identity({"at the middle, less B": BUMP.subs(t, m) - height}),
-        positive("exp(-w) for the exponent -w <= 0", lambda w: (-w).exp(), [(0.0, 700.0)]),
-        positive("1 - exp(-w), w > 0", lambda w: 1 - (-w).exp(), [(2.0**-40, 700.0)]),
+        identity({"1 - exp(-w) - 2 exp(-w/2) sinh(w/2)": sp.simplify((1 - sp.exp(-w) - rest).rewrite(sp.exp))}),
+        sign({"exp(-w), the exponent being -w": sp.exp(-w), "2 exp(-w/2) sinh(w/2)": rest}),
         identity(
             {"slope in x^2 of the exponent + k r^2/(r^2 - x^2)^2": sp.diff(-k * x / (r**2 - x), x) + k * r**2 / (r**2 - x) ** 2}
         ),

@@ -1,7 +1,8 @@
 """Every emitted function on every path: its frame (finite test, held time, segment, clamps, saturation, status) puts the kernels
 together as the paper's equations, repaired, say.
 
-A function of a small example program is followed at points of every regime, edges, empty tubes and odd numbers included. On the
+Where its paths part is known beforehand: its comparisons are the list in `FRAMES`, and a function with another one is open. A
+function of a small example program is followed at points of every regime, edges, empty tubes and odd numbers included. On the
 path of a point its outputs are formulas in t, x, alpha and table entries, which stay symbols, so they hold for every design of
 that shape; they are compared with formulas put together from the equations (expected.py). Kernels stay symbols too: lemmas of
 their own say what they are. Points of one path that these formulas treat differently are all compared. Where neighbouring points
@@ -23,6 +24,7 @@ import sympy as sp
 from stt_codegen.controller.ticks import ticks_of
 from stt_codegen.lemmas import expected, expected_adaptive
 from stt_codegen.lemmas.examples import (
+    FOLLOWED,
     SYMBOLS,
     Case,
     N,
@@ -32,23 +34,30 @@ from stt_codegen.lemmas.examples import (
 )
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 from stt_codegen.program import Status
+from stt_codegen.program.compared import comparisons
 from stt_codegen.program.paths import follow, formulas_on
 
 HALVINGS = 20
 STRIDES = (1, 2, 3)  # of the lists of points: two or three of a kind
 
 
-def check(case: Case, function: str, points: Iterable[Point], spec: Spec) -> Outcome:
-    """Proved when on every path and regime of the points the outputs are those of the formulas."""
+def check(case: Case, function: str, points: Iterable[Point], spec: Spec, frame: Sequence[str]) -> Outcome:
+    """Proved when the function's comparisons are those of its frame, each with both outcomes among the points, and on every path
+    and regime of the points the outputs are those of the formulas."""
     seen: dict[Any, Any] = {}
     looked = 0
     given = list(points)
+    compared = comparisons(case.program, case.program.function(function), FOLLOWED)
+    left = [f"{what} is no comparison of the frame" for what in compared if what not in frame]
+    left += [f"{what} is not compared" for what in frame if what not in compared]
+    outcomes = set()
     for point in [*given, *_borders(case, function, given)]:
         looked += 1
         path = follow(case.program, function, point, case.opaque)
+        outcomes |= set(zip(compared, path.decisions, strict=False))  # a path that leaves early decides less
         regime, outputs, result = spec(case, point)
         seen.setdefault((path.decisions, regime), (path, point, outputs, result))
-    left = []
+    left += [f"{what} is never {value}" for what in frame for value in (True, False) if (what, value) not in outcomes]
     for path, point, outputs, result in seen.values():
         found = formulas_on(case.program, function, SYMBOLS, path, case.opaque)
         pairs = [
@@ -218,11 +227,38 @@ ADAPTIVE: Mapping[str, Spec] = {
 }
 
 
+# The comparisons of every function, by the names of what is compared: where its paths part. Another one is refused.
+_TIME = ("lt 0 t", "lt scaled 4")
+_PLACE = ("lt to_upper to_lower", "lt least nearest", "lt 0 nearest")
+_GUARDED = ("lt 0 room", "lt 9.5367431640625e-07 room", "lt to_upper to_lower", "lt least distance")
+_LIMIT = ("lt u_min push", "lt u_limit u_held_raised")
+_SHARE = ("lt to_upper to_lower", "lt share -1", "lt held_share margin")
+_ALPHA = ("lt 0 alpha_low_in", "lt alpha_low_raised 44", "lt 0 alpha_high_in", "lt alpha_high_raised 44")
+_HELD = ("lt 0 t", "lt started t_c", *_ALPHA)
+FRAMES: Mapping[str, Sequence[str]] = {
+    **{f"{case}_tube": ("finite t", *_TIME) for case in ("wide", "narrow")},
+    **{f"{case}_tube_rate": ("finite t", *_TIME, "lt t 9") for case in ("wide", "narrow")},
+    "wide_control": ("le zero 0", *_TIME, *_PLACE, *_LIMIT),
+    "narrow_control": ("le zero 0", *_TIME, *_GUARDED, "lt 0 nearest"),
+    "wide_margin": ("le zero 0", *_TIME, *_SHARE),
+    "narrow_margin": ("le zero 0", *_TIME, "lt 9.5367431640625e-07 room", *_SHARE),
+    "control_tick": ("le zero 0", "tlt tick 9000", "ilt passed 9000", "ilt whole 3", *_PLACE, *_LIMIT),
+    "transform": (*_GUARDED, "lt -0.99 e_raw", "lt 0.99 e_held_raised", "finite x_i", "finite room"),
+    "alpha_init": (),
+    "alpha_step": ("le zero 0", "lt 0 dt", "lt dt 1048576", *_HELD),
+    "alpha_rate": ("le zero 0", *_HELD),
+    "adaptive_tube": ("le zero 0", *_HELD),
+    "adaptive_tube_rate": ("le zero 0", *_HELD),
+    "adaptive_control": ("le zero2 0", *_HELD, *_GUARDED, "lt 0 nearest"),
+    "adaptive_margin": ("le zero2 0", *_HELD, "lt 9.5367431640625e-07 room", *_SHARE),
+}
+
+
 def prove(name: str) -> Outcome:
     """The function of a lemma, at its points, against its formulas."""
     kind, function, points = SUBJECTS[name]
     case = cases()[kind]
-    return check(case, function, points(case), (ADAPTIVE if kind == "adaptive" else SPLINE)[function])
+    return check(case, function, points(case), (ADAPTIVE if kind == "adaptive" else SPLINE)[function], FRAMES[name])
 
 
 STATEMENTS = {
@@ -251,6 +287,7 @@ def _lemmas() -> Iterator[Lemma]:
             latex,
             (
                 "every kernel is what its own lemma says",
+                "its comparisons are those of the frame's list, no others, and each has both outcomes among the points",
                 "paths taken at points of every regime and on both sides of every change",
             ),
             "Program",

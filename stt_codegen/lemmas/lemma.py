@@ -1,8 +1,8 @@
 """A lemma is data: what is said, under which assumptions, where it is from, and a proof that is run every time.
 
 A proof returns an `Outcome`; its verdict is computed, never written down. What a method cannot settle is `open`, with what is
-left. The methods: an identity by SymPy (exact), an inequality over a box by Arb (enclosures, subdivided), a counterexample whose
-numbers are enclosed.
+left. The methods: an identity by SymPy (exact), a sign by SymPy (for all values), an inequality over a box by Arb (enclosures,
+subdivided), a counterexample whose numbers are enclosed.
 """
 
 from __future__ import annotations
@@ -68,7 +68,9 @@ def identity(
     somewhere: Mapping[Any, float] | None = None,
 ) -> Outcome:
     """Proved when every difference simplifies to 0; else open with what is left. somewhere: a point at which the differences are
-    looked at first, since SymPy may take minutes over what is not 0."""
+    looked at first, since SymPy may take minutes over what is not 0. No difference at all is an error, not a proof."""
+    if not differences:
+        raise ValueError("no difference was looked at")
     evidence: list[str] = []
     left: list[str] = []
     for name, difference in differences.items():
@@ -91,12 +93,24 @@ def _simplest(expression: Any) -> Any:
     for step in (
         sp.expand,
         lambda e: sp.cancel(sp.together(e.rewrite(sp.exp))),
-        lambda e: sp.simplify(sp.logcombine(e, force=True)),
+        lambda e: sp.simplify(sp.logcombine(e)),  # never by force: that takes log x^2 for 2 log x where x is negative
     ):
         rest = step(expression)
         if rest == 0:
             return rest
     return sp.simplify(expression)
+
+
+def sign(expressions: Mapping[str, Any]) -> Outcome:
+    """Proved when every expression is positive for all values that its symbols stand for, by SymPy's rules of signs; exact, on no
+    range. None at all is an error."""
+    if not expressions:
+        raise ValueError("no expression was looked at")
+    method = "SymPy: signs of sums, products and functions of positive symbols"
+    left = [f"{name}: {value}" for name, value in expressions.items() if sp.sympify(value).is_positive is not True]
+    if left:
+        return Outcome(Verdict.OPEN, method, tuple(left))
+    return Outcome(Verdict.PROVED, method, tuple(f"{name} > 0" for name in expressions))
 
 
 def positive(name: str, function: Callable[..., Any], box: Box, least: float = 0.0) -> Outcome:
@@ -139,7 +153,9 @@ def counterexample(statement: str, at: str, fails: Any, shown: str) -> Outcome:
 
 
 def all_of(*outcomes: Outcome) -> Outcome:
-    """The verdict of several claims: proved when all are, else that of the first which is not."""
+    """The verdict of several claims: proved when all are, else that of the first which is not. None at all is an error."""
+    if not outcomes:
+        raise ValueError("no claim was looked at")
     for outcome in outcomes:
         if outcome.verdict is not Verdict.PROVED:
             return outcome

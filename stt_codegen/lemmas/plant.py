@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, sign
 from stt_codegen.plants import PLANTS, model
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
@@ -41,9 +41,9 @@ def _robot() -> Outcome:
 
 def _robot_condition() -> Outcome:
     """The least eigenvalue is min(cos x3, 1) = cos x3: positive inside (-pi/2, pi/2), 0 at its ends."""
-    x = sp.Symbol("x3", real=True)
+    x, z = sp.symbols("x3 z", real=True)
     return all_of(
-        positive("cos x3", lambda v: v.cos(), [(-math.pi / 2 + 2.0**-30, math.pi / 2 - 2.0**-30)]),
+        sign({"cos x3, x3 = arctan z": sp.cos(sp.atan(z))}),
         identity(
             {
                 "cos(pi/2)": sp.cos(sp.pi / 2),
@@ -81,7 +81,7 @@ def _robot_coupled() -> Outcome:
     x, _, g = matrices(ROBOT, 3)
     return all_of(
         identity({"g_11^2 - g_12^2 - cos(2 x3)": sp.simplify(g[0, 0] ** 2 - g[0, 1] ** 2 - sp.cos(2 * x[2]))}),
-        positive("cos(2 x3), |x3| < pi/4", lambda v: (2 * v).cos(), [(-math.pi / 4 + 2.0**-30, math.pi / 4 - 2.0**-30)]),
+        sign({"cos(2 x3), 2 x3 = arctan z": sp.cos(sp.atan(sp.Symbol("z", real=True)))}),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive, sign
 from stt_codegen.paper import reach_tube
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
@@ -30,13 +30,13 @@ def _limits() -> Outcome:
 
 
 def _monotone() -> Outcome:
-    """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s: shown on [0, 20], and beyond as a product of positive numbers."""
-    return positive("sech(s) (1 + s)", lambda v: (1 + v) / v.cosh(), [(0.0, 20.0)])
+    """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s >= 0."""
+    return sign({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
 
 
 def _steepest() -> Outcome:
     """f = (1 + s) sech s has f' = sech s (1 - (1 + s) tanh s); g = (1 + s) tanh s rises, so its one root is the maximum."""
-    at = FASTEST / (1 - FASTEST)
+    at, slope = FASTEST / (1 - FASTEST), sp.tanh(s) + (1 + s) / sp.cosh(s) ** 2
 
     def bound(v: arb) -> arb:
         return arb(1.83489) - ((1 + v) / v.cosh()) ** 2
@@ -54,7 +54,8 @@ def _steepest() -> Outcome:
         positive(
             "sigmadot t_c - 1.83487 near there", lambda v: ((1 + v) / v.cosh()) ** 2 - arb(1.83487), [(at - 1e-4, at + 1e-4)]
         ),
-        positive("d/ds ((1 + s) tanh s)", lambda v: v.tanh() + (1 + v) * (1 - v.tanh() ** 2), [(1e-9, 30.0)]),
+        identity({"d/ds ((1 + s) tanh s) - tanh s - (1 + s) sech(s)^2": sp.diff((1 + s) * sp.tanh(s), s) - slope}),
+        sign({"tanh s + (1 + s) sech(s)^2": slope}),
     )
 
 

@@ -11,7 +11,7 @@ import sympy as sp
 
 from stt_codegen.certify import slack
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
@@ -68,6 +68,8 @@ def _bezier() -> Outcome:
 
 
 def _hull() -> Outcome:
+    z = sp.Symbol("z", positive=True)
+    inside = z / (1 + z)  # any number from 0 to 1
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
     return all_of(
         identity({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
@@ -79,7 +81,7 @@ def _hull() -> Outcome:
             }
         ),
         *(
-            positive(f"s^{j} (1 - s)^{3 - j} inside", lambda v, j=j: v**j * (1 - v) ** (3 - j), [(2.0**-20, 1 - 2.0**-20)])
+            sign({f"s^{j} (1 - s)^{3 - j} at s = z/(1 + z)": sp.together((s**j * (1 - s) ** (3 - j)).subs(s, inside))})
             for j in range(4)
         ),
     )

@@ -14,7 +14,8 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.pull import least_slope
 
 E = sp.Symbol("E", positive=True)
 a, b, d, k, g, P, tau = sp.symbols("a b d k g P tau", positive=True)
@@ -27,7 +28,7 @@ def _exponentials(expression: Any) -> Any:
     """Hyperbolic functions of E/2 as rational functions of y = exp(E/2), over one denominator."""
     y = sp.Symbol("y", positive=True)
     written = sp.powsimp(sp.expand(expression).rewrite(sp.exp)).subs(E, 2 * sp.log(y))
-    return sp.cancel(sp.together(sp.expand_log(sp.simplify(written), force=True)))
+    return sp.cancel(sp.together(sp.expand_log(sp.simplify(written))))
 
 
 def _law() -> Outcome:
@@ -71,7 +72,7 @@ def _rises() -> Outcome:
                 ),
             }
         ),
-        positive("tanh(E/2) and E sech(E/2)^2", lambda v: (v / 2).tanh() * v / (v / 2).cosh() ** 2, [(2.0**-20, 40.0)]),
+        sign({"tanh(E/2)": sp.tanh(E / 2), "E sech(E/2)^2": E / sp.cosh(E / 2) ** 2}),
     )
 
 
@@ -82,26 +83,12 @@ def _norm() -> Outcome:
     G = y**2 * sp.cosh(y / 2) ** 4
     slope = sp.cosh(y / 2) ** 4 + y * sp.cosh(y / 2) ** 3 * sp.sinh(y / 2)
     equal = n * G.subs(y, E / sp.sqrt(n)) - (E * sp.cosh(E / (2 * sp.sqrt(n))) ** 2) ** 2
+    bend = sp.cosh(y / 2) ** 2 * (3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2)
     return all_of(
         identity({"dG/ds - (cosh^4 + y cosh^3 sinh)": _exponentials(sp.diff(G, y) / (2 * y) - slope)}),
         identity({"n G(E/sqrt n) - q_n(E)^2": sp.simplify(equal)}),
-        positive(
-            "d/dy of that slope",
-            lambda v: (
-                (v / 2).cosh() ** 2
-                * (3 * (v / 2).cosh() * (v / 2).sinh() + v * (3 * (v / 2).sinh() ** 2 + (v / 2).cosh() ** 2) / 2)
-            ),
-            [(2.0**-20, 20.0)],
-        ),
-        identity(
-            {
-                "which is it": _exponentials(
-                    sp.diff(slope, y)
-                    - sp.cosh(y / 2) ** 2
-                    * (3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2)
-                )
-            }
-        ),
+        identity({"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _exponentials(sp.diff(slope, y) - bend)}),
+        sign({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": bend}),
     )
 
 
@@ -131,7 +118,7 @@ def _pull_monotone() -> Outcome:
                 "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(PULL, b) + (1 + 1 / y + sp.log(y))),
             }
         ),
-        positive("1 + exp z - z, z = ln(a/b)", lambda z: 1 + z.exp() - z, [(-40.0, 40.0)], least=1.99),
+        least_slope(),
     )
 
 
@@ -198,7 +185,18 @@ def _ends() -> Outcome:
                 )
             }
         ),
-        positive("1 - (eps/2)^2 sech(eps/2)^2", lambda v: 1 - (v / v.cosh()) ** 2, [(0.0, 30.0)]),
+        _above_itself(),
+    )
+
+
+def _above_itself() -> Outcome:
+    """cosh v > v, so 1 - (v/cosh v)^2 > 0 with v = eps/2: cosh is convex, and above its tangent where sinh is 1."""
+    v = sp.Symbol("v", real=True)
+    at = sp.asinh(1)
+    return all_of(
+        identity({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, at) - 1}),
+        sign({"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(at) - sp.log(1 + sp.sqrt(2))}),
+        identity({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(at.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
     )
 
 

@@ -6,7 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.pull import least_slope
 
 x, xdot, lower, upper, lower_rate, upper_rate = sp.symbols("x xdot gamma_L gamma_U gammadot_L gammadot_U", real=True)
 S, D, S_RATE, D_RATE = upper + lower, upper - lower, upper_rate + lower_rate, upper_rate - lower_rate
@@ -75,7 +76,7 @@ def _effort() -> Outcome:
                 "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(h, b) + (1 + 1 / y + sp.log(y))),
             }
         ),
-        positive("1 + exp z - z, z = ln(a/b)", lambda z: 1 + z.exp() - z, [(-40.0, 40.0)], least=1.99),
+        least_slope(),
     )
 
 
@@ -109,10 +110,11 @@ def _decrease() -> Outcome:
 
 def _gain() -> Outcome:
     """xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d: so |v| >= (4/max gamma_d) |eps|."""
-    e = sp.Symbol("e", real=True)
+    e, z = sp.symbols("e z", real=True)
     return all_of(
         identity({"1/(1 - e^2) - 1 - e^2/(1 - e^2)": 1 / (1 - e**2) - 1 - e**2 / (1 - e**2)}),
-        positive("1/(1 - e^2)", lambda v: 1 / (1 - v**2), [(-1 + 2.0**-20, 1 - 2.0**-20)], least=0.999),
+        identity({"1/(1 - e^2) - cosh(z)^2 for e = tanh z": sp.simplify(1 / (1 - sp.tanh(z) ** 2) - sp.cosh(z) ** 2)}),
+        sign({"cosh(z)^2": sp.cosh(z) ** 2}),
     )
 
 

@@ -11,7 +11,7 @@ import sympy as sp
 from flint import arb
 
 from stt_codegen.controller import logarithm
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive, sign
 from stt_codegen.paper import control_law
 from stt_codegen.program.lower import lower
 from stt_codegen.program.symbols import formulas
@@ -59,11 +59,12 @@ def _inverse() -> Outcome:
 
 
 def _monotone() -> Outcome:
-    v = sp.Symbol("e", real=True)
+    v, z = sp.symbols("e z", real=True)
     derivative = sp.diff(sp.log((1 + v) / (1 - v)), v)
     return all_of(
         identity({"d epsilon/de - 2/(1 - e^2)": derivative - 2 / (1 - v**2)}),
-        positive("2/(1 - e^2)", lambda w: 2 / (1 - w**2), [(-1 + 2.0**-20, 1 - 2.0**-20)], least=1.99),
+        identity({"2/(1 - e^2) - 2 cosh(z)^2 for e = tanh z": sp.simplify(2 / (1 - sp.tanh(z) ** 2) - 2 * sp.cosh(z) ** 2)}),
+        sign({"2 cosh(z)^2": 2 * sp.cosh(z) ** 2}),
     )
 
 
@@ -76,9 +77,9 @@ def _odd() -> Outcome:
     law = lower(control_law.law())
     return identity(
         {
-            "epsilon changes its sign": sp.expand_log(plain[0] + mirrored[0], force=True),
+            "epsilon changes its sign": sp.expand_log(plain[0] + mirrored[0]),
             "xi stays": plain[1] - mirrored[1],
-            "u with -k from the other edge is u": sp.expand_log(formulas(law, given)[0] - formulas(law, other)[0], force=True),
+            "u with -k from the other edge is u": sp.expand_log(formulas(law, given)[0] - formulas(law, other)[0]),
         }
     )
 
@@ -144,14 +145,15 @@ def _outer_three() -> Outcome:
 
 def _clamp_cost() -> Outcome:
     """While |eps| <= eps(e_max) the clamp does nothing; beyond, |u| is that at e_max: 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
-    e_max, width = sp.symbols("e_max w", positive=True)
+    ratio, width = sp.symbols("rho w", positive=True)
+    e_max = ratio / (1 + ratio)  # any number from 0 to 1
     near, far = (1 - e_max) / 2 * width, (1 + e_max) / 2 * width
     at_clamp = (1 / near + 1 / far) * sp.log(far / near)
     printed = 4 / (width * (1 - e_max**2)) * sp.log((1 + e_max) / (1 - e_max))
     return identity(
         {
             "k h at the clamp, less 4 k ln((1 + e_max)/(1 - e_max))/(gamma_d (1 - e_max^2))": sp.simplify(
-                sp.expand_log(at_clamp - printed, force=True)
+                sp.expand_log(sp.simplify(at_clamp - printed))
             ),
             "tanh(eps(e_max)/2) - e_max": sp.simplify(sp.tanh(sp.log((1 + e_max) / (1 - e_max)) / 2).rewrite(sp.exp) - e_max),
         }

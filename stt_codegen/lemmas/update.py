@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
 
 psi = sp.Symbol("psi", real=True)
 alpha, theta0, kappa, varsigma, h, p_, q, z = sp.symbols("alpha theta0 kappa varsigma h p q z", positive=True)
@@ -44,7 +44,7 @@ def _away() -> Outcome:
                 - theta0 * (1 + sp.tanh(y))
             }
         ),
-        positive("tanh y", lambda v: v.tanh(), [(1e-9, 20.0)]),
+        sign({"tanh y, y > 0": sp.tanh(sp.Symbol("y", positive=True))}),
     )
 
 
