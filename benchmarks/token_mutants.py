@@ -194,7 +194,7 @@ def claim_is_true(label: str) -> str:
     """Changed claims that are true as well."""
     if label.startswith("sampled.rho"):
         return "another bound on |e|, proved too"
-    if ".hints." in label:
+    if re.match(r"claims\.\d+\.hints\.\d+\.2\.", label):
         return "another normal that shows as much"
     return "a larger error, allowed for too" if label.startswith("sampled.shift") else ""
 
@@ -217,6 +217,9 @@ def main() -> int:
     wrong = 0
     for task in options.task or ("trolley", "omni_board"):
         begin = time.perf_counter()
+        if not accepted(files_of(task), task):
+            print(f"{task}: REFUSED as it is")
+            return 1
         with multiprocessing.Pool(options.processes) as pool:
             verdicts = list(pool.imap(partial(judge, task=task), mutants(task, options.every), chunksize=20))
         yes = [m for m, good in verdicts if good]

@@ -229,8 +229,8 @@ def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> No
 @pytest.mark.parametrize("far", [Fraction(1000), Fraction(-4821733), Fraction(10**8)])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
 def test_a_double_far_from_the_origin_has_the_room_it_has_near_it(name: str, far: Fraction) -> None:
-    """The tube is the one near the origin, moved: to 2 steps of the rounding, on the same grid. The emitted C stays within P7 of it,
-    which the self-test's bounds and the certificate's own rows hold it to."""
+    """The tube is the one near the origin, moved, on the same grid: to one step of each rounding, and one of the origin's, which
+    need not be a multiple of the table's unit."""
     near = build_task(moved_task(name, Fraction(0)).with_options(scalar="double"))
     there = build_task(moved_task(name, far).with_options(scalar="double"))
     assert there.certificate.holds

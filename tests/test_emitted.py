@@ -423,10 +423,13 @@ def test_the_certificate_binds_task_data_and_files() -> None:
     assert document["format"] == 2
     unit, error = controller.design.unit, max(document["edge_error"])
     margins = {c: min(f.margin for f in controller.certificate.findings if f.code == c) for c in ("P1", "P2", "P3", "P4", "P5")}
+    assert min(c["margin"] for c in document["claims"] if c["property"] == "P4") * unit <= margins["P4"]
     for claim in document["claims"]:
         if "margin" in claim:
             code = claim["property"]
-            assert claim["margin"] * unit >= margins[code] - unit
+            assert claim["margin"] * unit >= margins[code] - unit  # rounded down to whole units
+            if code != "P4":  # of all sets: the least is the finding's
+                assert claim["margin"] * unit <= margins[code]
             assert claim["margin"] >= (2 * error if code == "P1" else error)
 
 

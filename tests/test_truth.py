@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from fractions import Fraction
+from random import Random
 
 import pytest
 from conftest import ROOT, controller_of
@@ -19,7 +20,7 @@ from stt_codegen.task import Box, Task, UnsafeSet, parse_task
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from mutants import KINDS, draw
-from mutations import Random, claiming, judge, toml
+from mutations import claiming, judge, toml
 from truth import LEAST_WIDTH, Fault, above, deepest, faults, first_fault, signed_edges, uncovered
 
 TINY = Fraction(1, 10**60)

@@ -34,6 +34,13 @@ from typing import Any, NoReturn
 
 LEAST_WIDTH = Fraction(1, 1 << 20)  # the emitted law treats narrower tubes as this wide
 RUNS = 4096  # of one function, by the answers to its comparisons
+SMALL = Fraction(1, 1 << 100)  # literals and intermediate values lie between this and its inverse: none over- or underflows
+KEYWORDS = (
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register restrict "
+    "return short signed sizeof static struct switch typedef union unsigned void volatile while bool true false isfinite log "
+    "logf memcpy"
+)
+LOCAL = re.compile(rf"(?!(?:{KEYWORDS.replace(' ', '|')})$)[a-z]\w*", re.ASCII)  # what a name of the C may be
 LAW = {
     "libm": {24: 2.0**-19, 53: 2.0**-46},
     "inline": {24: 2.0**-14, 53: 2.0**-14},
@@ -69,7 +76,7 @@ class Task:
     """The numbers of a task file, exact; the body already added to the sets. Keys that are not known here are refused."""
 
     def __init__(self, data: bytes) -> None:
-        document = tomllib.loads(data.decode("utf-8-sig"), parse_float=Decimal)
+        document = tomllib.loads(data.decode("utf-8-sig"), parse_float=_decimal)
         self.digest = hashlib.sha256(json.dumps(_plain(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
         tables = [(name, entry) for name, v in document.items() for entry in (v if name == "unsafe" else [v]) if name in KNOWN]
         for name, entry in [("", document), *tables]:
@@ -80,19 +87,20 @@ class Task:
         self.t_c = _number(document["prescribed_time"])
         self.state = [_number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)
-        body = [_number(v) for v in document.get("body", [0] * n)]
-        self.start, self.target = _box(document["initial_set"]), _box(document["target_set"])
-        lower, upper = _box(document["state_space"])
+        body = _each(document.get("body", 0), n)
+        self.start, self.target = _box(document["initial_set"], n), _box(document["target_set"], n)
+        lower, upper = _box(document["state_space"], n)
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
         self.unsafe = []
         for j, entry in enumerate(document.get("unsafe", []), 1):
-            lower, upper = _box(entry)
+            lower, upper = _box(entry, n)
             grown = ([a - h for a, h in zip(lower, body)], [b + h for b, h in zip(upper, body)])
             self.unsafe.append((str(entry.get("name") or f"U{j}"), grown))
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
+        self.segments = _number(tube["segments"]) if "segments" in tube else None
         self.max_speed = _number(tube["max_speed"]) if "max_speed" in tube else None
         self.share = _number(document["initial_set"].get("share", Decimal("0.9")))
         self.plant = {
@@ -106,6 +114,11 @@ class Task:
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
         self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
+        given = [self.plant["g_min"], self.plant["g_max"], self.period, self.tick, *(self.u_max or [])]
+        positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
+        not_negative = [self.clearance, self.latency, *body, *(v for v in self.plant.values() if v is not None)]
+        if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
+            raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
 
 
 def _number(value: Any) -> Fraction:
@@ -114,12 +127,27 @@ def _number(value: Any) -> Fraction:
     return Fraction(value)
 
 
+def _decimal(text: str) -> Decimal:
+    value = Decimal(text)
+    if not (value.is_finite() and abs(value.adjusted()) < 400):
+        raise Unusable(f"the task has {text:.40}, which is out of range")
+    return value
+
+
 def _each(value: Any, n: int) -> list[Fraction]:
-    return [_number(v) for v in (value if isinstance(value, list) else [value] * n)]
+    found = [_number(v) for v in (value if isinstance(value, list) else [value] * n)]
+    if len(found) != n:
+        raise Unusable(f"the task has {len(found)} numbers where {n} are needed")
+    return found
 
 
-def _box(table: Any) -> tuple[list[Fraction], list[Fraction]]:
-    return [_number(v) for v in table["lower"]], [_number(v) for v in table["upper"]]
+def _box(table: Any, n: int) -> tuple[list[Fraction], list[Fraction]]:
+    if not isinstance(table["lower"], list) or not isinstance(table["upper"], list):
+        raise Unusable("the task has a set whose edges are no lists")
+    lower, upper = _each(table["lower"], n), _each(table["upper"], n)
+    if any(a >= b for a, b in zip(lower, upper)):
+        raise Unusable("the task has a set with a lower edge that is not below the upper one")
+    return lower, upper
 
 
 def _plain(value: Any) -> Any:
@@ -148,8 +176,8 @@ def rounded(value: Fraction, bits: int, toward: Callable[[Fraction], int] = roun
 
 
 TOKEN = re.compile(
-    r"(?P<skip>[ \n]+|/\*.*?\*/)|(?P<line>#[^\n]*)|(?:\d+\.\d+(?:e-?\d+)?F?|0x[0-9a-f]+U|\d+U?)(?!\w)|[A-Za-z_]\w*|\"[^\"\n]*\""
-    r"|<=|!=|&&|>>|\+\+|[-+*/<=!?:;,(){}\[\]&]", re.DOTALL | re.ASCII,
+    r"(?P<skip>[ \n]+|/\*.*?\*/)|(?P<line>#[^\n]*)|(?:\d+\.\d+(?:e-?\d{1,3})?F?|0x[0-9a-f]+U|\d+U?)(?!\w)|[A-Za-z_]\w*"
+    r"|\"[^\"\n]*\"|<=|!=|&&|>>|\+\+|[-+*/<=!?:;,(){}\[\]&]", re.DOTALL | re.ASCII,
 )  # fmt: skip
 
 
@@ -163,7 +191,9 @@ def tokens(data: bytes) -> list[str]:
         if match is None:
             raise Failed(f"the C has {text[place : place + 20].splitlines()[0]!r}, which is no part of its language")
         place = match.end()
+        need(match.group() != "/" or text[place : place + 1] != "/", "the C has a comment by //")
         if match["line"]:
+            need(not text[: match.start()].rpartition("\n")[2].strip(" "), "the C has a directive within a line")
             line = re.sub(r"/\*[^*]*\*/", " ", match["line"])
             need("/*" not in line and "//" not in line, f"the C has the line {line!r}")
             found.append(" ".join(line.split()))
@@ -181,12 +211,15 @@ def tree(words: Iterator[str], top: bool = True) -> Tree:
     words_now: list[str] = []
     for word in words:
         if word == "{":
-            found.append((" ".join(words_now), tree(words, False)))
+            head = " ".join(words_now)
+            found.append((head, tree(words, False)))
+            need(not head.endswith("=") or next(words, "") == ";", "the C has a table that does not end")
             words_now = []
         elif word == "}" and not top:
             return found + ([("not ended", " ".join(words_now))] if words_now else [])
         elif word == ";" and words_now.count("(") == words_now.count(")"):
-            found += [" ".join(words_now)] if words_now else []
+            need(bool(words_now), "the C has an empty statement")
+            found.append(" ".join(words_now))
             words_now = []
         else:
             words_now.append(word)
@@ -263,12 +296,16 @@ class Source:
         token = token.removeprefix("- ")
         if "." in token:
             need(token.endswith("F") == self.single, f"the literal {token!r} is not of the file's scalar type")
-            return "real", sign * rounded(Fraction(token.rstrip("F")), self.bits)
-        need(re.fullmatch(r"\d{1,10}U?", token) is not None, f"the C has {token[:40]!r} where a number is expected")
-        return ("uint" if token.endswith("U") else "int"), Fraction(token.rstrip("U"))
+            value = Fraction(token.rstrip("F"))
+            need(value == 0 or SMALL <= value <= 1 / SMALL, f"the literal {token!r} is near the ends of the scalar's range")
+            return "real", sign * rounded(value, self.bits)
+        need(re.fullmatch(r"(0|[1-9]\d{0,9})U?", token) is not None, f"the C has {token[:40]!r} where a number is expected")
+        kind, value = "uint" if token.endswith("U") else "int", Fraction(token.rstrip("U"))
+        need(value < (1 << 31), f"the C has {token}, which an int32_t does not hold")
+        return kind, value
 
     def table(self, head: str, body: Tree) -> None:
-        match = re.fullmatch(rf"static const {self.p}_real {self.p}_(\w+) \[ (\d+) \] =", head)
+        match = re.fullmatch(rf"static const {self.p}_real {self.p}_(\w+) \[ ([1-9]\d*) \] =", head)
         entries = body[0][1] if len(body) == 1 and body[0][0] == "not ended" else ""
         numbers = [self.number(v) for v in entries.split(" , ")]
         sound = match is not None and int(match[2]) == len(numbers) and {t for t, _ in numbers} == {"real"}
@@ -289,7 +326,8 @@ class Source:
         for part in parts:
             constant, kind, out, name, array = part.groups()  # type: ignore[union-attr]
             how = ("array" if constant else "result") if array else "out" if out else "value"
-            need(not (array and out) and (how == "array" or not constant), f"the C has a parameter that is not known: {name}")
+            good = not (array and out) and (how == "array" or not constant) and LOCAL.fullmatch(name)
+            need(good is not None and bool(good), f"the C has a parameter that is not known: {name}")
             params.append((self.types[kind], name, how))
         need(len({name for _, name, _ in params}) == len(params), f"{match[3]} of the C has two parameters of one name")
         self.functions[match[3]] = Function(head, self.types[match[2]], params, body)
@@ -324,6 +362,11 @@ OPERATIONS: dict[str, Callable[[int, int], int]] = {
 }
 
 
+def operation(sign: str, a: int, b: int) -> tuple[str, int, int]:
+    """What two operations must agree in, so that they round alike."""
+    return (sign, min(a, b), max(a, b)) if sign[-1] in "+*" else (sign, a, b)
+
+
 def element(value: Fraction | int) -> int:
     return Fraction(value).numerator * pow(Fraction(value).denominator, -1, PRIME) % PRIME
 
@@ -331,11 +374,11 @@ def element(value: Fraction | int) -> int:
 class Machine:
     """Runs the C's functions on symbols, and the specification beside them.
 
-    A symbol is a random element of a field of 2^521 elements: formulas that are not the same quotient of polynomials are found
+    A symbol is a random element of a field of 2^521 - 1 elements: formulas that are no one quotient of polynomials are found
     equal with a probability below 2^-500. What is no arithmetic (the library's logarithm, truncation, a table at an index) is a
     symbol too, one for each argument. A loop's body is run once, for the component i. Comparisons are questions; `explore` goes
-    through all their answers, and with each the C must do what the specification does. Every operation outside the spline kernels
-    must give a value that the specification computes too, so that no cancellation hides in between.
+    through all their answers, and with each the C must do what the specification does. Every operation, comparison and cast
+    outside the spline kernels must be one that the specification has too, with the same operands, so that it rounds as that does.
     """
 
     def __init__(self, source: Source, task: Task) -> None:
@@ -381,6 +424,7 @@ class Machine:
                 return
             given = pending.pop()
             self.answers, self.allowed, self.effects, self.where, self.carried, self.kernel = dict(given), set(), [], name, 0, ""  # type: ignore[var-annotated]
+            self.indices()
             specification()
             wanted, self.effects, self.carried = self.effects, [], 0
             act()
@@ -389,11 +433,30 @@ class Machine:
             pending += [{**dict(asked[:k]), asked[k][0]: not asked[k][1]} for k in range(len(given), len(asked))]
         raise Failed(f"{name} of the C has more branches than can be looked at")
 
+    def indices(self) -> None:
+        """What a loop's body computes to find its entries of the table."""
+        i, row, n = self.symbol("i"), self.symbol("row"), self.task.n
+        at = self.whole("+", row, self.whole("*", i, 2))
+        for c in range(1, 6 * n + 2):
+            self.whole("+", at, c)
+
     def ask(self, *question: Any) -> bool:
         return bool(self.answers.setdefault(question, True))
 
     def less(self, a: int, b: int, sign: str = "<") -> bool:
+        """A comparison that the C may have too."""
+        self.allowed.add((sign, a % PRIME, b % PRIME))
         return self.ask(sign, (b - a) % PRIME)
+
+    def whole(self, sign: str, a: int, b: int = 0) -> int:
+        """An operation on integers, or a cast, that the C may have too."""
+        self.allowed.add(operation(f"int {sign}", a, b))
+        return self.integer(sign, a, b)
+
+    def integer(self, sign: str, a: int, b: int) -> int:
+        if sign in ("/", "truncated"):
+            return self.symbol(f"int {sign}", a, b)
+        return a if sign in ("real", "int") else OPERATIONS[sign](a, b) % PRIME
 
     def carry(self, kind: str) -> Any:
         """What a loop carries: first as its body has it, then after it."""
@@ -403,10 +466,9 @@ class Machine:
     # ---- operations, of the C and of the specification
 
     def op(self, sign: str, a: int, b: int) -> int:
-        """A value that the C may compute too."""
-        found = self.calculate(sign, a, b)
-        self.allowed.add(found)
-        return found
+        """An operation that the C may have too."""
+        self.allowed.add(operation(sign, a, b))
+        return self.calculate(sign, a, b)
 
     def calculate(self, sign: str, a: int, b: int) -> int:
         if sign == "*" and 0 in (a, b):
@@ -456,11 +518,11 @@ class Machine:
     def statement(self, text: str, scope: dict[str, Any]) -> bool:
         kind, parts = self.match(self.shapes, text)
         if kind in ("declare", "let"):
-            label, given = self.source.types[parts[-2 if kind == "let" else 0][:99] if kind == "declare" else parts[1]], None
+            label, given = self.source.types[parts[0] if kind == "declare" else parts[1]], None
             name = parts[1] if kind == "declare" else parts[2]
             if kind == "let":
                 given = self.typed(parts[3], scope, label)
-            self.sure(name not in scope and label != "void", "a name twice, or of no type", text)
+            self.sure(name not in scope and label != "void" and LOCAL.fullmatch(name) is not None, "a name twice, or none", text)
             scope[name] = [label, given, kind == "let" and parts[0] is not None]
         elif kind == "set":
             held = scope.get(parts[0], ["", None, True])
@@ -485,13 +547,12 @@ class Machine:
         match = re.fullmatch(rf"for \( int32_t (\w+) = 0 ; \1 < {self.task.n} ; \+\+ \1 \)", head)
         self.sure(match is not None and all(isinstance(item, str) for item in body), "another loop than it should", head)
         inner = {name: list(entry) for name, entry in scope.items()}
-        self.sure(match[1] not in inner, "a name twice", head)  # type: ignore[index]
+        self.sure(match[1] not in inner and LOCAL.fullmatch(match[1]) is not None, "a name twice, or none", head)  # type: ignore[index]
         inner[match[1]] = ["int", self.symbol("i"), True]  # type: ignore[index]
         changed = [name for name in scope if any(item.startswith(f"{name} = ") for item in body)]
         self.sure(len(changed) < 2, "two values carried through a loop", head)
         for name in changed:
             inner[name][1] = self.carry(scope[name][0])
-        self.stored = False
         self.sure(not self.block(body, inner), "a return out of a loop", head)
         for name in changed:
             self.effects.append(("carried", scope[name][1], inner[name][1]))
@@ -535,8 +596,9 @@ class Machine:
             return then if condition else other  # type: ignore[no-any-return]
         if kind == "cast":
             to, (label, value) = self.source.types[parts[0]], self.operand(parts[1], scope)
-            self.sure((to, label) in (("int", "real"), ("real", "int"), ("int", "uint")), "another cast", text)
-            return to, self.symbol("truncated", value) if label == "real" else value
+            sign = {("int", "real"): "truncated", ("real", "int"): "real", ("int", "uint"): "int"}.get((to, label), "no cast")
+            self.sure(operation(f"int {sign}", value, 0) in self.allowed, "another cast", text)
+            return to, self.integer(sign, value, 0)
         if kind == "one" and parts[0] == "!":
             return "bool", not self.operand(parts[1], scope, "bool")
         if kind == "one":
@@ -549,12 +611,12 @@ class Machine:
         if label == "bool":
             return "bool", a and b
         if sign in ("<", "<="):
-            return "bool", self.less(a, b, sign)
-        if label == "int":
-            return "int", self.symbol("whole quotient", a, b) if sign == "/" else OPERATIONS[sign](a, b) % PRIME
-        found = self.calculate(sign, a, b)
-        self.sure(self.kernel in ("basis", "basis_rate", "blend") or found in self.allowed, "a value of no use", text)
-        return "real", found
+            self.sure((sign, a, b) in self.allowed, "a comparison that is not the law's", text)
+            return "bool", self.ask(sign, (b - a) % PRIME)
+        spline = label == "real" and self.kernel in ("basis", "basis_rate", "blend")
+        known = operation(sign if label == "real" else f"int {sign}", a, b)
+        self.sure(spline or known in self.allowed, "an operation that is not the law's", text)
+        return label, self.calculate(sign, a, b) if label == "real" else self.integer(sign, a, b)
 
     def load(self, array: str, index: int, scope: dict[str, Any]) -> int:
         table = array.removeprefix(f"{self.source.p}_")
@@ -575,6 +637,7 @@ class Machine:
         if name == ("logf" if self.source.single else "log") or (self.task.inline and name in ("exponent", "mantissa")):
             self.sure([t for t, _ in values] == ["real"] and not targets, "a call with other arguments", name)
             return ("int" if name == "exponent" else "real"), self.symbol(name.rstrip("f"), values[0][1])
+        self.sure(self.kernel == "", "a call out of a kernel", name)
         f = self.source.functions.get(name) if name in KERNELS else None
         if f is None:
             raise Failed(f"{self.where} of the C calls {name}, which is not known")
@@ -658,8 +721,8 @@ class Specification:
         end = element(rounded(self.k - Fraction(self.k, 2 ** (self.bits + 2)), self.bits, math.floor))
         scaled = m.op("*", t if m.less(0, t) else 0, self.constant(self.k / self.task.t_c))
         u = scaled if m.less(scaled, end) else end
-        whole = m.symbol("truncated", u)
-        m.effects.append([("int", whole * 2 * self.n % PRIME), ("real", m.op("-", u, whole))])
+        whole = m.whole("truncated", u)
+        m.effects.append([("int", m.whole("*", whole, 2 * self.n)), ("real", m.op("-", u, m.whole("real", whole)))])
 
     def segment_at_tick(self) -> None:
         """The same for a count of ticks, num/den of a segment each, in integers."""
@@ -668,12 +731,12 @@ class Specification:
         num, den = (self.task.tick * k / self.task.t_c).as_integer_ratio()
         last = -(-k * den // num)
         need(k * den + num < 1 << 31, "the ticks of the C do not fit 31 bits")
-        passed = (tick if m.less(tick, last) else last) * num % PRIME
+        passed = m.whole("*", m.whole("int", tick if m.less(tick, last) else last), num)
         place = passed if m.less(passed, k * den) else k * den
-        whole = m.symbol("whole quotient", place, den)
+        whole = m.whole("/", place, den)
         segment = whole if m.less(whole, k - 1) else k - 1
-        share = m.op("/", (place - segment * den) % PRIME, self.constant(Fraction(den)))
-        m.effects.append([("int", segment * 2 * self.n % PRIME), ("real", share)])
+        rest = m.whole("real", m.whole("-", place, m.whole("*", segment, den)))
+        m.effects.append([("int", m.whole("*", segment, 2 * self.n)), ("real", m.op("/", rest, self.constant(Fraction(den))))])
 
     # ---- the law
 
@@ -689,7 +752,8 @@ class Specification:
         least, distance = m.op("*", width, self.each("least_share")), nearest
         if guarded:
             distance = m.op("+", nearest, m.op("*", m.op("-", width, room), element(Fraction(1, 2))))
-        near = distance if self.filled and m.less(least, distance) else least
+        farther = m.less(least, distance)
+        near = distance if self.filled and farther else least
         return nearest, near, m.op("-", width, near), width, room
 
     def transformed(self, near: int, far: int) -> tuple[int, int]:
@@ -705,7 +769,7 @@ class Specification:
         mantissa = m.symbol("mantissa", y)
         s = m.op("/", m.op("-", mantissa, 1), m.op("+", mantissa, 1))
         bent = m.op("*", m.op("*", s, s), element(rounded(Fraction("0.67660441"), 24)))
-        whole = m.op("*", m.symbol("exponent", y), self.constant(Fraction("0.693147180559945309417232121458")))
+        whole = m.op("*", m.whole("real", m.symbol("exponent", y)), self.constant(Fraction("0.693147180559945309417232121458")))
         return m.op("+", whole, m.op("*", s, m.op("+", bent, 2)))
 
     def held(self, value: int, low: int, high: int) -> int:
@@ -797,18 +861,21 @@ def computes(source: Source, task: Task, gain: list[Fraction], wide: bool) -> No
         ("tube", [spec.tube], {"t": t, "lower": out, "upper": out}),
         ("tube_rate", [spec.tube_rate], {"t": t, "lower_rate": out, "upper_rate": out}),
         ("transform", [spec.transform], {"lower": x, "upper": x, "x": x, "e": out, "epsilon": out, "xi": out}),
-        ("margin", [free.margin, spec.margin], {"t": t, "x": x}),
+        ("margin", [free.margin, spec.margin][: 1 + wide], {"t": t, "x": x}),
     ]
     for name, time in (("control", t), ("control_tick", tick))[: 1 + ticks]:
-        functions.append((name, [partial(s.control, name == "control") for s in (free, spec)], {"t": time, "x": x, "u": out}))
+        functions.append(
+            (name, [partial(s.control, name == "control") for s in (free, spec)[: 1 + wide]], {"t": time, "x": x, "u": out})
+        )
     for name, allowed, arguments in functions:
-        for number, specification in enumerate(allowed, 1):
+        failures = []
+        for specification in allowed:
             try:
                 m.explore(name, specification, partial(m.run, name, arguments))
-                break
-            except Failed:
-                if number == len(allowed):
-                    raise
+            except Failed as failure:
+                failures.append(failure)
+        if len(failures) == len(allowed):
+            raise failures[0]
 
 
 # ------------------------------------------------------------------------------------------------ the tube and its arithmetic
@@ -846,6 +913,8 @@ def arithmetic(source: Source, tube: Tube) -> list[Fraction]:
     twice that is allowed, so that t may have been rounded. Then the statements of basis and blend, one rounding each."""
     eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
     late, found = tube.segments * 4 * eps * (1 + eps) + tiny, []
+    for _, _, wrong in _errors(source, "basis_rate", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny):
+        need(wrong < 128 * eps, "the statements of basis_rate lose more than rounding may take")
     for i in range(tube.n):
         largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
         weights = _errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
@@ -860,16 +929,21 @@ Inexact = tuple[Fraction, Fraction, Fraction]  # least, largest, error
 def _errors(source: Source, name: str, inputs: list[Inexact], eps: Fraction, tiny: Fraction) -> list[Inexact]:
     """Ranges and errors of a kernel's results, from its statements."""
     f = source.functions[name]
-    known, results = dict(zip((label for _, label, how in f.params if how == "value"), inputs)), []
+    results: dict[str, Inexact] = {}
+    known = dict(zip((label for _, label, how in f.params if how == "value"), inputs))
 
     def get(text: str) -> Inexact:
         return known[text] if text in known else (source.number(text)[1], source.number(text)[1], Fraction(0))
 
     for text in f.body:
         left, _, right = text.removeprefix("return ").rpartition(" = ")
-        words = right.split()
+        words, target = right.split(), left.split()[-1] if left else "return"
         if len(words) == 1:
-            results.append(get(words[0]))
+            (results if left in ("", f"* {target}") else known)[target] = get(words[0])
+            continue
+        if len(words) == 2 and words[0] == "-":
+            low, high, error = get(words[1])
+            known[target] = (-high, -low, error)
             continue
         need(len(words) == 3 and words[1] in "+-*", f"the rounding of a statement of {name} is not known: {text}")
         (a, b, d), (p, q, g), sign = get(words[0]), get(words[2]), words[1]
@@ -878,8 +952,10 @@ def _errors(source: Source, name: str, inputs: list[Inexact], eps: Fraction, tin
             corners = [v * w for v in (a, b) for w in (p, q)]
             low, high = max(min(corners), Fraction(0)) if words[0] == words[2] else min(corners), max(corners)
             error = max(abs(a), abs(b)) * g + max(abs(p), abs(q)) * d + d * g
-        known[left.split()[-1]] = (low, high, error + (max(abs(low), abs(high)) + error) * eps + tiny)
-    return results
+        size = max(abs(low), abs(high)) + error
+        need(size < 1 / SMALL, f"a value of {name} may overflow")
+        known[target] = (low, high, error + size * eps + tiny)
+    return [results[label] for _, label, how in f.params if how == "out"] or [results["return"]]
 
 
 # ------------------------------------------------------------------------------------------------ P1 to P6
@@ -892,7 +968,7 @@ def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tupl
     need(all(isinstance(hint, list) and len(hint) == (2 if whole else 3) for hint in hints), "a hint is not [from, to, normal]")
     stretches = [(*hint, None)[:3] for hint in hints]
     for begin, stop, normal in [*stretches, (end, end, None)]:
-        need(all(isinstance(v, int) for v in (begin, stop)) and at <= begin <= stop <= end, "the hints are in no order")
+        need(all(type(v) is int for v in (begin, stop)) and at <= begin <= stop <= end, "the hints are in no order")
         need(begin == at or (whole and at % cuts == begin % cuts == 0), "the hints leave a gap in time")
         for k in range(at // cuts, begin // cuts):
             yield tube.pieces[k], None
@@ -942,7 +1018,7 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
         told = {"property": code, **more, "on": on, **({} if slack is None else {"margin": slack})}
         need(slack is None or slack >= needed, f"{code} does not hold: {float((needed - (slack or 0)) * unit):.3g} is missing")
         need(
-            found == told,
+            json.dumps(found, sort_keys=True) == json.dumps(told, sort_keys=True),
             f"the certificate does not claim what holds of {code}: {told}",
         )
 
@@ -1026,8 +1102,10 @@ def sampled(
     `Failed` where a condition does not hold. docs/certificate-format.md has the statement, the lemma book its proof."""
     assert task.period is not None
     p, n = {k: v or Fraction(0) for k, v in task.plant.items()}, range(task.n)
-    g_min = task.plant["g_min"] if task.plant["g_min"] is not None else min(Fraction(1), task.plant["g_max"] or Fraction(1))
-    g_max = task.plant["g_max"] if task.plant["g_max"] is not None else max(Fraction(1), g_min)
+    low, high = task.plant["g_min"], task.plant["g_max"]
+    g_min = low if low is not None else min(Fraction(1), Fraction(1) if high is None else high)
+    g_max = high if high is not None else max(Fraction(1), g_min)
+    need(g_min <= g_max, "P9 does not hold: g_min is above g_max")
     r, tau, segment = (
         Fraction(LAW["inline" if task.inline else "libm"][bits]),
         task.period + task.latency,
@@ -1090,6 +1168,7 @@ def fractions(values: Any, n: int) -> list[Fraction]:
         isinstance(values, list) and len(values) == n and all(isinstance(v, str) for v in values),
         "a claim has no list of fractions",
     )
+    need(all(re.fullmatch(r"-?\d+(/[1-9]\d*)?", v, re.ASCII) for v in values), "a claim has a fraction that is none")
     return [Fraction(v) for v in values]
 
 
@@ -1105,7 +1184,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(scalar in ("float", "double"), "the certificate's scalar is not known")
     source = Source(text, task, scalar == "float")
     names = [f"{p}.h", f"{p}.c", f"{p}.py", *([f"{p}_selftest.c"] if task.selftest else [])]
-    need(list(certificate["sha256"]) == ["task_data", *names], "the certificate has other hashes than it should")
+    need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     head = (folder / names[0]).read_bytes()
     for name in names:
@@ -1114,16 +1193,20 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
         need(same, f"{'the C file' if name == f'{p}.c' else name} is not that of the certificate (SHA-256)")
 
     grid = certificate["grid"]
-    need(isinstance(grid, dict) and list(grid) == ["segments", "cuts", "unit_bits"], "the certificate's grid is not known")
+    need(isinstance(grid, dict) and set(grid) == {"segments", "cuts", "unit_bits"}, "the certificate's grid is not known")
     need(
         all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200,
         "the certificate's grid is not of whole numbers",
     )
     tube, cuts = Tube(source, task, grid["unit_bits"]), grid["cuts"]
     need(grid["segments"] == tube.segments, "the certificate has another number of segments than the C")
+    need(task.segments in (None, tube.segments), "the task asks for another number of segments than the C has")
     need(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
     error = arithmetic(source, tube)
-    for own, claimed in zip(error, certificate["edge_error"], strict=True):
+    need(
+        len(certificate["edge_error"]) == task.n, f"edge_error has {len(certificate['edge_error'])} numbers, {task.n} are needed"
+    )
+    for own, claimed in zip(error, certificate["edge_error"]):
         fits = type(claimed) is int and above(own, tube.unit) <= claimed <= above(own * Fraction(32769, 32768), tube.unit)
         need(fits, f"P7: the arithmetic moves an edge by {float(own / tube.unit):.4g} units, not {claimed}")
     need(certificate["speed"] == [3 * tube.steps(i) for i in range(task.n)], "the certificate's speed is not the tube's")
@@ -1133,9 +1216,11 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
 
     control = certificate["control"]
-    need(isinstance(control, dict) and list(control) == ["gain", "e_max", "u_max"], "the certificate's control is not known")
+    need(isinstance(control, dict) and set(control) == {"gain", "e_max", "u_max"}, "the certificate's control is not known")
     gain = fractions(control["gain"], task.n)
-    need(task.gain in (None, gain) and all(gain), "the certificate's gain is not the task's")
+    need(task.gain in (None, gain), "the certificate's gain is not the task's")
+    positive = min(gain) > 0 or (task.gain is not None and max(gain) < 0)  # one that was chosen is positive
+    need(positive, "the certificate's gains are not of one sign, or not positive")
     need(fractions(control["e_max"], task.n) == task.e_max, "the certificate's e_max is not the task's")
     limits = None if control["u_max"] is None else fractions(control["u_max"], task.n)
     wanted = None if task.u_max is None else [rounded(v, source.bits, math.floor) for v in task.u_max]
@@ -1153,7 +1238,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
 
 def _sampled(task: Task, tube: Tube, claim: dict[str, Any], gain: list[Fraction], bits: int, error: list[Fraction]) -> None:
     """The claim about samples: its numbers are the task's, and what is proved with its rho."""
-    need(list(claim) == ["period", "latency", "share", "plant", "rho", "u", "shift"], "the certificate's `sampled` is not known")
+    need(set(claim) == {"period", "latency", "share", "plant", "rho", "u", "shift"}, "the certificate's `sampled` is not known")
     told = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
     told["plant"] = {k: None if v is None else str(v) for k, v in task.plant.items()}  # type: ignore[assignment]
     for key, value in told.items():
@@ -1180,7 +1265,7 @@ def _header(text: bytes, source: Source, task: Task, hash_: str) -> None:
     numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period}
     found = tokens(text)
     for k, token in enumerate(found):
-        name, value = ([*token.split(" "), ""] if token.startswith("#define") else ["", "", ""])[1:3]
+        name, value = (token.split(" ") if token.startswith("#define ") and token.count(" ") == 2 else ["", "", ""])[1:3]
         wanted = numbers.get(name.removeprefix(f"{task.name.upper()}_"))
         if wanted is not None:
             toward = math.floor if name.endswith("PROVED") else round
@@ -1220,7 +1305,7 @@ def main(arguments: list[str]) -> int:
         told = f"{error.filename} cannot be read ({error.strerror})" if isinstance(error, OSError) else error
         print(f"checker: cannot check: {told}", file=sys.stderr)
         return 2
-    except (ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
+    except (RecursionError, ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
         print(f"checker: cannot check: give task, C file, certificate ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
     proved = "P1 to P7" + (" and P9" if task.period is not None else "")

@@ -1,8 +1,8 @@
 """Where the numbers of a refined tube may lie: multiples of a step, fine enough for the task and exact in the scalar.
 
-The step is 2**-23 of the state space's largest coordinate, 24 bits, for floats and doubles alike, so that both share one tube.
-Far from the origin that is too coarse for what is left of the space. There a double has bits to spare: the step is then 2**-23 of
-the space's size, and design looks at the task from a place near it.
+The step is 2**-23 of the power of two above the state space's largest coordinate, 24 bits, for floats and doubles alike, so that
+both share one tube. Far from the origin that is too coarse for what is left of the space. There a double has bits to spare: the
+step is then 2**-23 of the space's size, and design looks at the task from a place near it.
 """
 
 from __future__ import annotations
@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 
+from stt_codegen.designs.refined import MOST_BITS
 from stt_codegen.program.number import exponent_of
 from stt_codegen.task import Task
 
 STEP_BITS = 23  # the step over the power of two that the lattice is scaled by
 FAR = 6  # coordinates over 2**FAR times the space's size count as far
-MOST = 26  # so many bits more than 24 a double spares: the hull's sums, 6 times as large, stay whole in it
+MOST = MOST_BITS - STEP_BITS - 1  # so many bits more than a float's 24 a double spares
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Lattice:
         It covers the rounding of the coefficients (3 steps) and the error of the emitted arithmetic, whose bound is derived for
         the finished tube and compared with the margins (property P7).
         """
-        return Fraction(2) ** (self.exponent - 18)
+        return 32 * Fraction(2) ** -self.bits
 
     @property
     def offsets(self) -> tuple[int, ...]:

@@ -1,15 +1,16 @@
-"""Files written as one set: what names the set is taken away first and written last."""
+"""Files written as one set. A certificate is removed first and written last, so a folder that has one has its whole set."""
 
 from __future__ import annotations
 
 import os
 import re
+import tempfile
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
 
-SEAL = ".certificate.json"  # it has the hashes of the others: a folder that has one has all of its set
-UNFINISHED = re.compile(r"\.(.+)\.(\d+)\.unfinished")  # of a file, by the process that writes it
+SEAL = ".certificate.json"  # its end; it has the hashes of the others
+UNFINISHED = re.compile(r"\..+\.(\d+)\.unfinished")  # of a file, by the process that writes it
 
 
 def write_files(folder: Path, files: dict[str, bytes]) -> None:
@@ -31,13 +32,14 @@ def write_files(folder: Path, files: dict[str, bytes]) -> None:
                 path = folder / name
                 path.parent.mkdir(parents=True, exist_ok=True)
                 _sweep(path.parent)
-                finished[name] = path.parent / f".{path.name}.{os.getpid()}.unfinished"
-                with finished[name].open("wb") as file:
+                handle, temporary = tempfile.mkstemp(f".{os.getpid()}.unfinished", f".{path.name}.", path.parent)
+                finished[name] = Path(temporary)
+                with os.fdopen(handle, "wb") as file:
                     file.write(files[name])
                     file.flush()
                     os.fsync(file.fileno())
                 finished[name].chmod(0o644)
-            if len(names) > 1:
+            if len(names) > 1:  # a certificate alone replaces itself in one rename
                 for name in seals:
                     (folder / name).unlink(missing_ok=True)
                     gone.append(name)
@@ -49,9 +51,9 @@ def write_files(folder: Path, files: dict[str, bytes]) -> None:
                 (folder / name).write_bytes(old[name]) if name in old else (folder / name).unlink(missing_ok=True)
             raise
         finally:
-            for name, temporary in finished.items():
+            for name, path in finished.items():
                 if name not in replaced:
-                    temporary.unlink(missing_ok=True)
+                    path.unlink(missing_ok=True)
     except OSError as error:
         raise BadInput(f"{folder}: cannot be written ({error.strerror}); choose another folder") from None
 
@@ -60,7 +62,7 @@ def _sweep(folder: Path) -> None:
     """Remove what runs left that are no more."""
     for path in folder.glob(".*.unfinished"):
         match = UNFINISHED.fullmatch(path.name)
-        if match and not _runs(int(match[2])):
+        if match and not _runs(int(match[1])):
             path.unlink(missing_ok=True)
 
 
