@@ -70,12 +70,14 @@ def transform(
     0 where upper <= lower, NaN where a number is not finite.
     """
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
-    bound = np.array([exact(v) for v in e_max])
+    bound, least = np.array([exact(v) for v in e_max]), np.array([exact(1 - v) for v in e_max])
     with np.errstate(all="ignore"):
         gamma_s, gamma_d = high + low, high - low
         e = np.clip((2 * state - gamma_s) / gamma_d, -bound, bound)
-        epsilon = np.log((1 + e) / (1 - e))
-        xi = 4 / (gamma_d * (1 - e**2))
+        # 1 + e and 1 - e from the distances to the edges: near an edge 1 - e loses what e was rounded by
+        plus, minus = (np.clip(2 * d / gamma_d, least, 2 - least) for d in (state - low, high - state))
+        epsilon = np.log(plus / minus)
+        xi = 4 / (gamma_d * plus * minus)
     empty = gamma_d <= 0
     bad = ~(np.isfinite(low) & np.isfinite(high) & np.isfinite(state))
     e, epsilon, xi = (np.where(bad, np.nan, np.where(empty, 0, v)) for v in (e, epsilon, xi))

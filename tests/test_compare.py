@@ -176,3 +176,11 @@ def test_constants_of_their_own_in_every_component(name: str, design: str, emit:
     assert ("u_max" in {t.name for t in made.program.tables}) == (u_max is not None)
     other = build_task(task.changed(control={"gain": ["0.5", "0.5"], "e_max": "0.99"}))
     assert not {"gain", "e_max", "least_share"} & {t.name for t in other.program.tables}  # where all agree they are constants
+
+
+@pytest.mark.parametrize("e_max", ["0.99999", "0.9999999", "0.001"])
+def test_a_clamp_near_one_is_no_false_alarm(e_max: str, tool) -> None:
+    """1 - e loses in the reference what e was rounded by, unless it is taken from the distance to the edge."""
+    tool("cc")
+    task = controller_of("omni_s2", "double").task.changed(control={"e_max": e_max})
+    assert not [r for r in compare_backend(build_task(task), CompiledC, 3000) if not r.holds]

@@ -280,7 +280,7 @@ class Source:
         need(not helpers, "the C lacks what splits a number")
 
     def lines(self, task: Task) -> list[str]:
-        sure = "(FLT_EVAL_METHOD != 0)" + ("" if self.single else " && (FLT_EVAL_METHOD != 1)")
+        sure = "defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)" + ("" if self.single else " && (FLT_EVAL_METHOD != 1)")
         x87 = f"{self.scalar} arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
         return [
             f'#include "{self.p}.h"', *(f"#include <{h}.h>" for h in ("float", "math", "stdbool", "stdint")),

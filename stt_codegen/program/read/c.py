@@ -140,7 +140,7 @@ def printed(program: Program) -> Program:
 _DIRECTIVE = re.compile(
     r'#include ("P\.h"|<(float|math|stdbool|stdint|string)\.h>)$|#error "P\.c: |#endif$'
     r"|#if defined\(__FAST_MATH__\) \|\| \(defined\(__FINITE_MATH_ONLY__\) && \(__FINITE_MATH_ONLY__ > 0\)\)$"
-    r"|#if \(FLT_EVAL_METHOD != 0\)( && \(FLT_EVAL_METHOD != 1\))?$"
+    r"|#if defined\(FLT_EVAL_METHOD\) && \(FLT_EVAL_METHOD != 0\)( && \(FLT_EVAL_METHOD != 1\))?$"
 )
 
 

@@ -15,7 +15,7 @@
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "empty.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
 #endif
-#if (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0) && (FLT_EVAL_METHOD != 1)
 #error "empty.c: compile for double arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
 

@@ -18,7 +18,7 @@
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
 #error "omni_s1.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
 #endif
-#if (FLT_EVAL_METHOD != 0)
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
 #error "omni_s1.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
 #endif
 
