@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import subprocess
+from pathlib import Path
 
 import pytest
 from conftest import ROOT
@@ -13,22 +14,26 @@ CHECKS = "-*,bugprone-*,cert-*,clang-analyzer-*,misc-*,performance-*,portability
 DEVIATIONS = set(re.findall(r"^\| (\d+\.\d+) \|", (ROOT / "docs" / "c.md").read_text(), re.M))
 
 
-def misra(paths: list[str], cppcheck: str) -> set[str]:
-    """The rules that cppcheck's addon finds broken in these files, taken as one program."""
+def misra(folder: Path, cppcheck: str, work: Path) -> set[str]:
+    """The rules that cppcheck's addon finds broken in a folder's C files, taken as one program. It writes beside what it reads, and
+    other tests compare what is recorded byte by byte: so it gets copies."""
+    for path in folder.glob("*.[ch]"):
+        (work / path.name).write_bytes(path.read_bytes())
+    paths = sorted(map(str, work.glob("*.c")))
     command = [cppcheck, "--std=c99", "--addon=misra", "-q", *paths]
     result = subprocess.run(command, capture_output=True, text=True, check=True)
     return set(re.findall(r"\[misra-c2012-(\d+\.\d+)\]", result.stderr))
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_every_misra_deviation_is_listed(folder: str, tool) -> None:
-    found = misra(sorted(map(str, (ROOT / "generated" / folder).glob("*.c"))), tool("cppcheck"))
+def test_every_misra_deviation_is_listed(folder: str, tool, tmp_path) -> None:
+    found = misra(ROOT / "generated" / folder, tool("cppcheck"), tmp_path)
     assert "15.5" in found  # the addon ran
     assert found <= DEVIATIONS
 
 
-def test_every_listed_deviation_is_there(tool) -> None:
-    found = misra(sorted(map(str, (ROOT / "generated" / "omni_board" / "refined" / "float").glob("*.c"))), tool("cppcheck"))
+def test_every_listed_deviation_is_there(tool, tmp_path) -> None:
+    found = misra(ROOT / "generated" / "omni_board" / "refined" / "float", tool("cppcheck"), tmp_path)
     assert found == DEVIATIONS
 
 
@@ -37,7 +42,8 @@ def test_a_new_deviation_is_found(tool, tmp_path) -> None:
     source = ROOT / "generated" / "omni_s2" / "refined" / "float" / "omni_s2.c"
     (tmp_path / "omni_s2.h").write_text(source.with_suffix(".h").read_text())
     (tmp_path / "omni_s2.c").write_text(source.read_text().replace("i * 2;", "i * 02;"))
-    assert "7.1" in misra([str(tmp_path / "omni_s2.c")], tool("cppcheck")) - DEVIATIONS
+    (tmp_path / "work").mkdir()
+    assert "7.1" in misra(tmp_path, tool("cppcheck"), tmp_path / "work") - DEVIATIONS
 
 
 def test_clang_tidy_has_nothing_to_say(tool) -> None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -22,8 +23,12 @@ from stt_codegen.program.rounding import Inexact, rounding_error
 
 def time_error(design: RefinedDesign, scalar: str) -> Fraction:
     """Bound on the error of the emitted spline time u, in segments; t itself may be rounded once."""
-    eps = FORMATS[scalar].roundoff
-    return design.segments * (4 * eps + 4 * eps * eps) + FORMATS[scalar].tiny
+    return Fraction(late(design.segments, FORMATS[scalar].roundoff)) + FORMATS[scalar].tiny
+
+
+def late(segments: Any, eps: Any) -> Any:
+    """The same without the least subnormal, for numbers or symbols: the lemma `refined.late` is about this very function."""
+    return segments * (4 * eps + 4 * eps * eps)
 
 
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 import sympy as sp
 
 from stt_codegen.certify import slack
+from stt_codegen.controller import arithmetic
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign
 from stt_codegen.paper import refined_tube
@@ -140,6 +141,32 @@ def _integers() -> Outcome:
     )
 
 
+def _late() -> Outcome:
+    """u = t r (1 + a)(1 + b): a of the constant K/t_c, b of the product, c of a t that was rounded itself; |a|, |b|, |c| <= eps
+    below 1, and t K/t_c <= K. At the end u is held at the last number below K, at most 2 eps K below it."""
+    a, b, c = sp.symbols("a b c", real=True)
+    k, z = sp.symbols("K z", positive=True)
+    eps = z / (1 + z)  # any number from 0 to 1
+    given = arithmetic.late(k, eps)
+    return all_of(
+        identity(
+            {
+                "(1 + a)(1 + b) - 1 - (a + b + a b)": (1 + a) * (1 + b) - 1 - (a + b + a * b),
+                "(1 + a)(1 + b)(1 + c) - 1 less its seven terms": (1 + a) * (1 + b) * (1 + c)
+                - 1
+                - (a + b + c + a * b + a * c + b * c + a * b * c),
+                "given - 2 K (2 eps + eps^2) - 2 K eps^2": given - 2 * k * (2 * eps + eps**2) - 2 * k * eps**2,
+            }
+        ),
+        sign(
+            {
+                "given - K (3 eps + 3 eps^2 + eps^3)": sp.factor(sp.together(given - k * (3 * eps + 3 * eps**2 + eps**3))),
+                "given - 2 eps K": sp.factor(sp.together(given - 2 * eps * k)),
+            }
+        ),
+    )
+
+
 LEMMAS = (
     Lemma(
         "refined.weights_shipped",
@@ -212,6 +239,15 @@ LEMMAS = (
         ("0 <= s <= 1",),
         "certificate, de Casteljau",
         _halves,
+    ),
+    Lemma(
+        "refined.late",
+        "The emitted spline time is nearer to K t/t_c than the bound that P7 takes: by half where t is exact, and still where t "
+        "was rounded once.",
+        r"|u - Kt/t_c| \le K(3\epsilon + 3\epsilon^2 + \epsilon^3) < K(4\epsilon + 4\epsilon^2)",
+        ("one rounding of at most eps, relative, for the constant, the product, and t", "K is exact in the scalar"),
+        "the evaluated code",
+        _late,
     ),
     Lemma(
         "refined.integers",
