@@ -161,6 +161,8 @@ def test_another_meaning_is_found_although_the_hashes_fit(old: str, new: str, tm
     ("task", "old", "new"),
     [  # what a compiler reads otherwise than a careless reader, and what rounds, overflows or is read from elsewhere
         ("trolley", "v4 = v3 / b;", "v4 = v3 //* */ b\n    ;"),
+        ("trolley", "logf(v0)", "trolley_logf(v0)"),
+        ("trolley", "trolley_segment(t, &row, &s);", "segment(t, &row, &s);"),
         ("trolley", "at + 12;", "at + 012;"),
         ("trolley", "coefficients[140]", "coefficients[0214]"),
         (

@@ -633,8 +633,12 @@ class Machine:
     def call(self, name: str, arguments: list[str], scope: dict[str, Any]) -> Value:
         """A kernel, inlined; those of the segment are compared by themselves and give row and s."""
         values = [self.operand(a, scope) for a in arguments if a[0] != "&"]
-        targets, name, f = [a[2:] for a in arguments if a[0] == "&"], name.removeprefix(f"{self.source.p}_"), None
-        if name == ("logf" if self.source.single else "log") or (self.task.inline and name in ("exponent", "mantissa")):
+        targets = [a[2:] for a in arguments if a[0] == "&"]
+        library = name == ("logf" if self.source.single else "log")
+        if not library:  # then it is the file's own
+            self.sure(name.startswith(f"{self.source.p}_") and name not in scope, "a call of what is not known", name)
+            name = name.removeprefix(f"{self.source.p}_")
+        if library or (self.task.inline and name in ("exponent", "mantissa")):
             self.sure([t for t, _ in values] == ["real"] and not targets, "a call with other arguments", name)
             return ("int" if name == "exponent" else "real"), self.symbol(name.rstrip("f"), values[0][1])
         self.sure(self.kernel == "", "a call out of a kernel", name)
