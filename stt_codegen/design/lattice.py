@@ -16,7 +16,7 @@ from stt_codegen.program.number import exponent_of
 from stt_codegen.task import Task
 
 STEP_BITS = 23  # the step over the power of two that the lattice is scaled by
-FAR = 6  # coordinates over 2**FAR times the space's size count as far
+FAR = 6  # far: the power of two above the coordinates is over 2**FAR times that above the space's size
 MOST = MOST_BITS - STEP_BITS - 1  # so many bits more than a float's 24 a double spares
 
 
