@@ -22,7 +22,7 @@ from stt_codegen.certify.enclosure import certify_enclosed, edge_rounding, enclo
 from stt_codegen.certify.falsification import falsify
 from stt_codegen.certify.lines import HIGH, LOW, Lines
 from stt_codegen.certify.slopes import speed_bound, steepest_slope
-from stt_codegen.certify.update import _root
+from stt_codegen.certify.update import Curve
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.controller.probes import lines_program
 from stt_codegen.designs import AdaptiveDesign
@@ -193,11 +193,10 @@ def test_the_enclosures_are_narrow() -> None:
 
 @given(p=st.floats(-1e3, 1e3), q=st.floats(1e-30, 1e3), side=st.sampled_from([-1, 1]))
 def test_the_root_of_the_implicit_step_is_bounded_on_the_right_side(p: float, q: float, side: int) -> None:
-    z = Fraction(_root(p, q, side))
+    z, other = (Fraction(Curve(v, 0.0, 1.0, 1.0, 1.0).root(p, q)) for v in (side, -side))
     value = (z - Fraction(p)) * z * z - Fraction(q)
     assert value * side >= 0
-    near = Fraction(_root(p, q, -side))
-    assert abs(z - near) <= z * Fraction(1, 10**6) or q < 1e-25
+    assert abs(z - other) <= z * Fraction(1, 10**6) or q < 1e-25
 
 
 @pytest.mark.parametrize("name", ["omni_s1", "omni_s2", "spacecraft"])

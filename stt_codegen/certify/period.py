@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
 from stt_codegen.decimals import above, below, by_component, decimal
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.sampling import (
     Gains,
@@ -27,6 +27,7 @@ from stt_codegen.sampling import (
     Setting,
     bounds_of_task,
     eps_of_share,
+    extremes,
     law_of,
     least,
     longest,
@@ -36,7 +37,7 @@ from stt_codegen.sampling import (
 )
 from stt_codegen.sampling.gains import MUCH, natural_gain, rounded_gain
 from stt_codegen.sampling.plant import g_range
-from stt_codegen.sampling.setting import ROUNDING
+from stt_codegen.sampling.setting import ROUNDING, back
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
@@ -98,23 +99,12 @@ class SharpStatement:
 
     def windows(self) -> Iterator[tuple[_Component, ...]]:
         """Every segment and the time after t_c, each with what the one before adds."""
-        design = self.design
-        bezier = design.bezier()
-        bezier = np.concatenate([bezier, np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)])
-        width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
-        steps = np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3))
-        per_second = 3 * design.segments / Fraction(design.prescribed_time) * design.unit
-        for k in range(len(bezier)):
-            before = max(k - 1, 0)
-            yield tuple(
-                _Component(
-                    int(width[k, i].min()) * design.unit,
-                    min(int(width[j, i].min()) for j in (k, before)) * design.unit,
-                    int(width[k, i].max()) * design.unit,
-                    max(int(steps[j, i]) for j in (k, before)) * per_second,
-                )
-                for i in range(design.dimension)
-            )
+        found, unit = extremes(self.design), self.design.unit
+        per_second = 3 * self.design.segments / Fraction(self.design.prescribed_time) * unit
+        columns = (found.narrow, back(found.narrow, np.minimum), found.wide, back(found.step, np.maximum))
+        for narrow, seen, wide, step in zip(*(v.tolist() for v in columns), strict=True):
+            lengths = zip(narrow, seen, wide, step, strict=True)
+            yield tuple(_Component(a * unit, b * unit, c * unit, d * per_second) for a, b, c, d in lengths)
 
     def inputs(self, window: tuple[_Component, ...], rho: tuple[Fraction, ...]) -> list[Fraction]:
         """U: |u_i| in this window while a/b and b/a stay below rho_i, of what the law may see."""

@@ -31,6 +31,7 @@ import numpy as np
 import numpy.typing as npt
 
 STEP_ROUNDINGS = 64
+LEAST_FORCE = 1e-60  # of the cubic: below it 0 is as good
 SLACK = 2.0**-40  # relative, for a chain of less than 100 roundings in double
 Array = npt.NDArray[Any]
 
@@ -67,89 +68,101 @@ def upper_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[fl
     times: cell boundaries (N + 1). psi, theta: least psi and largest theta of each cell and the reach beyond it (N), and
     last those that hold from times[N] on.
     """
-    share = STEP_ROUNDINGS * steps.roundoff  # u (1 - share) is below the exact step wherever u is above the rounded one
-    decay = (kappa * (1 - share) - share / steps.least) * (1 - SLACK)
-    rush = 1 + 2 * steps.late / steps.least + SLACK
-    if decay <= 0:
-        return [float("inf")] * (len(psi))
-    u, result = 0.0, []
-    floors: deque[tuple[float, float]] = deque()  # until when the curve must stay above what; values fall
-    for k in range(len(psi) - 1):
-        h = times[k + 1] - times[k]
-        p, force = psi[k], theta[k]
-        z = p + u * (1 - share)
-        slope = (force / (z * z) * (1 + SLACK) - decay * u) if z > 0 else float("inf")
-        if slope >= 0:
-            rest = max(u, _balance(p, force, decay, 1) * (1 + 2 * share))
-            explicit = u + h * slope * rush * (1 + SLACK)
-            after, least = (rest, rest) if rest <= explicit else (explicit, u)
-            top = after
-        else:
-            span = (h + steps.reach) * (2 - rush)
-            damping = 1 + span * decay
-            start = u / damping
-            least = min(u, (_root(p + start, span * force / damping, 1) - p) * (1 + 2 * share) * (1 + SLACK) + SLACK * abs(p))
-            after = u - (u - least) * (h / (h + steps.reach)) * (1 - SLACK)
-            top = u
-        while floors and floors[-1][1] <= least:
-            floors.pop()
-        floors.append((times[k + 1] + steps.reach, least))
-        while floors[0][0] < times[k]:
-            floors.popleft()
-        u = max(after, floors[0][1])
-        result.append(max(top, u))
-    rest = _balance(psi[-1], theta[-1], decay, 1) * (1 + 2 * share)
-    return [*result, max(u, rest)]
+    return _curve(times, psi, theta, Curve.of(1, kappa, steps))
 
 
 def lower_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], kappa: float, steps: Steps) -> list[float]:
     """The least value in each cell of a curve below alpha; arguments as `upper_curve`, with largest psi and least theta."""
-    share = STEP_ROUNDINGS * steps.roundoff
-    share /= 1 - share  # low (1 + share) is above the exact step wherever low is below the rounded one
-    decay = (kappa * (1 + share) + share / steps.least) * (1 + SLACK)
-    rush = 1 + 2 * steps.late / steps.least + SLACK
-    low, result = 0.0, []
-    ceilings: deque[tuple[float, float]] = deque()  # values rise
+    return [max(v, 0.0) for v in _curve(times, psi, theta, Curve.of(-1, kappa, steps))]
+
+
+def _curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], curve: Curve) -> list[float]:
+    if curve.decay <= 0:
+        return [float("inf")] * (len(psi))
+    u, result = 0.0, []
+    promises: deque[tuple[float, float]] = deque()  # until when the curve must stay on this side of what; the strictest last
     for k in range(len(psi) - 1):
-        h = times[k + 1] - times[k]
-        p, force = psi[k], theta[k]
-        z = p + low * (1 + share)
-        slope = (force / (z * z) * (1 - SLACK) - decay * low) if z > 0 else float("inf")
-        if slope <= 0:
-            rest = min(low, _balance(p, force, decay, -1) * (1 - 2 * share))
-            explicit = low + h * slope * rush * (1 + SLACK)
-            after, most = (rest, rest) if rest >= explicit else (explicit, low)
-            bottom = after
-        else:
-            span = (h + steps.reach) * (2 - rush)
-            damping = (1 + span * decay) * (1 + SLACK)
-            start = low / damping
-            most = max(low, (_root(p + start, span * force / damping, -1) - p) * (1 - 2 * share) * (1 - SLACK) - SLACK * abs(p))
-            after = low + (most - low) * (h / (h + steps.reach)) * (1 - SLACK)
-            bottom = low
-        while ceilings and ceilings[-1][1] >= most:
-            ceilings.pop()
-        ceilings.append((times[k + 1] + steps.reach, most))
-        while ceilings[0][0] < times[k]:
-            ceilings.popleft()
-        low = max(min(after, ceilings[0][1]), 0.0)
-        result.append(max(min(bottom, low), 0.0))
-    rest = _balance(psi[-1], theta[-1], decay, -1) * (1 - 2 * share)
-    return [*result, max(min(low, rest), 0.0)]
+        after, kept, extreme = curve.cell(u, times[k + 1] - times[k], psi[k], theta[k])
+        while promises and curve.outer(kept, promises[-1][1]) == kept:
+            promises.pop()
+        promises.append((times[k + 1] + curve.reach, kept))
+        while promises[0][0] < times[k]:
+            promises.popleft()
+        u = max(curve.outer(after, promises[0][1]), 0.0)
+        result.append(curve.outer(extreme, u))
+    return [*result, curve.outer(u, curve.balance(psi[-1], theta[-1]))]
 
 
-def _balance(psi: float, force: float, decay: float, side: int) -> float:
-    """The alpha where force/(psi + alpha)^2 = decay alpha; rounded up for side 1, down for -1."""
-    q = force / decay
-    return max((_root(psi, q * (1 + side * SLACK), side) - psi) * (1 + side * SLACK) + side * SLACK * abs(psi), 0.0)
+@dataclass(frozen=True)
+class Curve:
+    """What both curves are made of; side: 1 above alpha, -1 below. share: what rounding may take of alpha in a step, so that
+    u (1 - side share) is on the far side of the exact step. decay: kappa with what rounding adds. rush: how much faster than its
+    own length a step may pass. The lemmas `update.rises`, `.falls` and `.promise` run `cell`, `.root` runs `beyond`."""
+
+    side: int
+    share: Any
+    decay: Any
+    rush: Any
+    reach: Any
+
+    @classmethod
+    def of(cls, side: int, kappa: float, steps: Steps) -> Curve:
+        share = STEP_ROUNDINGS * steps.roundoff
+        share = share if side > 0 else share / (1 - share)
+        decay = (kappa * (1 - side * share) - side * share / steps.least) * (1 - side * SLACK)
+        return cls(side, share, decay, 1 + 2 * steps.late / steps.least + SLACK, steps.reach)
+
+    def outer(self, a: Any, b: Any) -> Any:
+        """The one that is farther from alpha."""
+        return a if self.side * a >= self.side * b else b
+
+    def cell(self, u: Any, h: Any, psi: Any, theta: Any) -> tuple[Any, Any, Any]:
+        """A cell of h seconds that begins at u: where the curve is at its end, what it keeps to until `reach` seconds later, and
+        its extreme. Between them it is a line, or what was promised where that is farther out."""
+        side, share = self.side, self.share
+        z = psi + u * (1 - side * share)
+        slope = (theta / (z * z) * (1 + side * SLACK) - self.decay * u) if z > 0 else float("inf")
+        if side * slope >= 0:  # away from alpha: at this speed, or with a jump to where the speed is 0
+            rest = self.outer(u, self.balance(psi, theta))
+            explicit = u + h * slope * self.rush * (1 + SLACK)
+            return (rest, rest, rest) if side * rest <= side * explicit else (explicit, u, explicit)
+        span = (h + self.reach) * (2 - self.rush)
+        damping = (1 + span * self.decay) * (1 - side * SLACK)
+        root = self.root(psi + u / damping, span * theta / damping)
+        kept = (root - psi) * (1 + side * 2 * share) * (1 + side * SLACK) + side * SLACK * abs(psi)
+        kept = kept if side * kept <= side * u else u
+        return u + (kept - u) * (h / (h + self.reach)) * (1 - SLACK), kept, u
+
+    def balance(self, psi: Any, theta: Any) -> Any:
+        """The alpha where theta/(psi + alpha)^2 = decay alpha, and what rounding may add: on the far side."""
+        side = self.side
+        root = self.root(psi, theta / self.decay * (1 + side * SLACK))
+        held = (root - psi) * (1 + side * SLACK) + side * SLACK * abs(psi)
+        return (held if held > 0 else 0.0) * (1 + side * 2 * self.share)
+
+    def root(self, p: Any, q: Any) -> Any:
+        """The root z > max(p, 0) of (z - p) z^2 = q, on the far side: verified, not trusted."""
+        if q < LEAST_FORCE:
+            if self.side < 0:
+                return max(p, 0.0)
+            q = LEAST_FORCE
+        return self.beyond(_near_root(p, q), p, q)
+
+    def beyond(self, z: Any, p: Any, q: Any) -> Any:
+        """A place near z that is shown to be on the far side of the root."""
+        room = SLACK
+        while room < 1:
+            bound = z * (1 + self.side * room)
+            value = (bound - p) * bound * bound
+            if (value >= q * (1 + SLACK / 8)) if self.side > 0 else (value <= q * (1 - SLACK / 8)):
+                return bound
+            room *= 4
+        least = p if p > 0 else 0.0
+        return least + math.cbrt(q) * (1 + SLACK) if self.side > 0 else least
 
 
-def _root(p: float, q: float, side: int) -> float:
-    """The root z > max(p, 0) of (z - p) z^2 = q; rounded up for side 1, down for -1: verified, not trusted."""
-    if q < 1e-60:
-        if side < 0:
-            return max(p, 0.0)
-        q = 1e-60
+def _near_root(p: float, q: float) -> float:
+    """Newton's way to the root, which `Curve.beyond` verifies."""
     cubic = math.cbrt(q)
     z = p + cubic if p >= 0 else min(cubic, math.sqrt(q / -p))
     for _ in range(40):
@@ -158,12 +171,4 @@ def _root(p: float, q: float, side: int) -> float:
         z -= step
         if abs(step) <= 1e-14 * z:
             break
-    room = SLACK
-    while True:
-        bound = z * (1 + side * room)
-        value = (bound - p) * bound * bound
-        if (value >= q * (1 + SLACK / 8)) if side > 0 else (value <= q * (1 - SLACK / 8)):
-            return bound
-        room *= 4
-        if room >= 1:
-            return max(p, 0.0) + cubic * (1 + SLACK) if side > 0 else max(p, 0.0)
+    return z

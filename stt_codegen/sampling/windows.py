@@ -40,23 +40,46 @@ class Windows:
         return float(np.diff(self.times).min())
 
 
-def refined_windows(design: RefinedDesign) -> Windows:
-    """A window for each segment, from its Bezier coefficients: integers below 2^27 in units of a power of 2, so that sums and
-    differences are exact doubles."""
-    unit = float(design.unit)
+@dataclass(frozen=True)
+class Extremes:
+    """What the Bezier coefficients of a refined tube say of every segment, and last of the time from t_c on: whole numbers, in units
+    of the table, (K + 1, n). step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of the
+    width; 3 K/t_c of these bound a rate (the lemma `sampled.windows`)."""
+
+    narrow: Array
+    wide: Array
+    step: Array
+    width_step: Array
+    low: Array
+    high: Array
+
+
+def extremes(design: RefinedDesign) -> Extremes:
+    """Integers below 2^53, so that their sums and differences are exact."""
     bezier = design.bezier()  # (K, n, 2, 4)
-    last = np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)
-    bezier = np.concatenate([bezier, last])
-    per_second = float(Fraction(3 * design.segments) / design.prescribed_time) * OUT * unit
+    bezier = np.concatenate([bezier, np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)])
     width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
-    times = np.linspace(0.0, float(design.prescribed_time), design.segments + 1)
+    return Extremes(
+        width.min(axis=-1),
+        width.max(axis=-1),
+        np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3)),
+        np.abs(np.diff(width, axis=-1)).max(axis=-1),
+        bezier[:, :, LOWER].min(axis=-1),
+        bezier[:, :, UPPER].max(axis=-1),
+    )
+
+
+def refined_windows(design: RefinedDesign) -> Windows:
+    """A window for each segment, in doubles: products with a power of 2 are exact, those with `per_second` are rounded outward."""
+    found, unit = extremes(design), float(design.unit)
+    per_second = float(Fraction(3 * design.segments) / design.prescribed_time) * OUT * unit
     return Windows(
-        times,
-        width.min(axis=-1) * unit,
-        width.max(axis=-1) * unit,
-        np.abs(np.diff(bezier, axis=-1)).max(axis=(2, 3)) * per_second,
-        np.abs(np.diff(width, axis=-1)).max(axis=-1) * per_second,
-        bezier[:, :, LOWER].min(axis=-1) * unit,
-        bezier[:, :, UPPER].max(axis=-1) * unit,
-        bezier[0, :, :, 0] * unit,
+        np.linspace(0.0, float(design.prescribed_time), design.segments + 1),
+        found.narrow * unit,
+        found.wide * unit,
+        found.step * per_second,
+        found.width_step * per_second,
+        found.low * unit,
+        found.high * unit,
+        design.bezier()[0, :, :, 0] * unit,
     )
