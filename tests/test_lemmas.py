@@ -19,20 +19,35 @@ from conftest import ROOT
 from flint import arb
 from typer.testing import CliRunner
 
-from stt_codegen.certify import slack
+from stt_codegen import rows
+from stt_codegen.certify import period, slack
+from stt_codegen.certify import update as update_module
 from stt_codegen.cli.main import app
 from stt_codegen.controller import logarithm
-from stt_codegen.lemmas import bumps, examples, functions, kernels, plant, reach, sampled, theorem, update
+from stt_codegen.lemmas import (
+    bumps,
+    examples,
+    first_exit,
+    functions,
+    kernels,
+    plant,
+    reach,
+    sampled,
+    sampled_exact,
+    theorem,
+    update,
+)
 from stt_codegen.lemmas import cache as cache_module
 from stt_codegen.lemmas.book import FAMILIES, Entry, page, prove_all
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign, with_steps
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube, smooth
 from stt_codegen.plants import Plant
 from stt_codegen.program import BOOL, INT, REAL, Assign, For, Load, Op, Return, Select, Status, Var, integer, real
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
 from stt_codegen.program.print.python import PythonPrinter
-from stt_codegen.sampling import statements
+from stt_codegen.sampling import Setting, extremes, setting_of, statements, windows
+from stt_codegen.task.sets import BoxSet
 
 REFUTED = {
     "smooth.plain_max",
@@ -167,6 +182,37 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (statements, "_input", lambda s, seen, d, root: 0 * seen / d, "sampled.general_evaluated"),
         (slack, "halves", lambda piece: (piece, piece), "refined.halves"),
         (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
+        (slack.RowBlock, "told", lambda self, pieces: 2 * self._left(pieces), "rows.told"),
+        (slack, "DEPTH", -1, "rows.subdivided"),
+        (rows, "state_rows", lambda task: rows.start_rows(task), "rows.plain"),
+        (rows, "apart_rows", lambda convex, clearance: (), "rows.apart"),
+        (rows.Row, "seen_from", lambda row, origin: row.bound, "rows.moved"),
+        (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
+        (
+            sampled_exact,
+            "extremes",
+            lambda design: extremes(replace(design, unit=1, coefficients=design.coefficients[::-1])),
+            "sampled.windows",
+        ),
+        (windows, "OUT", 1 - 2.0**-40, "sampled.windows"),
+        (period, "back", lambda values, worse: values, "sampled.exact_windows"),
+        (period.SharpStatement, "inputs", lambda self, window, rho: [c.wide for c in window], "sampled.inputs"),
+        (period.SharpStatement, "_kept", lambda self, i, c, rho, u: c.narrow <= 0, "sampled.fractions"),
+        (period, "TERMS", 3, "sampled.logarithm"),
+        (period.SharpStatement, "windows", lambda self: iter(()), "sampled.exact_windows"),
+        (
+            sampled_exact,
+            "setting_of",
+            lambda w, p, law, start: replace(setting_of(w, p, law, start), push=w.speed),
+            "sampled.setting",
+        ),
+        (Setting, "longest_age", property(lambda s: s.windows.shortest), "sampled.age"),
+        (first_exit, "back", lambda values, worse: values, "sampled.before"),
+        (update_module, "STEP_ROUNDINGS", 0, "update.rounded"),
+        (update_module.Curve, "beyond", lambda self, z, p, q: z, "update.root"),
+        (update_module.Curve, "cell", lambda self, u, h, psi, theta: (u, u, u), "update.falls"),
+        (update_module.Curve, "balance", lambda self, psi, theta: self.root(psi, theta), "update.rises"),
+        (update_module.Curve, "outer", lambda self, a, b: a, "update.promise"),
         (logarithm, "C", Fraction(2, 3), "transform.logarithm"),
         (theorem, "E", 2 * theorem.E, "theorem.edot"),  # no kernel of its own: the definition itself made wrong
     ],
@@ -179,6 +225,27 @@ def test_a_wrong_kernel_leaves_its_lemma_open(
     outcome = lemma(falls).run()
     assert outcome.verdict is not Verdict.PROVED  # open, or refuted where a point says so
     assert outcome.evidence
+
+
+def test_a_lemma_is_open_where_a_step_of_its_argument_is() -> None:
+    good = lemma("sampled.sharp")
+    verdicts = dict.fromkeys(good.steps, Verdict.PROVED)
+    assert with_steps(good, good.run(), verdicts).verdict is Verdict.PROVED
+    for name in good.steps:
+        for wrong in ({**verdicts, name: Verdict.OPEN}, {k: v for k, v in verdicts.items() if k != name}):
+            outcome = with_steps(good, good.run(), wrong)
+            assert outcome.verdict is Verdict.OPEN
+            assert name in outcome.evidence[0]
+
+
+def test_the_sampled_statements_go_through_a_first_exit_and_name_lemmas_before_them() -> None:
+    before: set[str] = set()
+    for name in (v.name for _, lemmas in FAMILIES.values() for v in lemmas):
+        assert set(lemma(name).steps) <= before
+        before.add(name)
+    for name in ("sharp", "diagonal", "general"):
+        assert lemma(f"sampled.{name}").steps[0] == "sampled.first_exit"
+        assert f"sampled.{name}" in lemma(f"sampled.{name}_evaluated").steps
 
 
 @pytest.mark.parametrize(

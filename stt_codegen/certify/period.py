@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +71,7 @@ def _artanh(z: Fraction) -> tuple[Fraction, Fraction]:
 
 
 @dataclass(frozen=True)
-class _Component:
+class Component:
     """What the statement knows of component i in one time window: exact numbers."""
 
     narrow: Fraction  # least width of the window
@@ -81,11 +82,13 @@ class _Component:
 
 @dataclass(frozen=True)
 class SharpStatement:
-    """The sharp statement for one task and tube; `shift`: what the law sees of x and the edges is wrong by, by component."""
+    """The sharp statement for one task and tube; `shift`: what the law sees of x and the edges is wrong by, by component. ln:
+    encloses a logarithm; the lemmas `sampled.fractions` and `.inputs` run the same code with symbols and another one."""
 
     task: Task
     design: RefinedDesign
     shift: tuple[Fraction, ...]
+    ln: Callable[[Any], tuple[Any, Any]] = logarithm
 
     @property
     def age(self) -> Fraction:
@@ -97,16 +100,16 @@ class SharpStatement:
     def rounding(self) -> Fraction:
         return Fraction(ROUNDING[self.task.emit.scalar, self.task.emit.math])
 
-    def windows(self) -> Iterator[tuple[_Component, ...]]:
+    def windows(self) -> Iterator[tuple[Component, ...]]:
         """Every segment and the time after t_c, each with what the one before adds."""
         found, unit = extremes(self.design), self.design.unit
         per_second = 3 * self.design.segments / Fraction(self.design.prescribed_time) * unit
         columns = (found.narrow, back(found.narrow, np.minimum), found.wide, back(found.step, np.maximum))
         for narrow, seen, wide, step in zip(*(v.tolist() for v in columns), strict=True):
             lengths = zip(narrow, seen, wide, step, strict=True)
-            yield tuple(_Component(a * unit, b * unit, c * unit, d * per_second) for a, b, c, d in lengths)
+            yield tuple(Component(a * unit, b * unit, c * unit, d * per_second) for a, b, c, d in lengths)
 
-    def inputs(self, window: tuple[_Component, ...], rho: tuple[Fraction, ...]) -> list[Fraction]:
+    def inputs(self, window: tuple[Component, ...], rho: tuple[Fraction, ...]) -> list[Fraction]:
         """U: |u_i| in this window while a/b and b/a stay below rho_i, of what the law may see."""
         task, r, found = self.task, self.rounding, []
         for i, (c, e) in enumerate(zip(window, rho, strict=True)):
@@ -116,7 +119,7 @@ class SharpStatement:
             if near <= (far + near) * share:  # the clamp acts
                 far, near = (1 - share) * width, share * width
             if near > 0:
-                pull = (1 / far + 1 / near) * (logarithm(far / near)[1] + r)
+                pull = (1 / far + 1 / near) * (self.ln(far / near)[1] + r)
                 u = abs(task.gain[i]) * pull * (1 + r)
                 found.append(u if limit is None else min(u, limit))
             elif limit is not None:
@@ -142,7 +145,7 @@ class SharpStatement:
             largest = [max(a, b) for a, b in zip(largest, u, strict=True)]
         return tuple(largest)
 
-    def _kept(self, i: int, c: _Component, rho: Fraction, u: list[Fraction]) -> bool:
+    def _kept(self, i: int, c: Component, rho: Fraction, u: list[Fraction]) -> bool:
         """The conditions on component i in one window."""
         task, plant, r, tau = self.task, self.task.plant, self.rounding, self.age
         g_min, g_max = g_range(task)
@@ -157,7 +160,7 @@ class SharpStatement:
             a, b = d * rho / (1 + rho) - drift, d / (1 + rho) + drift
             if a <= b:
                 return False  # sampled.ends
-            held = (1 / a + 1 / b) * (logarithm(a / b)[0] - r)
+            held = (1 / a + 1 / b) * (self.ln(a / b)[0] - r)
             if abs(task.gain[i]) * (1 - r) * g_min * held <= push:
                 return False  # sampled.sharp
         return True

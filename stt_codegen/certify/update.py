@@ -158,7 +158,7 @@ class Curve:
                 return bound
             room *= 4
         least = p if p > 0 else 0.0
-        return least + math.cbrt(q) * (1 + SLACK) if self.side > 0 else least
+        return (least + math.cbrt(q)) * (1 + SLACK) if self.side > 0 else least
 
 
 def _near_root(p: float, q: float) -> float:

@@ -12,32 +12,41 @@ from dataclasses import dataclass
 from stt_codegen.lemmas import (
     bumps,
     conflict,
+    first_exit,
     functions,
     kernels,
     plant,
     reach,
     refined,
+    rows,
     sampled,
     sampled_evaluated,
+    sampled_exact,
+    sampled_windows,
     smooth,
     theorem,
     transform,
     update,
+    update_cells,
 )
 from stt_codegen.lemmas.cache import Cache
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, with_steps
 
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
     "windows": ("Conflict windows, dimension and side", conflict.LEMMAS),
     "bumps": ("Circumvent functions", bumps.LEMMAS),
     "smooth": ("Smooth maximum and minimum", smooth.LEMMAS),
-    "update": ("Update function", update.LEMMAS),
+    "update": ("Update function", (*update.LEMMAS, *update_cells.LEMMAS)),
     "transform": ("Error transform and law", transform.LEMMAS),
     "theorem": ("Theorem 4.1", theorem.LEMMAS),
     "plant": ("Assumption 2 for a plant", plant.LEMMAS),
-    "sampled": ("Sampled control", (*sampled.LEMMAS, *sampled_evaluated.LEMMAS)),
     "refined": ("Refined tube", refined.LEMMAS),
+    "sampled": (
+        "Sampled control",
+        (*first_exit.LEMMAS, *sampled.LEMMAS, *sampled_evaluated.LEMMAS, *sampled_windows.LEMMAS, *sampled_exact.LEMMAS),
+    ),
+    "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),
 }
@@ -59,13 +68,16 @@ class Entry:
 def prove_all(progress: Callable[[str], None] = lambda _: None, fresh: bool = True) -> list[Entry]:
     """Every proof, family by family; fresh=False takes outcomes from the cache where nothing that they rest on has changed."""
     cache = Cache(fresh)
-    entries = []
+    entries: list[Entry] = []
+    known: dict[str, Verdict] = {}
     for title, lemmas in FAMILIES.values():
         progress(title)
         for lemma in lemmas:
             begin = time.perf_counter()
             outcome = cache.get(lemma.name) or lemma.run()
             cache.put(lemma.name, outcome)
+            outcome = with_steps(lemma, outcome, known)
+            known[lemma.name] = outcome.verdict
             entries.append(Entry(lemma, outcome, time.perf_counter() - begin))
     cache.keep()
     return entries
@@ -86,7 +98,7 @@ def _counts(entries: list[Entry]) -> str:
 
 
 def markdown(entries: list[Entry]) -> str:
-    """Statement, formula, assumptions, source, verdict, method, evidence."""
+    """Statement, formula, assumptions, steps, source, verdict, method, evidence."""
     lines = [
         "# Lemmas",
         "",
@@ -100,6 +112,8 @@ def markdown(entries: list[Entry]) -> str:
             lines += ["", f"### {e.lemma.name}: {e.verdict.value}", "", e.lemma.statement, "", f"$${e.lemma.latex}$$", ""]
             if e.lemma.assumptions:
                 lines.append(f"- assumed: {'; '.join(e.lemma.assumptions)}")
+            if e.lemma.steps:
+                lines.append(f"- steps: {_numbered(e.lemma.steps)}")
             lines += [
                 f"- source: {e.lemma.source}",
                 f"- method: {e.outcome.method}",
@@ -121,6 +135,10 @@ LATEX_HEAD = r"""\documentclass[10pt,a4paper]{article}
 """
 
 
+def _numbered(steps: tuple[str, ...]) -> str:
+    return ", ".join(f"{k}. {name}" for k, name in enumerate(steps, 1))
+
+
 def latex(entries: list[Entry]) -> str:
     """The same as a LaTeX document that needs amsmath and nothing else."""
     lines = [
@@ -134,6 +152,7 @@ def latex(entries: list[Entry]) -> str:
                 rf"\[ {e.lemma.latex} \]",
                 r"\begin{itemize}\small\raggedright",
                 *(rf"\item assumed: {_plain(v)}" for v in e.lemma.assumptions),
+                *([rf"\item steps: {_plain(_numbered(e.lemma.steps))}"] if e.lemma.steps else []),
                 rf"\item source: {_plain(e.lemma.source)}; method: {_plain(e.outcome.method)}",
                 *(rf"\item \texttt{{{_plain(v)}}}" for v in e.outcome.evidence),
                 r"\end{itemize}",

@@ -19,6 +19,7 @@ from flint import arb
 
 Box = Sequence[tuple[float, float]]
 MOST_BOXES = 200_000
+MOST_TOLD = 24  # differences that are listed one by one
 
 
 class Verdict(Enum):
@@ -38,7 +39,8 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Lemma:
-    """`name` is family.what; `statement` in words, `latex` for the page; `source` an equation, lemma or theorem, or "ours"."""
+    """`name` is family.what; `statement` in words, `latex` for the page; `source` an equation, lemma or theorem, or "ours".
+    steps: the lemmas, earlier in the book, that the argument goes through in this order; it is proved when all of them are."""
 
     name: str
     statement: str
@@ -46,6 +48,7 @@ class Lemma:
     assumptions: tuple[str, ...]
     source: str
     proof: Callable[[], Outcome]
+    steps: tuple[str, ...] = ()
 
     @property
     def family(self) -> str:
@@ -57,6 +60,12 @@ class Lemma:
             return self.proof()
         except Exception as error:
             return Outcome(Verdict.OPEN, "none", (f"{type(error).__name__}: {error}",))
+
+
+def with_steps(lemma: Lemma, outcome: Outcome, known: Mapping[str, Verdict]) -> Outcome:
+    """The lemma's outcome, open where one of its steps is not proved; `known`: the verdicts so far, so there is no circle."""
+    missing = [name for name in lemma.steps if known.get(name) is not Verdict.PROVED]
+    return Outcome(Verdict.OPEN, "steps", tuple(f"step {name} is not proved" for name in missing)) if missing else outcome
 
 
 # -------------------------------------------------------------------------------------------------- methods
@@ -79,7 +88,8 @@ def identity(
         (evidence if rest == 0 else left).append(f"{name}: {rest}")
     if left:
         return Outcome(Verdict.OPEN, method, tuple(left))
-    return Outcome(Verdict.PROVED, method, tuple(evidence))
+    told = evidence if len(evidence) <= MOST_TOLD else [f"{len(evidence)} differences, {evidence[0]}, .., {evidence[-1]}"]
+    return Outcome(Verdict.PROVED, method, tuple(told))
 
 
 def _value_at(expression: Any, point: Mapping[Any, float]) -> Any:
@@ -161,3 +171,9 @@ def all_of(*outcomes: Outcome) -> Outcome:
             return outcome
     methods = "; ".join(dict.fromkeys(o.method for o in outcomes))
     return Outcome(Verdict.PROVED, methods, tuple(line for o in outcomes for line in o.evidence))
+
+
+def cases(count: int, wrong: list[str], what: str) -> Outcome:
+    """The outcome of a claim that was looked at in so many cases: proved where none is wrong."""
+    verdict = Verdict.OPEN if wrong or not count else Verdict.PROVED
+    return Outcome(verdict, "by cases: the evaluated code", (f"{what}, in {count} cases", *wrong[:3]))

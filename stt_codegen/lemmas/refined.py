@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import product
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,9 +13,10 @@ import sympy as sp
 from stt_codegen.certify import slack
 from stt_codegen.controller import arithmetic
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, cases, identity, positive, sign
 from stt_codegen.paper import refined_tube
 from stt_codegen.program.lower import lower
+from stt_codegen.program.number import FORMATS
 from stt_codegen.program.symbols import formulas
 
 s = sp.Symbol("s", real=True)
@@ -148,6 +150,12 @@ def _late() -> Outcome:
     k, z = sp.symbols("K z", positive=True)
     eps = z / (1 + z)  # any number from 0 to 1
     given = arithmetic.late(k, eps)
+    forms = [(scalar, FORMATS[scalar], segments) for scalar in FORMATS for segments in (1, 48, 8192)]
+    wrong = []
+    for scalar, form, segments in forms:
+        design: Any = SimpleNamespace(segments=segments)
+        if arithmetic.time_error(design, scalar) != arithmetic.late(Fraction(segments), form.roundoff) + form.tiny:
+            wrong.append(f"{scalar}, {segments} segments")
     return all_of(
         identity(
             {
@@ -164,6 +172,7 @@ def _late() -> Outcome:
                 "given - 2 eps K": sp.factor(sp.together(given - 2 * eps * k)),
             }
         ),
+        cases(len(forms), wrong, "what P7 takes is this bound and the least subnormal"),
     )
 
 

@@ -1,10 +1,11 @@
 """Sampled control: what keeps |eps| < E when u is held (`sampling/statements.py` evaluates these statements).
 
-At a first time at which some |eps_i| reached E its edge would have to be approached: r = xdot - (gammadot_s + gammadot_d e)/2 not
-pointing inward there. Each statement says why r does point inward although u is that of an older sample. By symmetry the
-upper edge is looked at, k > 0. P bounds |f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
+At a first time at which some |eps_i| reached E its edge would have to be approached (`first_exit.py`): r = xdot -
+(gammadot_s + gammadot_d e)/2 would not point inward there. Each statement says why r does point inward although u is that of an
+older sample, and names the steps of that argument. By symmetry (transform.odd) the upper edge is looked at, k > 0. P bounds
+|f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
 
-Long because it is one family of the book: fifteen lemmas that refer to one another.
+Long because it is one family of the book: sixteen lemmas that refer to one another.
 """
 
 from __future__ import annotations
@@ -253,6 +254,10 @@ def _centre_rule() -> Outcome:
     return counterexample("a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", outside, shown)
 
 
+FIRST_EXIT = ("sampled.first_exit", "theorem.edot")  # so r is not negative at the upper edge
+# By how much a held u may differ from that of now: v moves at its rate for the sample's age, and both bounds rise with |eps|.
+STALE = ("sampled.age", "sampled.before", "sampled.law", "sampled.rate", "sampled.rises", "sampled.integral")
+
 LEMMAS = (
     Lemma(
         "sampled.law",
@@ -294,19 +299,19 @@ LEMMAS = (
         (
             "|eps(0)| < E",
             "samples no older than tau, the first at 0",
-            "at a first exit r would not point inward",
-            "|u held - u| <= R tau (sampled.rate)",
         ),
         "ours",
         _general,
+        (*FIRST_EXIT, "theorem.vdot", "theorem.norms", "theorem.skew", "sampled.norm", *STALE),
     ),
     Lemma(
         "sampled.diagonal",
         "For diagonal g, by component: if P/g_min + R tau < 4 k q(E)/d+, |eps_i| < E stays.",
         r"\frac{P}{g_{\min}} + R\tau < \frac{4kq(E)}{d_+} \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
-        ("|eps_i(0)| < E", "samples no older than tau, the first at 0", "at a first exit r would not point inward"),
+        ("|eps_i(0)| < E", "samples no older than tau, the first at 0"),
         "ours",
         _diagonal,
+        (*FIRST_EXIT, "transform.odd", *STALE),
     ),
     Lemma(
         "sampled.pull",
@@ -350,11 +355,21 @@ LEMMAS = (
         (
             "|eps_i(0)| < E",
             "samples no older than tau, the first at 0",
-            "at a first exit r would not point inward",
-            "sampled.same_side, .displacement, .pull, .ends",
         ),
         "ours",
         _sharp,
+        (
+            *FIRST_EXIT,
+            "transform.odd",
+            "sampled.age",
+            "sampled.before",
+            "sampled.law",
+            "sampled.integral",
+            "sampled.same_side",
+            "sampled.displacement",
+            "sampled.pull",
+            "sampled.ends",
+        ),
     ),
     Lemma(
         "sampled.coupled",
@@ -363,6 +378,7 @@ LEMMAS = (
         ("g_ii > 0", "|u_j| <= U_j"),
         "ours",
         _coupled,
+        ("sampled.sharp",),
     ),
     Lemma(
         "sampled.shift",
@@ -372,6 +388,7 @@ LEMMAS = (
         ("eta below the nearer distance at |eps| = E", "E <= eps(e_max): what is clamped pulls no less than what is used"),
         "ours",
         _shift,
+        ("sampled.pull",),
     ),
     Lemma(
         "sampled.saturated",
@@ -380,6 +397,7 @@ LEMMAS = (
         ("as sampled.sharp",),
         "ours",
         _saturated,
+        ("sampled.sharp",),
     ),
     Lemma(
         "sampled.centre_rule",

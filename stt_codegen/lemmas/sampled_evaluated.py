@@ -4,96 +4,21 @@ things about, with all that noise, latency and rounding add.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, identity
+from stt_codegen.lemmas.formula import Formula
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
 from stt_codegen.sampling import STATEMENTS, Law, Setting, Windows
-
-
-@dataclass(frozen=True)
-class Formula:
-    """A SymPy expression with a number, in the place of a double: NumPy calculates with it, comparisons go by the number."""
-
-    form: Any
-    number: float
-
-    def __float__(self) -> float:
-        return self.number
-
-    def exp(self) -> Formula:
-        return Formula(sp.exp(self.form), float(np.exp(self.number)))
-
-    def log(self) -> Formula:
-        return Formula(sp.log(self.form), float(np.log(self.number)))
-
-    def cosh(self) -> Formula:
-        return Formula(sp.cosh(self.form), float(np.cosh(self.number)))
-
-    def tanh(self) -> Formula:
-        return Formula(sp.tanh(self.form), float(np.tanh(self.number)))
-
-    def __neg__(self) -> Formula:
-        return Formula(-self.form, -self.number)
-
-    def __add__(self, other: Any) -> Any:
-        return _join(self, other, lambda a, b: a + b)
-
-    def __radd__(self, other: Any) -> Any:
-        return _join(other, self, lambda a, b: a + b)
-
-    def __sub__(self, other: Any) -> Any:
-        return _join(self, other, lambda a, b: a - b)
-
-    def __rsub__(self, other: Any) -> Any:
-        return _join(other, self, lambda a, b: a - b)
-
-    def __mul__(self, other: Any) -> Any:
-        return _join(self, other, lambda a, b: a * b)
-
-    def __rmul__(self, other: Any) -> Any:
-        return _join(other, self, lambda a, b: a * b)
-
-    def __truediv__(self, other: Any) -> Any:
-        return _join(self, other, lambda a, b: a / b)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return _join(other, self, lambda a, b: a / b)
-
-    def __pow__(self, power: int) -> Formula:
-        return Formula(self.form**power, self.number**power)
-
-    def __lt__(self, other: Any) -> bool:
-        return self.number < float(other)
-
-    def __gt__(self, other: Any) -> bool:
-        return self.number > float(other)
-
-    def __le__(self, other: Any) -> bool:
-        return self.number <= float(other)
-
-    def __ge__(self, other: Any) -> bool:
-        return self.number >= float(other)
-
-
-def _exact(value: Any) -> Any:
-    return value.form if isinstance(value, Formula) else sp.Rational(Fraction(float(value)))
-
-
-def _join(a: Any, b: Any, operation: Callable[[Any, Any], Any]) -> Any:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return NotImplemented
-    return Formula(operation(_exact(a), _exact(b)), operation(float(a), float(b)))
-
 
 NUMBERS = {
     "E": 2.0, "E1": 2.0, "E2": 1.5, "k1": 0.3, "k2": 0.4,
-    "tau": 1e-3, "l": 3e-4, "k": 0.3, "r": 1e-5, "d1": 0.5, "d2": 0.6, "w1": 0.7, "w2": 0.9, "P1": 0.4, "P2": 0.3,
+    "tau": 1e-3, "l": 3e-4, "k": 0.3, "r": 1e-5, "d1": 0.5, "d2": 0.6, "n1": 0.45, "n2": 0.55,
+    "w1": 0.7, "w2": 0.9, "P1": 0.4, "P2": 0.3,
     "g1": 0.9, "g2": 1.1, "G1": 1.0, "G2": 1.2, "c12": 0.1, "c21": 0.05, "eta1": 1e-3, "eta2": 2e-3, "D1": 0.2, "D2": 0.1,
     "F": 0.6, "lambda": 0.8, "N": 1.3, "m1": 50.0, "m2": 60.0,
 }  # fmt: skip
@@ -102,35 +27,36 @@ POINT = {V[name]: value for name, value in NUMBERS.items()}
 METHOD = "SymPy: the evaluated code run on symbols"
 
 
-def _f(name: str) -> Formula:
+def symbol(name: str) -> Formula:
     return Formula(V[name], NUMBERS[name])
 
 
 def _row(*names: str) -> Any:
     """The formulas of these names as one time window: an array of shape (1, n)."""
-    return np.array([[_f(name) for name in names]], dtype=object)
+    return np.array([[symbol(name) for name in names]], dtype=object)
 
 
 def setting(n: int, coupled: bool = False) -> Setting:
-    """A loop of one window and n components whose every number is a symbol; gains of their own where inputs are coupled."""
+    """A loop of one window and n components whose every number is a symbol; gains of their own where inputs are coupled. d is the
+    least width of the window, n that of the window and the one before."""
     numbers = [str(i + 1) for i in range(n)]
     zero = Formula(sp.Integer(0), 0.0)
-    cross = [[_f(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
-    eta = [_f(f"eta{i}") for i in numbers]
+    cross = [[symbol(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
+    eta = [symbol(f"eta{i}") for i in numbers]
     gain, limits = (
-        np.array([_f(f"k{i}" if coupled else "k") for i in numbers], dtype=object),
+        np.array([symbol(f"k{i}" if coupled else "k") for i in numbers], dtype=object),
         _row(*(f"m{i}" for i in numbers))[0],
     )
     law: Any = Law(gain, np.full(n, 0.999), np.array(eta, dtype=object), limits, 0.0, 0.0)
-    law = replace(law, rounding=_f("r"), latency=_f("l"))
+    law = replace(law, rounding=symbol("r"), latency=symbol("l"))
     nothing = np.zeros((1, n))
-    widths, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "D"))
+    widths, seen, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "n", "D"))
     windows = Windows(np.array([0.0, 1.0]), widths, _row(*(f"w{i}" for i in numbers)), nothing, rates, nothing, nothing, nothing)
-    single: Any = [np.array([_f(name)], dtype=object) for name in ("lambda", "N", "F")]
+    single: Any = [np.array([symbol(name)], dtype=object) for name in ("lambda", "N", "F")]
     least, most = (_row(*(f"{name}{i}" for i in numbers)) for name in ("g", "G"))
     push = _row(*(f"P{i}" for i in numbers))
     return Setting(
-        windows, law, least, most, np.array([cross], dtype=object), push, widths, single[0], single[1], single[2], nothing[0]
+        windows, law, least, most, np.array([cross], dtype=object), push, seen, single[0], single[1], single[2], nothing[0]
     )
 
 
@@ -158,12 +84,12 @@ def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
 
 def _sharp() -> Outcome:
     """Both components of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
-    reach = np.array([_f("E1"), _f("E2")], dtype=object)
-    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), reach, _f("tau"))
+    reach = np.array([symbol("E1"), symbol("E2")], dtype=object)
+    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), reach, symbol("tau"))
     r, tau, late = V["r"], V["tau"], V["l"]
     inputs = []
     for name in ("1", "2"):
-        far, near = _distances(V[f"d{name}"], -V[f"eta{name}"], V[f"E{name}"])
+        far, near = _distances(V[f"n{name}"], -V[f"eta{name}"], V[f"E{name}"])
         inputs.append(V[f"k{name}"] * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r))
     wanted: dict[str, Any] = {}
     for i, other in (0, 1), (1, 0):
@@ -196,31 +122,58 @@ def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta:
 
 
 def _diagonal() -> Outcome:
-    conditions = STATEMENTS["diagonal"].conditions(setting(1), _f("E"), _f("tau"))
-    far, near = _distances(V["d1"], -V["eta1"])
-    _, stale = _staleness(V["E"], sp.log(far / near), V["P1"], V["G1"], V["D1"], V["d1"], V["eta1"])
+    conditions = STATEMENTS["diagonal"].conditions(setting(1), symbol("E"), symbol("tau"))
+    far, near = _distances(V["n1"], -V["eta1"])
+    u, stale = _staleness(V["E"], sp.log(far / near), V["P1"], V["G1"], V["D1"], V["n1"], V["eta1"])
     main = 4 * V["k"] * _q(V["E"]) / V["w1"] - stale - V["P1"] / V["g1"]
-    return identity(
+    coupled = STATEMENTS["diagonal"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
+    others = {
+        "u_max": (_least(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(POINT)))),
+        "g_min": (_least(conditions, 2), NUMBERS["g1"]),
+        "decoupled": (_least(conditions, 4), 1e-300),
+        "coupled": (_least(coupled, 4), -NUMBERS["c12"]),
+    }
+    inside = identity(
         {"inward": _found(conditions, 0, (0, 0)) - main, "what is seen stays inside": _found(conditions, 3, (0, 0)) - near},
         METHOD,
         POINT,
     )
+    return all_of(inside, _agree(others))
+
+
+def _least(conditions: Any, k: int) -> float:
+    """The least of a condition's values, at the point."""
+    return min(float(v) for v in np.asarray(conditions[k].values, dtype=object).ravel())
+
+
+def _agree(values: dict[str, tuple[float, float]]) -> Outcome:
+    """Conditions that are numbers, against what they must be: to 1e-9, more than doubles lose of them."""
+    wrong = [f"{name} is {a}, not {b}" for name, (a, b) in values.items() if not abs(a - b) <= 1e-9 * abs(b)]
+    return cases(len(values), wrong, "the other conditions are what the statement asks, and fail where it says nothing")
 
 
 def _general() -> Outcome:
-    """Two components of widths d1 < d2 and w1 < w2: the least and largest count. sqrt 2 is that of the code, rounded up."""
-    conditions = STATEMENTS["general"].conditions(setting(2), _f("E"), _f("tau"))
+    """Two components of widths n1 < n2 and w1 < w2: the least and largest count. sqrt 2 is that of the code, rounded up."""
+    conditions = STATEMENTS["general"].conditions(setting(2), symbol("E"), symbol("tau"))
     root = sp.Rational(Fraction(float(np.sqrt(2.0) * (1 + 1e-12))))
-    far, near = _distances(V["d1"], -V["eta2"])
+    far, near = _distances(V["n1"], -V["eta2"])
     seen = V["E"] + root * (sp.log(far / near) - V["E"])
-    _, stale = _staleness(V["E"], seen, V["F"], V["N"], V["D1"], V["d1"], V["eta2"] * root, root)
+    u, stale = _staleness(V["E"], seen, V["F"], V["N"], V["D1"], V["n1"], V["eta2"] * root, root)
     least = V["E"] * sp.cosh(V["E"] / (2 * root)) ** 2
     main = V["k"] * V["lambda"] * 4 / V["w2"] * least - V["F"] - V["N"] * stale
-    return identity(
+    apart = STATEMENTS["general"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
+    others = {
+        "u_max": (_least(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(POINT)))),
+        "g_s": (_least(conditions, 2), NUMBERS["lambda"]),
+        "one gain": (_least(conditions, 4), 1.0),
+        "two gains": (_least(apart, 4), -1.0),
+    }
+    inside = identity(
         {"inward": _found(conditions, 0, (0,)) - main, "what is seen stays inside": _found(conditions, 3, (0,)) - near},
         METHOD,
         POINT,
     )
+    return all_of(inside, _agree(others))
 
 
 LEMMAS = (
@@ -232,6 +185,7 @@ LEMMAS = (
         ("n = 2, one window; by component, so for every n",),
         "the evaluated code",
         _sharp,
+        ("sampled.sharp", "sampled.coupled", "sampled.shift", "sampled.saturated"),
     ),
     Lemma(
         "sampled.diagonal_evaluated",
@@ -240,6 +194,7 @@ LEMMAS = (
         ("E' = ln((d/(1 + e^-E) + eta)/(d/(1 + e^E) - eta)) at d-",),
         "the evaluated code",
         _diagonal,
+        ("sampled.diagonal", "sampled.shift"),
     ),
     Lemma(
         "sampled.general_evaluated",
@@ -248,5 +203,6 @@ LEMMAS = (
         ("n = 2, one window",),
         "the evaluated code",
         _general,
+        ("sampled.general", "sampled.shift"),
     ),
 )

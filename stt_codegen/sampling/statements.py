@@ -69,13 +69,18 @@ def input_bound(s: Setting, reach: Any) -> Any:
     width = s.narrow - 2 * s.law.shift
     known = np.asarray(width, dtype=float) > 0  # else the law may see any width, and no bound is known
     held = np.where(known, width, 1 + 0 * width)
-    clamped = np.where(known, s.law.gain * pull((1 - c) * held, c * held) * (1 + s.law.rounding), np.inf) + 0 * reach
+    clamped = np.where(known, _law(s, (1 - c) * held, c * held), np.inf) + 0 * reach
     free = np.asarray(near, dtype=float) > np.asarray(far + near, dtype=float) * c
     with np.errstate(invalid="ignore", divide="ignore"):
         safe_far, safe_near = np.where(free, far, 2 + 0 * reach), np.where(free, near, 1 + 0 * reach)
-        law = s.law.gain * (pull(safe_far, safe_near) + s.law.rounding * (1 / safe_far + 1 / safe_near)) * (1 + s.law.rounding)
+        law = _law(s, safe_far, safe_near)
     u = np.where(free, law, clamped)
     return np.where(np.asarray(u, dtype=float) < s.law.u_max * (1 - 1e-9), u, np.minimum(s.law.u_max, 1e300) + 0 * reach)
+
+
+def _law(s: Setting, far: Any, near: Any) -> Any:
+    """The greatest |u| that the emitted law computes at these distances."""
+    return s.law.gain * (pull(far, near) + s.law.rounding * (1 / far + 1 / near)) * (1 + s.law.rounding)
 
 
 def sharp_push(s: Setting, u: Any) -> Any:

@@ -42,9 +42,9 @@ class Windows:
 
 @dataclass(frozen=True)
 class Extremes:
-    """What the Bezier coefficients of a refined tube say of every segment, and last of the time from t_c on: whole numbers, in units
-    of the table, (K + 1, n). step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of the
-    width; 3 K/t_c of these bound a rate (the lemma `sampled.windows`)."""
+    """What the Bezier coefficients of a refined tube say of every segment, and last of the time from t_c on: whole numbers, in
+    units of the table, (K + 1, n). step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of
+    the width; 3 K/t_c of these bound a rate (the lemma `sampled.windows`)."""
 
     narrow: Array
     wide: Array
@@ -70,7 +70,7 @@ def extremes(design: RefinedDesign) -> Extremes:
 
 
 def refined_windows(design: RefinedDesign) -> Windows:
-    """A window for each segment, in doubles: products with a power of 2 are exact, those with `per_second` are rounded outward."""
+    """A window for each segment, in doubles: products with a power of 2 are exact, those with `per_second` rounded outward."""
     found, unit = extremes(design), float(design.unit)
     per_second = float(Fraction(3 * design.segments) / design.prescribed_time) * OUT * unit
     return Windows(

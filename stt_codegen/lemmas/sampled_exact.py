@@ -1,0 +1,308 @@
+"""P9 (`certify/period.py`), run on symbols: the sharp statement in fractions, with rho = e^E.
+
+What it compares is here what `sampling/statements.py` computes, term by term, so what is proved of one holds for the other.
+
+Long because one code is run three ways: on symbols, on numbers that fail one condition, and on stubs that count questions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from flint import arb, ctx
+
+from stt_codegen.certify import period
+from stt_codegen.lemmas.formula import Formula, questions
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.sampled_evaluated import METHOD, NUMBERS, POINT, V, setting, symbol
+from stt_codegen.sampling import statements
+
+LIMIT = Fraction(5, 2)  # u_max, a number of the scalar
+Component: Any = period.Component  # of symbols here
+RHO = {name: sp.Symbol(f"rho{name[1:]}", positive=True) for name in ("E1", "E2")}
+
+
+# ------------------------------------------------------------------------------------------------ P9
+
+
+def _loop(limited: bool) -> tuple[Any, list[Any], list[Formula], dict[Any, Any]]:
+    """The statement in fractions on symbols; its window and rho; and what the symbols of the other one are here."""
+    names = {"f": 0.1, "w": 0.05, "s1": 0.25, "s2": 0.15, "g": 0.9, "G": 1.0, "c": 0.05, "T": 7e-4}
+    own = {name: Formula(sp.Symbol(name, positive=True), value) for name, value in names.items()}
+    plant = SimpleNamespace(f_max=own["f"], w_max=own["w"], g_min=own["g"], g_max=own["G"], g_cross=own["c"])
+    task = SimpleNamespace(
+        dimension=2,
+        plant=plant,
+        control=SimpleNamespace(period=own["T"], latency=symbol("l")),
+        emit=SimpleNamespace(scalar="float", math="libm"),
+        e_max=(Fraction(999, 1000),) * 2,
+        gain=(symbol("k1"), -symbol("k2")),
+        u_max=(LIMIT, 2 * LIMIT) if limited else None,
+    )
+    statement: Any = period.SharpStatement(
+        task, SimpleNamespace(), (symbol("eta1"), symbol("eta2")), lambda y: (y.log(), y.log())  # type: ignore[arg-type]
+    )  # fmt: skip
+    window = [Component(symbol(f"d{i}"), symbol(f"n{i}"), symbol(f"w{i}"), own[f"s{i}"]) for i in (1, 2)]
+    rho = [Formula(RHO[name], float(np.exp(NUMBERS[name]))) for name in ("E1", "E2")]
+    here = {name: value.form for name, value in own.items()}
+    same = {
+        V["P1"]: here["f"] + here["w"] + here["s1"],
+        V["P2"]: here["f"] + here["w"] + here["s2"],
+        V["tau"]: here["T"] + V["l"],
+    }
+    same |= {V[name]: here["g"] for name in ("g1", "g2")} | {V[name]: here["G"] for name in ("G1", "G2")}
+    same |= {V[name]: here["c"] for name in ("c12", "c21")} | {V["r"]: sp.Rational(statement.rounding)}
+    same |= {V["m1"]: sp.Rational(LIMIT), V["m2"]: sp.Rational(2 * LIMIT)}
+    return statement, window, rho, same
+
+
+def _there() -> dict[Any, float]:
+    """Numbers for every symbol of the statement in fractions."""
+    names = {
+        "f": 0.1,
+        "w": 0.05,
+        "s1": 0.25,
+        "s2": 0.15,
+        "g": 0.9,
+        "G": 1.0,
+        "c": 0.05,
+        "T": 7e-4,
+        "u1": 1.25,
+        "u2": 1.75,
+        "P": 0.4,
+    }
+    point = {sp.Symbol(name, positive=True): value for name, value in names.items()}
+    return POINT | point | {RHO[name]: round(float(np.exp(NUMBERS[name])), 6) for name in RHO}
+
+
+def _difference(one: Any, other: Any) -> Any:
+    """One less the other; a number where they differ at a point, since SymPy would take minutes over what is not 0."""
+    point = {s: sp.Rational(str(v)) for s, v in _there().items()}
+    forms = [sp.sympify(v).subs({V[name]: sp.log(rho) for name, rho in RHO.items()}) for v in (one, other)]
+    off = (forms[0] - forms[1]).subs(point).evalf(30)
+    return off if abs(off) > sp.Float("1e-12") else _rational(one) - _rational(other)
+
+
+def _rational(expression: Any) -> Any:
+    """E as ln rho, and every logarithm as a symbol of its argument, over one denominator: what is left is a rational function."""
+    e = sp.sympify(expression).subs({V[name]: sp.log(rho) for name, rho in RHO.items()})
+    e = e.replace(sp.tanh, lambda v: (sp.exp(2 * v) - 1) / (sp.exp(2 * v) + 1))
+    return e.replace(sp.log, lambda v: sp.Symbol(f"ln({sp.cancel(sp.together(v))})", positive=True))
+
+
+def _fractions() -> Outcome:
+    """`_kept` on both components, u given: its six questions are the six conditions of `sharp_under`."""
+    u = [Formula(sp.Symbol(f"u{i}", positive=True), v) for i, v in ((1, 1.25), (2, 1.75))]
+    statement, window, rho, same = _loop(limited=True)
+    loop = setting(2, coupled=True)
+    given = np.array([u], dtype=object)
+    reach = np.array([symbol("E1"), symbol("E2")], dtype=object)
+    conditions = statements.sharp_under(loop, reach, symbol("tau"), given, statements.sharp_push(loop, given))
+    side, ends_low, inward_low, ends_high, inward_high, saturated = (c.values for c in conditions)
+    found: dict[str, Any] = {}
+    wrong: list[str] = []
+    here = {name: sp.Symbol(name, positive=True) for name in ("f", "w", "s1", "s2", "c", "T")}
+    for i in (0, 1):
+        with questions() as asked:
+            kept = statement._kept(i, window[i], rho[i], u)
+        wanted = (side, saturated, ends_low, inward_low, ends_high, inward_high)
+        if len(asked) != len(wanted) or not kept:
+            wrong.append(f"component {i + 1}: {len(asked)} comparisons, {'kept' if kept else 'not kept'}")
+            continue
+        # P' and tau as one symbol each, so that SymPy has less to multiply out
+        pushed = sp.Symbol("P", positive=True) - here["w"] - here[f"s{i + 1}"] - here["c"] * u[1 - i].form
+        shorter = {here["f"]: pushed, here["T"]: V["tau"] - V["l"]}
+        for j, (q, values) in enumerate(zip(asked, wanted, strict=True)):
+            claimed = np.asarray(values, dtype=object)[0, i].form.subs(same)
+            asks = (q.left - q.right).subs(shorter)
+            found[f"component {i + 1}, comparison {j + 1}"] = _difference(asks, claimed.subs(shorter))
+    return all_of(identity(found, METHOD), cases(2, wrong, "six comparisons, none of them true"), _refuses())
+
+
+def _refuses() -> Outcome:
+    """Each comparison of `_kept` refuses, alone: with numbers for which only that one fails."""
+    wrong: list[str] = []
+    tried = {
+        "same side": {"narrow": Fraction(1, 50)},
+        "saturated": {"u_max": Fraction(1, 100)},
+        "ends at the narrow end": {"narrow": Fraction(1, 20), "shift": Fraction(1, 50)},
+        "sharp at the wide end": {"wide": Fraction(400)},
+        "none": {},
+    }
+    for name, change in tried.items():
+        answer = _plain(**change)
+        if answer != (name == "none"):
+            wrong.append(f"{name}: {answer}")
+    return cases(len(tried), wrong, "`_kept` refuses what fails one condition and accepts what fails none")
+
+
+def _plain(
+    narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: Fraction = Fraction(100), shift: Fraction = Fraction(0)
+) -> bool:
+    task: Any = SimpleNamespace(
+        dimension=1,
+        plant=SimpleNamespace(f_max=Fraction(1, 10), w_max=None, g_min=Fraction(1), g_max=Fraction(1), g_cross=None),
+        control=SimpleNamespace(period=Fraction(1, 1000), latency=Fraction(0)),
+        emit=SimpleNamespace(scalar="float", math="libm"),
+        e_max=(Fraction(999, 1000),),
+        gain=(Fraction(1),),
+        u_max=(u_max,),
+    )
+    statement = period.SharpStatement(task, SimpleNamespace(), (shift,))  # type: ignore[arg-type]
+    u = [min(Fraction(20), u_max)]
+    return statement._kept(0, Component(narrow, narrow, wide, Fraction(1, 10)), Fraction(6), u)
+
+
+def _inputs() -> Outcome:
+    """`inputs` on both components: the same U as `input_bound`, free, at the clamp and at u_max."""
+    found: dict[str, Any] = {}
+    wrong: list[str] = []
+    count = 0
+    for e_max, limited, noisy in product((Fraction(1023, 1024), Fraction(5, 8)), (False, True), (False, True)):
+        statement, window, rho, same = _loop(limited)
+        statement.task.e_max = (e_max,) * 2
+        if noisy:  # the law may see any width
+            statement = replace(statement, shift=tuple(Formula(v.form, 1.0) for v in statement.shift))
+        limits = np.array([LIMIT, 2 * LIMIT] if limited else [np.inf, np.inf], dtype=float)
+        law = replace(setting(2).law, gain=np.array([symbol("k1"), symbol("k2")], dtype=object), e_max=np.full(2, float(e_max)))
+        law = replace(law, u_max=limits, shift=np.array(statement.shift, dtype=object))
+        loop = replace(setting(2, coupled=True), law=law)
+        wanted = statements.input_bound(loop, np.array([symbol("E1"), symbol("E2")], dtype=object))[0]
+        u = statement.inputs(window, rho)
+        count += 1
+        name = f"e_max {e_max}, u_max {'given' if limited else 'none'}, noise {'wide' if noisy else 'small'}"
+        if noisy and not limited:
+            wrong += [f"{name}: U = {u}"] if u or not all(float(v) >= 1e300 for v in wanted) else []
+        elif len(u) != 2:
+            wrong.append(f"{name}: {len(u)} bounds")
+        else:
+            for i, values in enumerate(zip(u, wanted, strict=True)):
+                a, b = (sp.sympify(getattr(v, "form", v)) for v in values)
+                found[f"{name}, component {i + 1}"] = _difference(a, b.subs(same))
+    return all_of(identity(found, METHOD), cases(count, wrong, "as many bounds as components, none where there is none"))
+
+
+# ------------------------------------------------------------------------------------------------ what all this stands on
+
+
+def _holds() -> Outcome:
+    """`holds` looks at every component in every window, at the share, the clamp and the age, and gives the largest U."""
+    wrong: list[str] = []
+    count = 0
+
+    def answer(fails: tuple[int, int] | None, rho: Fraction, age: Fraction, late: Fraction, known: bool = True) -> Any:
+        asked: list[tuple[int, int]] = []
+
+        class Stub(period.SharpStatement):
+            def windows(self) -> Iterator[tuple[Any, ...]]:
+                return iter(((0, 0), (1, 1), (2, 2)))
+
+            def inputs(self, window: Any, rho: Any) -> list[Fraction]:
+                return [Fraction(1 + window[0]), Fraction(5 - window[1])] if known or window[0] < 2 else []
+
+            def _kept(self, i: int, c: Any, rho: Fraction, u: list[Fraction]) -> bool:
+                asked.append((c, i))
+                return (c, i) != fails
+
+        task = SimpleNamespace(
+            dimension=2, prescribed_time=Fraction(4), e_max=(Fraction(4, 5),) * 2,
+            initial_set=SimpleNamespace(share=Fraction(1, 2)), control=SimpleNamespace(period=age - late, latency=late),
+        )  # fmt: skip
+        found = Stub(task, SimpleNamespace(segments=2), ()).holds((rho, rho))  # type: ignore[arg-type]
+        return found, asked
+
+    good, every = (Fraction(3), Fraction(5)), [(c, i) for c in range(3) for i in range(2)]
+    # 1/2 of the share is rho = 3, e_max is rho = 9; segments of 2 s, half of one where there is latency
+    for rho, age, late, fine in (
+        (Fraction(9), Fraction(2), Fraction(0), True),
+        (Fraction(9), Fraction(1), Fraction(1, 2), True),
+        (Fraction(9) + Fraction(1, 10**9), Fraction(1), Fraction(0), False),
+        (Fraction(3), Fraction(1), Fraction(0), False),
+        (Fraction(3) + Fraction(1, 10**9), Fraction(1), Fraction(0), True),
+        (Fraction(9), Fraction(2) + Fraction(1, 10**9), Fraction(0), False),
+        (Fraction(9), Fraction(1) + Fraction(1, 10**9), Fraction(1, 2), False),
+    ):
+        found, asked = answer(None, rho, age, late)
+        count += 1
+        if (found, asked) != ((good, every) if fine else (None, [])):
+            wrong.append(f"rho {rho}, age {age}, latency {late}: {found} after {len(asked)} questions")
+    for place in every:
+        count += 1
+        if answer(place, Fraction(9), Fraction(1), Fraction(0))[0] is not None:
+            wrong.append(f"window {place[0]}, component {place[1]} fails, and all is said to hold")
+    count += 1
+    if answer(None, Fraction(9), Fraction(1), Fraction(0), known=False)[0] is not None:
+        wrong.append("a window without a bound on u, and all is said to hold")
+    return cases(count, wrong, "holds where every component is kept in every window, and nowhere else")
+
+
+def _series() -> Outcome:
+    """The slope of artanh less that of N terms is z^(2N)/(1 - z^2): so what is left out of artanh z is below
+    z^(2N + 1)/((2N + 1)(1 - z^2)), and that is below z^(2N + 1) for z < 1/4."""
+    z, left = sp.Symbol("z", positive=True), 2 * period.TERMS
+    terms = sum(z ** (2 * j) for j in range(period.TERMS))
+    wrong: list[str] = []
+    count = 0
+    grid = [Fraction(k, 97) for k in range(98, 98 + 97 * 3, 5)] + [Fraction(3) ** k / 2 for k in range(1, 40)]
+    for y in (*grid, *(1 + Fraction(1, 10) ** k for k in range(1, 18))):
+        count += 1
+        low, high = period.logarithm(y)
+        with ctx.workprec(200):
+            inside = _ball(low) <= _ball(y).log() <= _ball(high)
+        if not (inside and high - low < Fraction(1, 1 << 50)):
+            wrong.append(f"ln {y} is not enclosed by {float(low)} and {float(high)}, or widely")
+    return all_of(
+        identity({"1/(1 - z^2) less its terms less z^(2N)/(1 - z^2)": sp.cancel(1 / (1 - z**2) - terms - z**left / (1 - z**2))}),
+        sign({"(2N + 1)(1 - z^2) - 1 at z = 1/4, where it is least": (left + 1) * (1 - sp.Rational(1, 16)) - 1}),
+        cases(count, wrong, "ln y is between both ends, which are 2^-50 apart at most"),
+    )
+
+
+def _ball(value: Fraction) -> Any:
+    return arb(value.numerator) / arb(value.denominator)
+
+
+LEMMAS = (
+    Lemma(
+        "sampled.inputs",
+        "P9 bounds u as the sampled statements do.",
+        r"U_i = k_i\,h(a+\eta, b-\eta)(1+r) + \ldots",
+        ("n = 2; by component, so for every n", "rho = e^E"),
+        "the evaluated code",
+        _inputs,
+        ("sampled.shift",),
+    ),
+    Lemma(
+        "sampled.fractions",
+        "P9 compares in fractions what the sharp statement computes: its conditions, one for one.",
+        r"\tfrac1{1+e^{-E}} = \tfrac{\rho}{1+\rho},\quad \tanh\tfrac E2 = \tfrac{\rho-1}{\rho+1}",
+        ("n = 2; by component, so for every n", "rho = e^E"),
+        "the evaluated code",
+        _fractions,
+        ("sampled.sharp_evaluated",),
+    ),
+    Lemma(
+        "sampled.logarithm",
+        "The only thing in P9 that is no fraction is a logarithm, and that is enclosed.",
+        r"0 \le \operatorname{artanh} z - \sum_{j<N}\tfrac{z^{2j+1}}{2j+1} < z^{2N+1}",
+        ("|z| < 1/4",),
+        "the evaluated code",
+        _series,
+    ),
+    Lemma(
+        "sampled.all",
+        "P9 asks this of every component in every window, from the starts in the share up to the clamp.",
+        r"\tfrac{1+s}{1-s} < \rho_i \le \tfrac{1+e_{\max}}{1-e_{\max}},\quad \tau \le t_k - t_{k-1}",
+        (),
+        "the evaluated code",
+        _holds,
+        ("sampled.exact_windows", "sampled.inputs", "sampled.fractions", "sampled.logarithm", "sampled.age"),
+    ),
+)

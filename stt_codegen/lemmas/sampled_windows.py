@@ -1,0 +1,229 @@
+"""What the sampled statements and P9 are told of a tube, a plant and a law: the code that makes these numbers, run on symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise, permutations, product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from stt_codegen.certify import period
+from stt_codegen.designs import LOWER, UPPER
+from stt_codegen.lemmas.formula import Formula
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.program.number import FORMATS, round_down
+from stt_codegen.sampling import Bounds, extremes, law_of, refined_windows, setting_of
+
+
+@dataclass(frozen=True)
+class Table:
+    """A refined tube of which no more is known than its Bezier coefficients, which may be symbols: (K, n, 2, 4)."""
+
+    coefficients: Any
+    prescribed_time: Fraction
+    unit: Fraction
+
+    @property
+    def segments(self) -> int:
+        return len(self.coefficients)
+
+    def bezier(self) -> Any:
+        return self.coefficients
+
+
+def tables() -> Iterator[Table]:
+    """One segment with its coefficients and widths in every order, then two segments of two components."""
+    for order in permutations(range(4)):
+        low, high = order, [9 + 2.5 * v for v in order[::-1]]
+        yield _table(np.array([[[low, high]]], dtype=float), Fraction(3, 2))
+    rising = np.arange(32, dtype=float).reshape(2, 2, 2, 4)
+    yield _table(rising + np.sin(rising) / 2, Fraction(10))
+    yield _table(40 - rising + np.sin(3 * rising), Fraction(7, 3))
+
+
+def _table(numbers: Any, seconds: Fraction) -> Table:
+    symbols = np.array(sp.symbols(f"beta0:{numbers.size}", real=True), dtype=object).reshape(numbers.shape)
+    make = np.vectorize(Formula, otypes=[object])
+    return Table(make(symbols, numbers), seconds, Fraction(1, 8))
+
+
+def _wanted(table: Table) -> dict[str, Any]:
+    """By name the entries (W + 1, n) that the windows must have, in units of the table: found by the numbers, one by one."""
+    c = table.coefficients
+    count, n = len(c), c.shape[1]
+    result: dict[str, list[list[Any]]] = {k: [] for k in ("narrow", "wide", "step", "width_step", "low", "high")}
+    for k, i in product(range(count + 1), range(n)):
+        held = [c[-1, i, side, 3] for side in (LOWER, UPPER)]
+        low, high = ([held[s]] * 4 if k == count else list(c[k, i, s]) for s in (LOWER, UPPER))
+        width = [b - a for a, b in zip(low, high, strict=True)]
+        steps = [b - a for edge in (low, high) for a, b in pairwise(edge)]
+        row = {
+            "narrow": min(width, key=float), "wide": max(width, key=float), "low": min(low, key=float),
+            "high": max(high, key=float), "step": _largest(steps), "width_step": _largest([b - a for a, b in pairwise(width)]),
+        }  # fmt: skip
+        for name, value in row.items():
+            result[name].append(value.form)
+    return result
+
+
+def _largest(values: list[Formula]) -> Formula:
+    worst = max(values, key=lambda v: abs(v.number))
+    return worst if worst.number >= 0 else -worst
+
+
+def _bezier_rate() -> Outcome:
+    """The slope of a cubic is the quadratic of three times its coefficients' differences."""
+    s, beta = sp.Symbol("s", real=True), sp.symbols("beta0:4", real=True)
+    curve = sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * b for j, b in enumerate(beta))
+    slope = sum(sp.binomial(2, j) * s**j * (1 - s) ** (2 - j) * 3 * (beta[j + 1] - beta[j]) for j in range(3))
+    return identity({"slope less its Bezier form": sp.expand(sp.diff(curve, s) - slope)})
+
+
+def _windows() -> Outcome:
+    """Both forms: in units of the table for P9, and in doubles for the search, rates rounded outward."""
+    found: dict[str, Any] = {}
+    wrong: list[str] = []
+    count = 0
+    for number, given in enumerate(tables()):
+        table: Any = given
+        wanted, whole, windows = _wanted(given), extremes(table), refined_windows(table)
+        rate = Fraction(3 * given.segments) / given.prescribed_time * given.unit
+        unit = sp.Rational(given.unit)
+        in_doubles = {"narrow": windows.narrow, "wide": windows.wide, "low": windows.low, "high": windows.high}
+        for name, forms in wanted.items():
+            pairs = zip(forms, getattr(whole, name).ravel(), strict=True)
+            found |= {f"{name} {number}.{j}": form - v.form for j, (form, v) in enumerate(pairs)}
+        for name, values in in_doubles.items():
+            pairs = zip(wanted[name], values.ravel(), strict=True)
+            found |= {
+                f"{name} {number}.{j}, doubles": sp.Rational(given.unit) * form - v.form for j, (form, v) in enumerate(pairs)
+            }
+        for name, values in (("step", windows.speed), ("width_step", windows.widening)):
+            for form, v in zip(wanted[name], values.ravel(), strict=True):
+                count += 1
+                share = sp.cancel(v.form / form) if form != 0 else None
+                if (v.form != 0) if share is None else not (rate <= Fraction(str(share)) <= rate * (1 + Fraction(1, 1 << 40))):
+                    wrong.append(f"{name} is {v.form}, not {rate} times {form}")
+        starts = zip(given.coefficients[0, :, :, 0].ravel(), windows.start.ravel(), strict=True)
+        found |= {f"start {number}.{j}": unit * a.form - b.form for j, (a, b) in enumerate(starts)}
+        ends = [float(given.prescribed_time) * k / given.segments for k in range(given.segments + 1)]
+        count += 1
+        if not np.allclose(windows.times, ends, rtol=1e-15, atol=0):
+            wrong.append(f"windows end at {windows.times}, not at {ends}")
+    return all_of(
+        _bezier_rate(),
+        identity(found, "SymPy: the evaluated code run on symbols, coefficients in every order"),
+        cases(count, wrong, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
+    )
+
+
+def _exact_windows() -> Outcome:
+    """`SharpStatement.windows`: those of the segment, and the worse of it and of the one before."""
+    found: dict[str, Any] = {}
+    for number, given in enumerate(tables()):
+        table: Any = given
+        statement: Any = period.SharpStatement(SimpleNamespace(), table, ())  # type: ignore[arg-type]
+        unit, rate = sp.Rational(given.unit), sp.Rational(Fraction(3 * given.segments) / given.prescribed_time * given.unit)
+        narrow, wide, step = (getattr(extremes(table), name) for name in ("narrow", "wide", "step"))
+        for k, window in enumerate(statement.windows()):
+            before = max(k - 1, 0)
+            for i, c in enumerate(window):
+                wanted = {
+                    "narrow": (c.narrow, unit * narrow[k, i].form),
+                    "narrow_seen": (c.narrow_seen, unit * min(narrow[k, i], narrow[before, i], key=float).form),
+                    "wide": (c.wide, unit * wide[k, i].form),
+                    "speed": (c.speed, rate * max(step[k, i], step[before, i], key=float).form),
+                }
+                found |= {f"{name} {number}.{k}.{i}": getattr(a, "form", a) - b for name, (a, b) in wanted.items()}
+    return identity(found, "SymPy: the evaluated code run on symbols, coefficients in every order")
+
+
+def _setting() -> Outcome:
+    """What a statement is told is on the safe side of what the task and the windows say, and not by more than 1e-9."""
+    wrong: list[str] = []
+    count = 0
+
+    def near(name: str, given: Any, exact: Any, up: bool = True) -> None:
+        nonlocal count
+        for a, b in zip(np.ravel(given).tolist(), np.ravel(exact).tolist(), strict=True):
+            count += 1
+            over = (Fraction(a) - Fraction(b)) * (1 if up else -1)
+            if not 0 <= over <= Fraction(b) / 10**9:
+                wrong.append(f"{name} is {float(a)}, not {float(b)}")
+
+    for scalar, noise, limit in product(("float", "double"), (0.0, 0.03), (None, (Fraction(1, 3), Fraction(2)))):
+        ends: Any = ((Fraction(-7, 3), Fraction(0)), (Fraction(1), Fraction(2)))
+        ends = ends if noise else (tuple(-v for v in ends[1]), tuple(-v for v in ends[0]))  # the largest |x| at either end
+        box = SimpleNamespace(lower=ends[0], upper=ends[1])
+        emit = SimpleNamespace(scalar=scalar, math="libm")
+        task: Any = SimpleNamespace(
+            dimension=2, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)), e_max=(Fraction(9, 10),) * 2,
+            u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
+        )  # fmt: skip
+        error = (Fraction(1, 977), Fraction(1, 1013))
+        law = law_of(task, error, noise, 0.25)
+        exact = [2 * e + FORMATS[scalar].roundoff * Fraction(7, 3) + Fraction(noise) for e in error]
+        near("shift", law.shift, np.array(exact, dtype=object))
+        near("shift of P9", np.array(period.statement_of(task, SimpleNamespace(), error).shift, dtype=object),  # type: ignore[arg-type]
+             np.array(exact, dtype=object))  # fmt: skip
+        near("gain", law.gain, np.abs([float(v) for v in task.gain]))
+        near("u_max", law.u_max[np.isfinite(law.u_max)], [float(round_down(v, scalar)) for v in limit or ()])
+        count += 1
+        if law.latency != 0.25 or law.rounding != statement_rounding(task):
+            wrong.append(f"latency {law.latency}, rounding {law.rounding}")
+        low = np.arange(16.0).reshape(2, 2, 4) * 7 % 5
+        edges = np.stack([low, low + 3 + np.arange(16.0).reshape(2, 2, 4) * 5 % 7], axis=2)
+        table: Any = Table(edges, Fraction(3), Fraction(1))
+        windows = refined_windows(table)
+        for k in (1, -1):
+            sizes = [(j + 1.0) ** k for j in range(3)]
+            each = [np.array([0.5, 0.25]) * v for v in sizes]
+            p = [Bounds(v, v / 2, v * 3, np.zeros((2, 2)), 0.75 * w, 0.5, 2.0) for v, w in zip(each, sizes, strict=True)]
+            made = setting_of(windows, p, law, np.zeros(2))
+            speed = np.maximum(windows.speed, windows.speed[[0, 0, 1]])
+            near("push", made.push, speed + [b.push for b in p])
+            near("narrow", made.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]))
+            near("push_norm", made.push_norm, np.sqrt((speed**2).sum(axis=1)) + [b.push_norm for b in p])
+            near("g", [made.least, made.most], [[b.least for b in p], [b.most for b in p]])
+    return cases(count, wrong, "what the statements are told is on the safe side, by 1e-9 of it at most")
+
+
+def statement_rounding(task: Any) -> float:
+    return float(period.SharpStatement(task, SimpleNamespace(), ()).rounding)  # type: ignore[arg-type]
+
+
+LEMMAS = (
+    Lemma(
+        "sampled.windows",
+        "In a segment the width is between the least and the greatest difference of the edges' coefficients, and rates are at "
+        "most 3 K/t_c times the largest difference of neighbours: what the code takes, with roundings outward.",
+        r"|\dot\gamma| \le \tfrac{3K}{t_c}\max_j|\beta_{j+1}-\beta_j|",
+        (),
+        "the evaluated code",
+        _windows,
+        ("refined.hull",),
+    ),
+    Lemma(
+        "sampled.exact_windows",
+        "P9 takes the same, in fractions, the worse of a window and the one before where a sample may stem from there.",
+        r"d_-,\ d_+,\ S \in \mathbb Q",
+        (),
+        "the evaluated code",
+        _exact_windows,
+        ("sampled.windows", "sampled.before"),
+    ),
+    Lemma(
+        "sampled.setting",
+        "What noise, P7 and rounding make of the law and of the tube is on the safe side.",
+        r"\eta \ge 2\delta + \epsilon\max|x| + b",
+        (),
+        "the evaluated code",
+        _setting,
+        ("sampled.before",),
+    ),
+)
