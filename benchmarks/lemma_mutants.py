@@ -42,6 +42,7 @@ from stt_codegen.lemmas import (
     refined,
     sampled_evaluated,
     sampled_exact,
+    sampled_windows,
     transform,
     update_cells,
 )
@@ -419,7 +420,7 @@ def _probed() -> tuple[Any, Any, tuple[Fraction, ...]]:
 
 
 def _windows() -> list[float]:
-    table: Any = sampled_exact.Table(np.arange(48.0).reshape(3, 2, 2, 4) * 7 % 11, Fraction(7, 3), Fraction(1, 8))
+    table: Any = sampled_windows.Table(np.arange(48.0).reshape(3, 2, 2, 4) * 7 % 11, Fraction(7, 3), Fraction(1, 8))
     found = windows.refined_windows(table)
     return _numbers_of([windows.extremes(table), found, found.shortest])
 
@@ -502,12 +503,12 @@ def _arithmetic() -> list[float]:
 READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = (
     (statements, "input_bound _law sharp_push sharp_under pull q q_rate _seen _seen_reach _stale _input _diagonal_staleness "
      "diagonal _general_staleness general", _statements, (sampled_evaluated,)),
-    (windows, "extremes refined_windows", _windows, (sampled_exact,)),
+    (windows, "extremes refined_windows", _windows, (sampled_windows,)),
     (windows.Windows, "shortest", _windows, (first_exit,)),
-    (setting, "law_of setting_of back", _setting, (first_exit, sampled_exact)),
+    (setting, "law_of setting_of back", _setting, (first_exit, sampled_windows)),
     (setting.Setting, "longest_age", _setting, (first_exit,)),
-    (period, "logarithm _artanh statement_of", _period, (sampled_exact,)),
-    (period.SharpStatement, "windows inputs holds _kept age rounding", _period, (sampled_exact,)),
+    (period, "logarithm _artanh statement_of", _period, (sampled_exact, sampled_windows)),
+    (period.SharpStatement, "windows inputs holds _kept age rounding", _period, (sampled_exact, sampled_windows)),
     (update, "_curve ahead", _update, (update_cells,)),
     (update.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
     (update.Steps, "reach least", _update, (update_cells,)),

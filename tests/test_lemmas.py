@@ -33,7 +33,7 @@ from stt_codegen.lemmas import (
     plant,
     reach,
     sampled,
-    sampled_exact,
+    sampled_windows,
     theorem,
     update,
 )
@@ -189,7 +189,7 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (rows.Row, "seen_from", lambda row, origin: row.bound, "rows.moved"),
         (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
         (
-            sampled_exact,
+            sampled_windows,
             "extremes",
             lambda design: extremes(replace(design, unit=1, coefficients=design.coefficients[::-1])),
             "sampled.windows",
@@ -201,7 +201,7 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (period, "TERMS", 3, "sampled.logarithm"),
         (period.SharpStatement, "windows", lambda self: iter(()), "sampled.exact_windows"),
         (
-            sampled_exact,
+            sampled_windows,
             "setting_of",
             lambda w, p, law, start: replace(setting_of(w, p, law, start), push=w.speed),
             "sampled.setting",

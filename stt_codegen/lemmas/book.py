@@ -44,7 +44,7 @@ FAMILIES = {
     "refined": ("Refined tube", refined.LEMMAS),
     "sampled": (
         "Sampled control",
-        (*first_exit.LEMMAS, *sampled.LEMMAS, *sampled_evaluated.LEMMAS, *sampled_windows.LEMMAS, *sampled_exact.LEMMAS),
+        tuple(v for m in (first_exit, sampled, sampled_evaluated, sampled_windows, sampled_exact) for v in m.LEMMAS),
     ),
     "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
