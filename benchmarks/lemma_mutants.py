@@ -335,7 +335,7 @@ def code_subject(name: str, owner: Any, attribute: str, probe: Callable[[], list
             with bent(after):
                 return _unlike(before, probe())
         except Exception:
-            return True
+            return False  # what cannot be run is not counted
 
     def verdicts(after: Any) -> Iterator[Verdict]:
         with bent(after):
@@ -509,7 +509,7 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
     (setting.Setting, "longest_age", _setting, (first_exit,)),
     (period, "logarithm _artanh statement_of", _period, (sampled_exact, sampled_windows)),
     (period.SharpStatement, "windows inputs holds _kept age rounding", _period, (sampled_exact, sampled_windows)),
-    (update, "_curve ahead", _update, (update_cells,)),
+    (update, "_values ahead", _update, (update_cells,)),
     (update.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
     (update.Steps, "reach least", _update, (update_cells,)),
     (rows, "width_rows state_rows start_rows stay_rows reach_rows avoid_rows speed_rows within _between apart_rows _terms", _rows,

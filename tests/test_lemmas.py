@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import casadi as ca
@@ -24,6 +25,7 @@ from stt_codegen.certify import period, slack
 from stt_codegen.certify import update as update_module
 from stt_codegen.cli.main import app
 from stt_codegen.controller import logarithm
+from stt_codegen.lemmas import book as book_module
 from stt_codegen.lemmas import (
     bumps,
     examples,
@@ -152,6 +154,14 @@ def wrong_bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius:
     return height * ca.exp(-steepness * d * d / ca.fmax(radius * radius + d * d, cut))
 
 
+WRONG = SimpleNamespace(  # what is bent below is bent from these
+    rows=rows.apart_rows,
+    kept=period.SharpStatement._kept,
+    windows=period.SharpStatement.windows,
+    of=update_module.Curve.of,
+    beyond=update_module.Curve.beyond,
+    cell=update_module.Curve.cell,
+)
 upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca.diag(1 + x**2))
 
 
@@ -183,9 +193,9 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (slack, "halves", lambda piece: (piece, piece), "refined.halves"),
         (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
         (slack.RowBlock, "told", lambda self, pieces: 2 * self._left(pieces), "rows.told"),
-        (slack, "DEPTH", -1, "rows.subdivided"),
+        (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
         (rows, "state_rows", lambda task: rows.start_rows(task), "rows.plain"),
-        (rows, "apart_rows", lambda convex, clearance: (), "rows.apart"),
+        (rows, "apart_rows", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),
         (rows.Row, "seen_from", lambda row, origin: row.bound, "rows.moved"),
         (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
         (
@@ -197,9 +207,14 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (windows, "OUT", 1 - 2.0**-40, "sampled.windows"),
         (period, "back", lambda values, worse: values, "sampled.exact_windows"),
         (period.SharpStatement, "inputs", lambda self, window, rho: [c.wide for c in window], "sampled.inputs"),
-        (period.SharpStatement, "_kept", lambda self, i, c, rho, u: c.narrow <= 0, "sampled.fractions"),
+        (
+            period.SharpStatement,
+            "_kept",
+            lambda self, i, c, *rest: WRONG.kept(self, i, replace(c, wide=c.narrow), *rest),
+            "sampled.fractions",
+        ),
         (period, "TERMS", 3, "sampled.logarithm"),
-        (period.SharpStatement, "windows", lambda self: iter(()), "sampled.exact_windows"),
+        (period.SharpStatement, "windows", lambda self: list(WRONG.windows(self))[::-1], "sampled.exact_windows"),
         (
             sampled_windows,
             "setting_of",
@@ -208,9 +223,9 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         ),
         (Setting, "longest_age", property(lambda s: s.windows.shortest), "sampled.age"),
         (first_exit, "back", lambda values, worse: values, "sampled.before"),
-        (update_module, "STEP_ROUNDINGS", 0, "update.rounded"),
-        (update_module.Curve, "beyond", lambda self, z, p, q: z, "update.root"),
-        (update_module.Curve, "cell", lambda self, u, h, psi, theta: (u, u, u), "update.falls"),
+        (update_module.Curve, "of", classmethod(lambda cls, *rest: replace(WRONG.of(*rest), rush=rest[1])), "update.rounded"),
+        (update_module.Curve, "beyond", lambda self, z, p, q: WRONG.beyond(self, z, p, q + q), "update.root"),
+        (update_module.Curve, "cell", lambda self, *rest: WRONG.cell(self, *rest)[:1] * 3, "update.falls"),
         (update_module.Curve, "balance", lambda self, psi, theta: self.root(psi, theta), "update.rises"),
         (update_module.Curve, "outer", lambda self, a, b: a, "update.promise"),
         (logarithm, "C", Fraction(2, 3), "transform.logarithm"),
@@ -225,24 +240,41 @@ def test_a_wrong_kernel_leaves_its_lemma_open(
     outcome = lemma(falls).run()
     assert outcome.verdict is not Verdict.PROVED  # open, or refuted where a point says so
     assert outcome.evidence
+    assert outcome.method != "none"  # by what was found, not because something cannot be run
 
 
 def test_a_lemma_is_open_where_a_step_of_its_argument_is() -> None:
     good = lemma("sampled.sharp")
-    verdicts = dict.fromkeys(good.steps, Verdict.PROVED)
-    assert with_steps(good, good.run(), verdicts).verdict is Verdict.PROVED
+    proved, verdicts = good.run(), dict.fromkeys(good.steps, Verdict.PROVED)
+    assert with_steps(good, proved, verdicts) == proved
     for name in good.steps:
         for wrong in ({**verdicts, name: Verdict.OPEN}, {k: v for k, v in verdicts.items() if k != name}):
-            outcome = with_steps(good, good.run(), wrong)
+            outcome = with_steps(good, proved, wrong)
             assert outcome.verdict is Verdict.OPEN
             assert name in outcome.evidence[0]
+    refuted = Outcome(Verdict.REFUTED, "counterexample", ("at 0",))
+    assert with_steps(good, refuted, {}) == refuted
 
 
-def test_the_sampled_statements_go_through_a_first_exit_and_name_lemmas_before_them() -> None:
+def test_the_book_asks_for_the_steps(monkeypatch: Any, tmp_path: Any) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+    def made(name: str, verdict: Verdict, *steps: str) -> Lemma:
+        return Lemma(name, "", "", (), "ours", lambda: Outcome(verdict, "by hand", ("said",)), steps)
+
+    two = (made("a.one", Verdict.OPEN), made("a.two", Verdict.PROVED, "a.one"), made("a.three", Verdict.PROVED))
+    monkeypatch.setattr(book_module, "FAMILIES", {"a": ("A", two)})
+    assert [e.verdict for e in prove_all()] == [Verdict.OPEN, Verdict.OPEN, Verdict.PROVED]
+
+
+def test_steps_are_lemmas_that_stand_before_what_names_them() -> None:
     before: set[str] = set()
     for name in (v.name for _, lemmas in FAMILIES.values() for v in lemmas):
         assert set(lemma(name).steps) <= before
         before.add(name)
+
+
+def test_the_sampled_statements_go_through_a_first_exit() -> None:
     for name in ("sharp", "diagonal", "general"):
         assert lemma(f"sampled.{name}").steps[0] == "sampled.first_exit"
         assert f"sampled.{name}" in lemma(f"sampled.{name}_evaluated").steps

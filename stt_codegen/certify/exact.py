@@ -96,8 +96,9 @@ class _Tube:
         least = least_slack(self.bezier, block, self.error / self.design.unit)
         scale = self.design.prescribed_time / self.design.segments
         chosen = block.rows[least.row]
+        needed = max(row.needed for row in block.rows)  # what least_slack has asked of every row
         return Finding(
-            code, statement, least.slack * self.design.unit, self.error * chosen.needed,
+            code, statement, least.slack * self.design.unit, self.error * needed,
             (least.interval[0] * scale, least.interval[1] * scale), None if chosen.dimension is None else chosen.dimension + 1,
             block.names[least.choice] if block.names else None, advice,
         )  # fmt: skip

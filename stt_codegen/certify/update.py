@@ -6,7 +6,7 @@ above alpha stays above when its mean slope over every [t, t + dt] is at least F
 
     its slope in a cell is at least F(least psi, least u) over the cell and `reach` beyond it,  reach >= dt.
 
-u is piecewise linear and may jump up. The least u over the reach is a promise which later cells keep ("floor"). The lower
+u is piecewise linear and may jump up. The least u over the reach is a promise which later cells keep. The lower
 curve is the mirror image. The equation is the limit of steps of length 0, so its solution lies between the curves too.
 
 Rounding enters as a relative error of each emitted step. From exact psi and theta on, it is at most `STEP_ROUNDINGS` times half
@@ -25,7 +25,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -68,17 +68,18 @@ def upper_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[fl
     times: cell boundaries (N + 1). psi, theta: least psi and largest theta of each cell and the reach beyond it (N), and
     last those that hold from times[N] on.
     """
-    return _curve(times, psi, theta, Curve.of(1, kappa, steps))
+    return _values(times, psi, theta, Curve.of(1, kappa, steps))
 
 
 def lower_curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], kappa: float, steps: Steps) -> list[float]:
     """The least value in each cell of a curve below alpha; arguments as `upper_curve`, with largest psi and least theta."""
-    return [max(v, 0.0) for v in _curve(times, psi, theta, Curve.of(-1, kappa, steps))]
+    return [max(v, 0.0) for v in _values(times, psi, theta, Curve.of(-1, kappa, steps))]
 
 
-def _curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], curve: Curve) -> list[float]:
-    if curve.decay <= 0:
-        return [float("inf")] * (len(psi))
+def _values(times: Sequence[float], psi: Sequence[float], theta: Sequence[float], curve: Curve) -> list[float]:
+    """The curve's extreme in each cell, and last the same for all later times."""
+    if curve.decay <= 0 or curve.rush >= 2:  # steps so short that rounding or lateness is all of them: nothing is known
+        return [float("inf") if curve.side > 0 else 0.0] * len(psi)
     u, result = 0.0, []
     promises: deque[tuple[float, float]] = deque()  # until when the curve must stay on this side of what; the strictest last
     for k in range(len(psi) - 1):
@@ -93,11 +94,20 @@ def _curve(times: Sequence[float], psi: Sequence[float], theta: Sequence[float],
     return [*result, curve.outer(u, curve.balance(psi[-1], theta[-1]))]
 
 
+class Cell(NamedTuple):
+    """What a curve does in a cell: where it is at the cell's end, what it promises to stay beyond, and its extreme."""
+
+    end: Any
+    promise: Any
+    extreme: Any
+
+
 @dataclass(frozen=True)
 class Curve:
     """What both curves are made of; side: 1 above alpha, -1 below. share: what rounding may take of alpha in a step, so that
     u (1 - side share) is on the far side of the exact step. decay: kappa with what rounding adds. rush: how much faster than its
-    own length a step may pass. The lemmas `update.rises`, `.falls` and `.promise` run `cell`, `.root` runs `beyond`."""
+    own length a step may pass. reach: seconds. The lemmas
+    `update.rises` and `.falls` run `cell`, `.root` runs `root` and `beyond`, `.promise` runs `_values`."""
 
     side: int
     share: Any
@@ -116,22 +126,22 @@ class Curve:
         """The one that is farther from alpha."""
         return a if self.side * a >= self.side * b else b
 
-    def cell(self, u: Any, h: Any, psi: Any, theta: Any) -> tuple[Any, Any, Any]:
-        """A cell of h seconds that begins at u: where the curve is at its end, what it keeps to until `reach` seconds later, and
-        its extreme. Between them it is a line, or what was promised where that is farther out."""
+    def cell(self, u: Any, h: Any, psi: Any, theta: Any) -> Cell:
+        """A cell of h seconds that begins at u; the promise is until `reach` seconds after it. The curve is a line, or what was
+        promised before where that is farther out."""
         side, share = self.side, self.share
         z = psi + u * (1 - side * share)
         slope = (theta / (z * z) * (1 + side * SLACK) - self.decay * u) if z > 0 else float("inf")
         if side * slope >= 0:  # away from alpha: at this speed, or with a jump to where the speed is 0
             rest = self.outer(u, self.balance(psi, theta))
             explicit = u + h * slope * self.rush * (1 + SLACK)
-            return (rest, rest, rest) if side * rest <= side * explicit else (explicit, u, explicit)
+            return Cell(rest, rest, rest) if side * rest <= side * explicit else Cell(explicit, u, explicit)
         span = (h + self.reach) * (2 - self.rush)
         damping = (1 + span * self.decay) * (1 - side * SLACK)
         root = self.root(psi + u / damping, span * theta / damping)
         kept = (root - psi) * (1 + side * 2 * share) * (1 + side * SLACK) + side * SLACK * abs(psi)
         kept = kept if side * kept <= side * u else u
-        return u + (kept - u) * (h / (h + self.reach)) * (1 - SLACK), kept, u
+        return Cell(u + (kept - u) * (h / (h + self.reach)) * (1 - SLACK), kept, u)
 
     def balance(self, psi: Any, theta: Any) -> Any:
         """The alpha where theta/(psi + alpha)^2 = decay alpha, and what rounding may add: on the far side."""

@@ -1,6 +1,6 @@
 """The lemma book: every family's lemmas, proved anew on each run, and the page that they make.
 
-A family is a module with LEMMAS. What is refuted stands beside its repair, in the same family.
+A family is one module with LEMMAS or several. What is refuted stands beside its repair, in the same family.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from stt_codegen.lemmas import (
 from stt_codegen.lemmas.cache import Cache
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, with_steps
 
+# In this order: a step stands before what names it.
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
     "windows": ("Conflict windows, dimension and side", conflict.LEMMAS),

@@ -1,6 +1,7 @@
 """A SymPy expression that carries a number: what lemmas run the package's own code on, in the place of doubles and fractions.
 
-NumPy calculates with it, and comparisons go by the number; which comparisons were made can be looked at afterwards.
+NumPy calculates with it. Comparisons go by the number, so what is found holds on the path that this number takes; a lemma takes
+as many as there are paths. `questions` hears <, <=, > and >= of formulas, not what is asked of float(formula) or by abs.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Formula:
-    """A SymPy expression with a number, in the place of a double: NumPy calculates with it, comparisons go by the number."""
+    """form: the SymPy expression. number: its value at the lemma's point."""
 
     form: Any
     number: float

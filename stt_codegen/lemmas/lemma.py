@@ -40,7 +40,7 @@ class Outcome:
 @dataclass(frozen=True)
 class Lemma:
     """`name` is family.what; `statement` in words, `latex` for the page; `source` an equation, lemma or theorem, or "ours".
-    steps: the lemmas, earlier in the book, that the argument goes through in this order; it is proved when all of them are."""
+    steps: the lemmas, earlier in the book, that the argument goes through in this order; it is open unless all are proved."""
 
     name: str
     statement: str
@@ -64,6 +64,8 @@ class Lemma:
 
 def with_steps(lemma: Lemma, outcome: Outcome, known: Mapping[str, Verdict]) -> Outcome:
     """The lemma's outcome, open where one of its steps is not proved; `known`: the verdicts so far, so there is no circle."""
+    if outcome.verdict is not Verdict.PROVED:
+        return outcome
     missing = [name for name in lemma.steps if known.get(name) is not Verdict.PROVED]
     return Outcome(Verdict.OPEN, "steps", tuple(f"step {name} is not proved" for name in missing)) if missing else outcome
 
@@ -94,7 +96,8 @@ def identity(
 
 def _value_at(expression: Any, point: Mapping[Any, float]) -> Any:
     """The expression's value there where it is clearly not 0, else 0."""
-    value = sp.sympify(expression).evalf(30, subs={symbol: sp.Rational(str(v)) for symbol, v in point.items()})
+    here = sp.sympify(expression)
+    value = here.evalf(30, subs={symbol: sp.Rational(str(point[symbol])) for symbol in here.free_symbols & point.keys()})
     return value if abs(value) > sp.Float("1e-12") else 0
 
 

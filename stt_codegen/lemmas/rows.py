@@ -2,7 +2,7 @@
 
 A task is here no more than the numbers that a row is made of, each a symbol.
 
-Long because it holds what makes rows and what reads them off a tube, which one drawn row serves.
+Long because it holds both what makes rows and what reads them off a tube.
 """
 
 from __future__ import annotations
@@ -175,8 +175,20 @@ def _support() -> Outcome:
         for normal, h in solid.faces:
             if max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in solid.vertices) != h:
                 wrong.append(f"{solid}: {normal}")
-        if solid.grown(body).faces != tuple((n, Grown(solid, body).support(n)) for n in solid.normals):
-            wrong.append(f"{solid} grown by {body}")
+        larger = Grown(solid, body)
+        for grown in (larger, solid.grown(body)):
+            reached = tuple(
+                (n, max(sum(c * v for c, v in zip(n, p, strict=True)) for p in grown.vertices)) for n in solid.normals
+            )
+            if grown.faces != reached or tuple(larger.span(i) for i in range(N)) != tuple(grown.span(i) for i in range(N)):
+                wrong.append(f"{solid} grown by {body}")
+        low = tuple(Fraction(draw.randint(-9, 9), 4) for _ in range(N))
+        high = tuple(a + Fraction(draw.randint(0, 6), 4) for a in low)
+        ends = [larger.span(i) for i in range(N)]
+        gap = any(b < ends[i][0] or a > ends[i][1] for i, (a, b) in enumerate(zip(low, high, strict=True)))
+        held = all(ends[i][0] <= a and b <= ends[i][1] for i, (a, b) in enumerate(zip(low, high, strict=True)))
+        if (larger.apart(low, high), larger.covers(low, high)) != (gap, held):
+            wrong.append(f"{solid} grown by {body} beside {low}, {high}")
     return all_of(
         identity(found, METHOD), cases(count, wrong, "faces are supports, reached at a corner; grown boxes are grown sets")
     )
@@ -261,15 +273,17 @@ def _subdivided() -> Outcome:
     weights = [[w * (1 - s) ** (3 - j) * s**j for j, w in enumerate((1, 3, 3, 1))] for s in at]
     for _ in range(12):
         sets = [rows.Avoidance(f"set {k}", tuple(_drawn(draw) for _ in range(3))) for k in range(2)]
-        bezier = np.array([[[[draw.randint(-60, 60) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(3)])
+        bezier = np.array([[[[draw.randint(-60, 60) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(5)])
         made = [_drawn(draw) for _ in range(2)]
         for block, groups in (
             (slack.RowBlock.of(made, Fraction(1, 2)), [[r] for r in made]),
             (slack.RowBlock.choice(sets, Fraction(1, 2)), [list(s.rows) for s in sets]),
         ):
-            points = [_least_at(groups, bezier[k], w) for k in range(3) for w in weights]
+            points = [_least_at(groups, bezier[k], w) for k in range(5) for w in weights]
             for error in (Fraction(0), Fraction(1, 3), max(Fraction(0), min(points) - 3)):
                 least = slack.least_slack(bezier, block, error)
+                if least != _in_chunks(bezier, block, error):
+                    wrong.append(f"{least} in one piece, another one in chunks")
                 required = error * max(r.needed for g in groups for r in g)
                 count += 1
                 if least.slack >= required and least.slack > min(points):
@@ -277,6 +291,15 @@ def _subdivided() -> Outcome:
                 if required > least.slack and min(points) > required + 2 and len(groups[0]) == 1:
                     wrong.append(f"{required} is there: {float(min(points))}, and {float(least.slack)} was said")
     return cases(count, wrong, "what is said to be there is there at every 16th of a segment")
+
+
+def _in_chunks(bezier: Any, block: slack.RowBlock, error: Fraction) -> slack.Least:
+    """The same, a few rows at a time."""
+    kept, slack.CHUNK = slack.CHUNK, 2 * len(block.rows)
+    try:
+        return slack.least_slack(bezier, block, error)
+    finally:
+        slack.CHUNK = kept
 
 
 def _least_at(groups: Sequence[Sequence[rows.Row]], piece: Any, weights: Sequence[Fraction]) -> Fraction:
@@ -292,7 +315,8 @@ def _least_at(groups: Sequence[Sequence[rows.Row]], piece: Any, weights: Sequenc
 LEMMAS = (
     Lemma(
         "rows.plain",
-        "The rows of P1, P2, P3, P5 and P6 say of the edges what these properties say.",
+        "The rows of P1, P2, P3, P5 and P6 are: least width, x(0) and the start set, state space, target, bounds on both edges' "
+        "rates.",
         r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v",
         (),
         "the evaluated code",
@@ -339,6 +363,6 @@ LEMMAS = (
         (),
         "the evaluated code",
         _subdivided,
-        ("rows.told",),
+        ("refined.hull", "refined.halves", "rows.told"),
     ),
 )

@@ -4,6 +4,7 @@ things about, with all that noise, latency and rounding add.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -20,7 +21,9 @@ NUMBERS = {
     "tau": 1e-3, "l": 3e-4, "k": 0.3, "r": 1e-5, "d1": 0.5, "d2": 0.6, "n1": 0.45, "n2": 0.55,
     "w1": 0.7, "w2": 0.9, "P1": 0.4, "P2": 0.3,
     "g1": 0.9, "g2": 1.1, "G1": 1.0, "G2": 1.2, "c12": 0.1, "c21": 0.05, "eta1": 1e-3, "eta2": 2e-3, "D1": 0.2, "D2": 0.1,
-    "F": 0.6, "lambda": 0.8, "N": 1.3, "m1": 50.0, "m2": 60.0,
+    "F": 0.6, "E3": 1.7, "k3": 0.35, "d3": 0.55, "n3": 0.5, "w3": 0.8, "P3": 0.35, "g3": 1.0, "G3": 1.1, "c13": 0.03,
+    "c31": 0.02, "c23": 0.04, "c32": 0.06, "eta3": 1.5e-3, "D3": 0.15, "m3": 55.0,
+    "lambda": 0.8, "N": 1.3, "m1": 50.0, "m2": 60.0,
 }  # fmt: skip
 V: dict[str, Any] = {name: sp.Symbol(name, positive=True) for name in NUMBERS}
 POINT = {V[name]: value for name, value in NUMBERS.items()}
@@ -83,20 +86,20 @@ def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
 
 
 def _sharp() -> Outcome:
-    """Both components of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
-    reach = np.array([symbol("E1"), symbol("E2")], dtype=object)
-    conditions = STATEMENTS["sharp"].conditions(setting(2, coupled=True), reach, symbol("tau"))
+    """Every component of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
+    every = ("1", "2", "3")
+    reach = np.array([symbol(f"E{at}") for at in every], dtype=object)
+    conditions = STATEMENTS["sharp"].conditions(setting(len(every), coupled=True), reach, symbol("tau"))
     r, tau, late = V["r"], V["tau"], V["l"]
-    inputs = []
-    for name in ("1", "2"):
-        far, near = _distances(V[f"n{name}"], -V[f"eta{name}"], V[f"E{name}"])
-        inputs.append(V[f"k{name}"] * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r))
+    inputs = {}
+    for at in every:
+        far, near = _distances(V[f"n{at}"], -V[f"eta{at}"], V[f"E{at}"])
+        inputs[at] = V[f"k{at}"] * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r)
     wanted: dict[str, Any] = {}
-    for i, other in (0, 1), (1, 0):
-        at = str(i + 1)
-        push = V[f"P{at}"] + V[f"c{at}{other + 1}"] * inputs[other]
-        c = push * tau + V[f"G{at}"] * inputs[i] * late + V[f"eta{at}"]
-        side = V[f"d{at}"] / 2 * (sp.tanh(V[f"E{at}"] / 2) - r) - (push + V[f"G{at}"] * inputs[i]) * tau - V[f"eta{at}"]
+    for i, at in enumerate(every):
+        push = V[f"P{at}"] + sum(V[f"c{at}{other}"] * inputs[other] for other in every if other != at)
+        c = push * tau + V[f"G{at}"] * inputs[at] * late + V[f"eta{at}"]
+        side = V[f"d{at}"] / 2 * (sp.tanh(V[f"E{at}"] / 2) - r) - (push + V[f"G{at}"] * inputs[at]) * tau - V[f"eta{at}"]
         claims = [side]
         for width in (V[f"d{at}"], V[f"w{at}"]):
             far, near = _distances(width, c, V[f"E{at}"])
@@ -108,7 +111,43 @@ def _sharp() -> Outcome:
             f"{name}, component {at}": _found(conditions, j, (0, i)) - v
             for j, (name, v) in enumerate(zip(names, claims, strict=True))
         }
-    return identity(wanted, METHOD, POINT)
+    return all_of(identity(wanted, METHOD, POINT), _windows())
+
+
+def _windows() -> Outcome:
+    """Each statement on three windows is, by window, the statement on that window alone; of widening, with the window before."""
+    draw = np.random.default_rng(6)
+    wrong: list[str] = []
+    n, count = 2, 0
+
+    def drawn(low: float, high: float, *shape: int) -> Any:
+        return draw.uniform(low, high, shape)
+
+    for statement, _ in itertools.product(("sharp", "diagonal", "general"), range(4)):
+        narrow = drawn(0.4, 0.6, 3, n)
+        nothing = np.zeros((3, n))
+        windows = Windows(
+            np.arange(3.0), narrow, narrow + drawn(0, 0.5, 3, n), nothing, drawn(0, 0.4, 3, n), nothing, nothing, nothing
+        )
+        law = Law(np.full(n, 0.3), np.full(n, 0.999), drawn(0, 1e-3, n), drawn(9, 99, n), 1e-6, 3e-4)
+        cross = drawn(0, 0.1, 3, n, n) * (1 - np.eye(n))
+        many = Setting(
+            windows, law, drawn(0.8, 1, 3, n), drawn(1, 1.2, 3, n), cross, drawn(0.1, 0.5, 3, n), narrow - drawn(0, 0.1, 3, n),
+            drawn(0.8, 1, 3), drawn(1, 1.2, 3), drawn(0.2, 0.6, 3), np.zeros(n),
+        )  # fmt: skip
+        reach: Any = 1.9 if statement == "general" else np.array([2.0, 1.5])
+        whole = STATEMENTS[statement].conditions(many, reach, 1e-3)
+        for w in range(3):
+            here = slice(w, w + 1)
+            widening = np.maximum(windows.widening[here], windows.widening[max(w - 1, 0)])
+            names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
+            one = replace(windows, narrow=narrow[here], wide=windows.wide[here], widening=widening)
+            alone = replace(many, windows=one, **{name: getattr(many, name)[here] for name in names})
+            for k, (a, b) in enumerate(zip(whole, STATEMENTS[statement].conditions(alone, reach, 1e-3), strict=True)):
+                count += 1
+                if not np.allclose(np.asarray(a.values, float)[here], np.asarray(b.values, float), rtol=1e-12, atol=0):
+                    wrong.append(f"{statement}, condition {k}, window {w}: {a.values}, alone {b.values}")
+    return cases(count, wrong, "conditions on three windows are, by window, those on it alone, to the roundings of a double")
 
 
 def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any, root: Any = 1) -> tuple[Any, Any]:
@@ -182,7 +221,7 @@ LEMMAS = (
         "What the package evaluates for the sharp statement is that of sampled.sharp, .coupled, .shift and .saturated, with "
         "c = P' tau + G U l + eta and rounding r, relative and of eps.",
         r"k(1-r)g_{\min}\bigl(h(a,b) - r(\tfrac1a+\tfrac1b)\bigr) > P',\quad a,b = \tfrac{d}{1+e^{\mp E}} \mp c",
-        ("n = 2, one window; by component, so for every n",),
+        ("n = 3; by component, so for every n", "windows one by one"),
         "the evaluated code",
         _sharp,
         ("sampled.sharp", "sampled.coupled", "sampled.shift", "sampled.saturated"),

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
-from itertools import product
+from itertools import permutations, product
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,9 +24,13 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, si
 from stt_codegen.lemmas.sampled_evaluated import METHOD, NUMBERS, POINT, V, setting, symbol
 from stt_codegen.sampling import statements
 
-LIMIT = Fraction(5, 2)  # u_max, a number of the scalar
+LIMITS = (Fraction(5, 2), Fraction(5), Fraction(4))  # u_max, numbers of the scalar
 Component: Any = period.Component  # of symbols here
-RHO = {name: sp.Symbol(f"rho{name[1:]}", positive=True) for name in ("E1", "E2")}
+EVERY = (1, 2, 3)  # three components: two others to couple with
+RHO = {f"E{i}": sp.Symbol(f"rho{i}", positive=True) for i in EVERY}
+BELOW, ABOVE = (Formula(sp.Symbol(word, positive=True), 1.0) for word in ("below", "above"))  # of a logarithm's two ends
+OWN = {"f": 0.1, "w": 0.05, "s1": 0.25, "s2": 0.15, "s3": 0.2, "g": 0.9, "G": 1.0, "c": 0.05, "T": 7e-4}
+HELD = {"u1": 1.25, "u2": 1.75, "u3": 1.5}
 
 
 # ------------------------------------------------------------------------------------------------ P9
@@ -34,56 +38,42 @@ RHO = {name: sp.Symbol(f"rho{name[1:]}", positive=True) for name in ("E1", "E2")
 
 def _loop(limited: bool) -> tuple[Any, list[Any], list[Formula], dict[Any, Any]]:
     """The statement in fractions on symbols; its window and rho; and what the symbols of the other one are here."""
-    names = {"f": 0.1, "w": 0.05, "s1": 0.25, "s2": 0.15, "g": 0.9, "G": 1.0, "c": 0.05, "T": 7e-4}
-    own = {name: Formula(sp.Symbol(name, positive=True), value) for name, value in names.items()}
+    own = {name: Formula(sp.Symbol(name, positive=True), value) for name, value in OWN.items()}
     plant = SimpleNamespace(f_max=own["f"], w_max=own["w"], g_min=own["g"], g_max=own["G"], g_cross=own["c"])
-    task = SimpleNamespace(
-        dimension=2,
+    task: Any = SimpleNamespace(
+        dimension=len(EVERY),
         plant=plant,
         control=SimpleNamespace(period=own["T"], latency=symbol("l")),
         emit=SimpleNamespace(scalar="float", math="libm"),
-        e_max=(Fraction(999, 1000),) * 2,
-        gain=(symbol("k1"), -symbol("k2")),
-        u_max=(LIMIT, 2 * LIMIT) if limited else None,
+        e_max=(Fraction(999, 1000),) * len(EVERY),
+        gain=(symbol("k1"), -symbol("k2"), symbol("k3")),
+        u_max=LIMITS if limited else None,
     )
-    statement: Any = period.SharpStatement(
-        task, SimpleNamespace(), (symbol("eta1"), symbol("eta2")), lambda y: (y.log(), y.log())  # type: ignore[arg-type]
-    )  # fmt: skip
-    window = [Component(symbol(f"d{i}"), symbol(f"n{i}"), symbol(f"w{i}"), own[f"s{i}"]) for i in (1, 2)]
-    rho = [Formula(RHO[name], float(np.exp(NUMBERS[name]))) for name in ("E1", "E2")]
+    shift: Any = tuple(symbol(f"eta{i}") for i in EVERY)
+    tube: Any = SimpleNamespace()
+    statement = period.SharpStatement(task, tube, shift, lambda y: (BELOW * y.log(), ABOVE * y.log()))
+    window = [Component(symbol(f"d{i}"), symbol(f"n{i}"), symbol(f"w{i}"), own[f"s{i}"]) for i in EVERY]
+    rho = [Formula(RHO[f"E{i}"], float(np.exp(NUMBERS[f"E{i}"]))) for i in EVERY]
     here = {name: value.form for name, value in own.items()}
-    same = {
-        V["P1"]: here["f"] + here["w"] + here["s1"],
-        V["P2"]: here["f"] + here["w"] + here["s2"],
-        V["tau"]: here["T"] + V["l"],
-    }
-    same |= {V[name]: here["g"] for name in ("g1", "g2")} | {V[name]: here["G"] for name in ("G1", "G2")}
-    same |= {V[name]: here["c"] for name in ("c12", "c21")} | {V["r"]: sp.Rational(statement.rounding)}
-    same |= {V["m1"]: sp.Rational(LIMIT), V["m2"]: sp.Rational(2 * LIMIT)}
+    same = {V[f"P{i}"]: here["f"] + here["w"] + here[f"s{i}"] for i in EVERY} | {V["tau"]: here["T"] + V["l"]}
+    same |= {V[f"g{i}"]: here["g"] for i in EVERY} | {V[f"G{i}"]: here["G"] for i in EVERY}
+    same |= {V[f"c{i}{j}"]: here["c"] for i, j in permutations(EVERY, 2)} | {V["r"]: sp.Rational(statement.rounding)}
+    same |= {V[f"m{i}"]: sp.Rational(limit) for i, limit in zip(EVERY, LIMITS, strict=True)}
     return statement, window, rho, same
 
 
 def _there() -> dict[Any, float]:
     """Numbers for every symbol of the statement in fractions."""
-    names = {
-        "f": 0.1,
-        "w": 0.05,
-        "s1": 0.25,
-        "s2": 0.15,
-        "g": 0.9,
-        "G": 1.0,
-        "c": 0.05,
-        "T": 7e-4,
-        "u1": 1.25,
-        "u2": 1.75,
-        "P": 0.4,
+    point = {
+        sp.Symbol(name, positive=True): value for name, value in (OWN | HELD | {"P": 0.4, "below": 0.99, "above": 1.01}).items()
     }
-    point = {sp.Symbol(name, positive=True): value for name, value in names.items()}
     return POINT | point | {RHO[name]: round(float(np.exp(NUMBERS[name])), 6) for name in RHO}
 
 
-def _difference(one: Any, other: Any) -> Any:
-    """One less the other; a number where they differ at a point, since SymPy would take minutes over what is not 0."""
+def _difference(one: Any, other: Any, end: Formula) -> Any:
+    """One less the other, whose logarithms are taken from this end; a number where they differ at a point, since SymPy would take
+    minutes over what is not 0."""
+    other = sp.sympify(other).replace(sp.log, lambda v: end.form * sp.log(v))
     point = {s: sp.Rational(str(v)) for s, v in _there().items()}
     forms = [sp.sympify(v).subs({V[name]: sp.log(rho) for name, rho in RHO.items()}) for v in (one, other)]
     off = (forms[0] - forms[1]).subs(point).evalf(30)
@@ -91,7 +81,7 @@ def _difference(one: Any, other: Any) -> Any:
 
 
 def _rational(expression: Any) -> Any:
-    """E as ln rho, and every logarithm as a symbol of its argument, over one denominator: what is left is a rational function."""
+    """E as ln rho, and every logarithm as a symbol of its argument, so that what is left is a rational function."""
     e = sp.sympify(expression).subs({V[name]: sp.log(rho) for name, rho in RHO.items()})
     e = e.replace(sp.tanh, lambda v: (sp.exp(2 * v) - 1) / (sp.exp(2 * v) + 1))
     return e.replace(sp.log, lambda v: sp.Symbol(f"ln({sp.cancel(sp.together(v))})", positive=True))
@@ -99,17 +89,17 @@ def _rational(expression: Any) -> Any:
 
 def _fractions() -> Outcome:
     """`_kept` on both components, u given: its six questions are the six conditions of `sharp_under`."""
-    u = [Formula(sp.Symbol(f"u{i}", positive=True), v) for i, v in ((1, 1.25), (2, 1.75))]
+    u = [Formula(sp.Symbol(name, positive=True), value) for name, value in HELD.items()]
     statement, window, rho, same = _loop(limited=True)
-    loop = setting(2, coupled=True)
+    loop = setting(len(EVERY), coupled=True)
     given = np.array([u], dtype=object)
-    reach = np.array([symbol("E1"), symbol("E2")], dtype=object)
+    reach = np.array([symbol(name) for name in RHO], dtype=object)
     conditions = statements.sharp_under(loop, reach, symbol("tau"), given, statements.sharp_push(loop, given))
     side, ends_low, inward_low, ends_high, inward_high, saturated = (c.values for c in conditions)
     found: dict[str, Any] = {}
     wrong: list[str] = []
-    here = {name: sp.Symbol(name, positive=True) for name in ("f", "w", "s1", "s2", "c", "T")}
-    for i in (0, 1):
+    here = {name: sp.Symbol(name, positive=True) for name in OWN}
+    for i in range(len(EVERY)):
         with questions() as asked:
             kept = statement._kept(i, window[i], rho[i], u)
         wanted = (side, saturated, ends_low, inward_low, ends_high, inward_high)
@@ -117,75 +107,85 @@ def _fractions() -> Outcome:
             wrong.append(f"component {i + 1}: {len(asked)} comparisons, {'kept' if kept else 'not kept'}")
             continue
         # P' and tau as one symbol each, so that SymPy has less to multiply out
-        pushed = sp.Symbol("P", positive=True) - here["w"] - here[f"s{i + 1}"] - here["c"] * u[1 - i].form
+        pushed = (
+            sp.Symbol("P", positive=True) - here["w"] - here[f"s{i + 1}"] - here["c"] * sum(v.form for v in u if v is not u[i])
+        )
         shorter = {here["f"]: pushed, here["T"]: V["tau"] - V["l"]}
         for j, (q, values) in enumerate(zip(asked, wanted, strict=True)):
             claimed = np.asarray(values, dtype=object)[0, i].form.subs(same)
             asks = (q.left - q.right).subs(shorter)
-            found[f"component {i + 1}, comparison {j + 1}"] = _difference(asks, claimed.subs(shorter))
-    return all_of(identity(found, METHOD), cases(2, wrong, "six comparisons, none of them true"), _refuses())
+            found[f"component {i + 1}, comparison {j + 1}"] = _difference(asks, claimed.subs(shorter), BELOW)
+    return all_of(identity(found, METHOD), cases(len(EVERY), wrong, "six comparisons, none of which refuses"), _refuses())
 
 
 def _refuses() -> Outcome:
-    """Each comparison of `_kept` refuses, alone: with numbers for which only that one fails."""
+    """Which comparison of `_kept` refuses, for numbers that fail that one and none before it. Those of the ends (the third and
+    the fifth) never refuse alone: what same side leaves is more than twice the drift, since latency is within the age."""
     wrong: list[str] = []
-    tried = {
-        "same side": {"narrow": Fraction(1, 50)},
-        "saturated": {"u_max": Fraction(1, 100)},
-        "ends at the narrow end": {"narrow": Fraction(1, 20), "shift": Fraction(1, 50)},
-        "sharp at the wide end": {"wide": Fraction(400)},
-        "none": {},
+    tried: dict[str, tuple[int, dict[str, Fraction]]] = {
+        "same side": (1, {"narrow": Fraction(1, 50)}),
+        "saturated": (2, {"u_max": Fraction(1, 100)}),
+        "inward at the narrow end": (4, {"narrow": Fraction(400), "wide": Fraction(400)}),
+        "inward at the wide end": (6, {"wide": Fraction(400)}),
+        "none": (6, {}),
     }
-    for name, change in tried.items():
-        answer = _plain(**change)
-        if answer != (name == "none"):
-            wrong.append(f"{name}: {answer}")
-    return cases(len(tried), wrong, "`_kept` refuses what fails one condition and accepts what fails none")
+    for name, (last, change) in tried.items():
+        answer, asked = _asked(**change)
+        if (answer, asked) != (name == "none", last):
+            wrong.append(f"{name}: {'kept' if answer else 'refused'} after {asked} comparisons")
+    return cases(len(tried), wrong, "`_kept` refuses by the comparison that fails, and keeps where none does")
 
 
-def _plain(
-    narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: Fraction = Fraction(100), shift: Fraction = Fraction(0)
-) -> bool:
+def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: Fraction = Fraction(100)) -> tuple[bool, int]:
+    """The answer of `_kept` for one component, and after how many comparisons."""
+    plant = SimpleNamespace(f_max=_number(Fraction(1, 10)), w_max=None, g_min=Fraction(1), g_max=Fraction(1), g_cross=None)
     task: Any = SimpleNamespace(
         dimension=1,
-        plant=SimpleNamespace(f_max=Fraction(1, 10), w_max=None, g_min=Fraction(1), g_max=Fraction(1), g_cross=None),
+        plant=plant,
         control=SimpleNamespace(period=Fraction(1, 1000), latency=Fraction(0)),
         emit=SimpleNamespace(scalar="float", math="libm"),
         e_max=(Fraction(999, 1000),),
         gain=(Fraction(1),),
         u_max=(u_max,),
     )
-    statement = period.SharpStatement(task, SimpleNamespace(), (shift,))  # type: ignore[arg-type]
-    u = [min(Fraction(20), u_max)]
-    return statement._kept(0, Component(narrow, narrow, wide, Fraction(1, 10)), Fraction(6), u)
+    statement = period.SharpStatement(task, SimpleNamespace(), (Fraction(0),), lambda y: (y.log(), y.log()))  # type: ignore[arg-type]
+    window = Component(_number(narrow), _number(narrow), _number(wide), Fraction(1, 10))
+    with questions() as asked:
+        kept = statement._kept(0, window, _number(Fraction(6)), [_number(min(Fraction(20), u_max))])  # type: ignore[arg-type, list-item]
+    return kept, len(asked)
+
+
+def _number(value: Fraction) -> Formula:
+    return Formula(sp.Rational(value), float(value))
 
 
 def _inputs() -> Outcome:
-    """`inputs` on both components: the same U as `input_bound`, free, at the clamp and at u_max."""
+    """`inputs` on every component: the same U as `input_bound`, free, at the clamp and at u_max, each with its own e_max."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
     count = 0
-    for e_max, limited, noisy in product((Fraction(1023, 1024), Fraction(5, 8)), (False, True), (False, True)):
+    far, near = Fraction(1023, 1024), Fraction(5, 8)
+    for e_max, limited, noisy in product(((far,) * 3, (far, near, far), (near, far, near)), (False, True), (False, True)):
         statement, window, rho, same = _loop(limited)
-        statement.task.e_max = (e_max,) * 2
+        statement.task.e_max = e_max
         if noisy:  # the law may see any width
             statement = replace(statement, shift=tuple(Formula(v.form, 1.0) for v in statement.shift))
-        limits = np.array([LIMIT, 2 * LIMIT] if limited else [np.inf, np.inf], dtype=float)
-        law = replace(setting(2).law, gain=np.array([symbol("k1"), symbol("k2")], dtype=object), e_max=np.full(2, float(e_max)))
-        law = replace(law, u_max=limits, shift=np.array(statement.shift, dtype=object))
-        loop = replace(setting(2, coupled=True), law=law)
-        wanted = statements.input_bound(loop, np.array([symbol("E1"), symbol("E2")], dtype=object))[0]
+        limits = np.array([float(v) if limited else np.inf for v in LIMITS])
+        shift = np.array(statement.shift, dtype=object)
+        loop = setting(len(EVERY), coupled=True)
+        loop = replace(loop, law=replace(loop.law, e_max=np.array([float(v) for v in e_max]), u_max=limits, shift=shift))
+        wanted = statements.input_bound(loop, np.array([symbol(name) for name in RHO], dtype=object))[0]
         u = statement.inputs(window, rho)
         count += 1
         name = f"e_max {e_max}, u_max {'given' if limited else 'none'}, noise {'wide' if noisy else 'small'}"
         if noisy and not limited:
             wrong += [f"{name}: U = {u}"] if u or not all(float(v) >= 1e300 for v in wanted) else []
-        elif len(u) != 2:
+        elif len(u) != len(EVERY):
             wrong.append(f"{name}: {len(u)} bounds")
         else:
             for i, values in enumerate(zip(u, wanted, strict=True)):
                 a, b = (sp.sympify(getattr(v, "form", v)) for v in values)
-                found[f"{name}, component {i + 1}"] = _difference(a, b.subs(same))
+                found[f"{name}, component {i + 1}"] = _difference(a, b.subs(same), ABOVE)
     return all_of(identity(found, METHOD), cases(count, wrong, "as many bounds as components, none where there is none"))
 
 
@@ -197,48 +197,51 @@ def _holds() -> Outcome:
     wrong: list[str] = []
     count = 0
 
-    def answer(fails: tuple[int, int] | None, rho: Fraction, age: Fraction, late: Fraction, known: bool = True) -> Any:
+    def answer(
+        fails: tuple[int, int] | None, rho: tuple[Fraction, ...], age: Fraction, late: Fraction, known: bool = True
+    ) -> Any:
         asked: list[tuple[int, int]] = []
 
         class Stub(period.SharpStatement):
             def windows(self) -> Iterator[tuple[Any, ...]]:
-                return iter(((0, 0), (1, 1), (2, 2)))
+                return iter(((0, 0, 0), (1, 1, 1), (2, 2, 2)))
 
             def inputs(self, window: Any, rho: Any) -> list[Fraction]:
-                return [Fraction(1 + window[0]), Fraction(5 - window[1])] if known or window[0] < 2 else []
+                return [Fraction(1 + window[0]), Fraction(5 - window[1]), Fraction(2)] if known or window[0] < 2 else []
 
             def _kept(self, i: int, c: Any, rho: Fraction, u: list[Fraction]) -> bool:
                 asked.append((c, i))
                 return (c, i) != fails
 
         task = SimpleNamespace(
-            dimension=2, prescribed_time=Fraction(4), e_max=(Fraction(4, 5),) * 2,
+            dimension=3, prescribed_time=Fraction(4), e_max=(Fraction(4, 5), Fraction(3, 5), Fraction(2, 3)),
             initial_set=SimpleNamespace(share=Fraction(1, 2)), control=SimpleNamespace(period=age - late, latency=late),
         )  # fmt: skip
-        found = Stub(task, SimpleNamespace(segments=2), ()).holds((rho, rho))  # type: ignore[arg-type]
+        found = Stub(task, SimpleNamespace(segments=2), ()).holds(rho)  # type: ignore[arg-type]
         return found, asked
 
-    good, every = (Fraction(3), Fraction(5)), [(c, i) for c in range(3) for i in range(2)]
-    # 1/2 of the share is rho = 3, e_max is rho = 9; segments of 2 s, half of one where there is latency
-    for rho, age, late, fine in (
-        (Fraction(9), Fraction(2), Fraction(0), True),
-        (Fraction(9), Fraction(1), Fraction(1, 2), True),
-        (Fraction(9) + Fraction(1, 10**9), Fraction(1), Fraction(0), False),
-        (Fraction(3), Fraction(1), Fraction(0), False),
-        (Fraction(3) + Fraction(1, 10**9), Fraction(1), Fraction(0), True),
-        (Fraction(9), Fraction(2) + Fraction(1, 10**9), Fraction(0), False),
-        (Fraction(9), Fraction(1) + Fraction(1, 10**9), Fraction(1, 2), False),
-    ):
+    good, every = (Fraction(3), Fraction(5), Fraction(2)), [(c, i) for c in range(3) for i in range(3)]
+    # 1/2 of the share is rho = 3, and e_max is rho = 9, 4 and 5; segments of 2 s, half of one where there is latency
+    most, least, more = (Fraction(9), Fraction(4), Fraction(5)), Fraction(3), Fraction(1, 10**9)
+    tried: list[tuple[tuple[Fraction, ...], Fraction, Fraction, bool]] = [
+        (most, Fraction(2), Fraction(0), True),
+        (most, Fraction(1), Fraction(1, 2), True),
+    ]
+    tried += [(most, Fraction(2) + more, Fraction(0), False), (most, Fraction(1) + more, Fraction(1, 2), False)]
+    for i in range(3):
+        for value, fine in ((most[i] + more, False), (least, False), (least + more, True)):
+            tried.append(((*most[:i], value, *most[i + 1 :]), Fraction(1), Fraction(0), fine))
+    for rho, age, late, fine in tried:
         found, asked = answer(None, rho, age, late)
         count += 1
         if (found, asked) != ((good, every) if fine else (None, [])):
             wrong.append(f"rho {rho}, age {age}, latency {late}: {found} after {len(asked)} questions")
     for place in every:
         count += 1
-        if answer(place, Fraction(9), Fraction(1), Fraction(0))[0] is not None:
+        if answer(place, most, Fraction(1), Fraction(0))[0] is not None:
             wrong.append(f"window {place[0]}, component {place[1]} fails, and all is said to hold")
     count += 1
-    if answer(None, Fraction(9), Fraction(1), Fraction(0), known=False)[0] is not None:
+    if answer(None, most, Fraction(1), Fraction(0), known=False)[0] is not None:
         wrong.append("a window without a bound on u, and all is said to hold")
     return cases(count, wrong, "holds where every component is kept in every window, and nowhere else")
 
@@ -274,7 +277,7 @@ LEMMAS = (
         "sampled.inputs",
         "P9 bounds u as the sampled statements do.",
         r"U_i = k_i\,h(a+\eta, b-\eta)(1+r) + \ldots",
-        ("n = 2; by component, so for every n", "rho = e^E"),
+        ("n = 3; by component, so for every n", "rho = e^E"),
         "the evaluated code",
         _inputs,
         ("sampled.shift",),
@@ -283,7 +286,7 @@ LEMMAS = (
         "sampled.fractions",
         "P9 compares in fractions what the sharp statement computes: its conditions, one for one.",
         r"\tfrac1{1+e^{-E}} = \tfrac{\rho}{1+\rho},\quad \tanh\tfrac E2 = \tfrac{\rho-1}{\rho+1}",
-        ("n = 2; by component, so for every n", "rho = e^E"),
+        ("n = 3; by component, so for every n", "rho = e^E"),
         "the evaluated code",
         _fractions,
         ("sampled.sharp_evaluated",),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -11,13 +12,17 @@ from typing import Any
 
 import numpy as np
 import sympy as sp
+from flint import arb, ctx
 
 from stt_codegen.certify import period
 from stt_codegen.designs import LOWER, UPPER
 from stt_codegen.lemmas.formula import Formula
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
 from stt_codegen.program.number import FORMATS, round_down
-from stt_codegen.sampling import Bounds, extremes, law_of, refined_windows, setting_of
+from stt_codegen.sampling import Bounds, eps_of_share, extremes, law_of, refined_windows, setting_of
+from stt_codegen.sampling.setting import in_balls
+
+SPARE = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # what doubles are rounded outward by at most, and the rounding of that
 
 
 @dataclass(frozen=True)
@@ -37,12 +42,15 @@ class Table:
 
 
 def tables() -> Iterator[Table]:
-    """One segment with its coefficients and widths in every order, then two segments of two components."""
-    for order in permutations(range(4)):
-        low, high = order, [9 + 2.5 * v for v in order[::-1]]
+    """One segment with its lower coefficients and its widths in every order, then two segments of two components."""
+    orders = list(permutations(range(4)))
+    for low, wide in zip(orders, orders[::-1], strict=True):
+        high = [a + 9 + 2.5 * w for a, w in zip(low, wide, strict=True)]
         yield _table(np.array([[[low, high]]], dtype=float), Fraction(3, 2))
     rising = np.arange(32, dtype=float).reshape(2, 2, 2, 4)
     yield _table(rising + np.sin(rising) / 2, Fraction(10))
+    many = np.arange(48.0).reshape(6, 1, 2, 4)
+    yield _table(many * 7 % 31 + np.array([[0.0], [40.0]]) + np.sin(many), Fraction(5))
     yield _table(40 - rising + np.sin(3 * rising), Fraction(7, 3))
 
 
@@ -117,20 +125,23 @@ def _windows() -> Outcome:
             wrong.append(f"windows end at {windows.times}, not at {ends}")
     return all_of(
         _bezier_rate(),
-        identity(found, "SymPy: the evaluated code run on symbols, coefficients in every order"),
+        identity(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
         cases(count, wrong, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
     )
 
 
 def _exact_windows() -> Outcome:
     """`SharpStatement.windows`: those of the segment, and the worse of it and of the one before."""
+    wrong: list[str] = []
     found: dict[str, Any] = {}
     for number, given in enumerate(tables()):
         table: Any = given
         statement: Any = period.SharpStatement(SimpleNamespace(), table, ())  # type: ignore[arg-type]
         unit, rate = sp.Rational(given.unit), sp.Rational(Fraction(3 * given.segments) / given.prescribed_time * given.unit)
         narrow, wide, step = (getattr(extremes(table), name) for name in ("narrow", "wide", "step"))
-        for k, window in enumerate(statement.windows()):
+        windows = list(statement.windows())
+        wrong += [] if len(windows) == given.segments + 1 else [f"{len(windows)} windows for {given.segments} segments"]
+        for k, window in enumerate(windows):
             before = max(k - 1, 0)
             for i, c in enumerate(window):
                 wanted = {
@@ -140,7 +151,10 @@ def _exact_windows() -> Outcome:
                     "speed": (c.speed, rate * max(step[k, i], step[before, i], key=float).form),
                 }
                 found |= {f"{name} {number}.{k}.{i}": getattr(a, "form", a) - b for name, (a, b) in wanted.items()}
-    return identity(found, "SymPy: the evaluated code run on symbols, coefficients in every order")
+    return all_of(
+        identity(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
+        cases(number + 1, wrong, "a window for every segment, and one from t_c on"),
+    )
 
 
 def _setting() -> Outcome:
@@ -153,7 +167,7 @@ def _setting() -> Outcome:
         for a, b in zip(np.ravel(given).tolist(), np.ravel(exact).tolist(), strict=True):
             count += 1
             over = (Fraction(a) - Fraction(b)) * (1 if up else -1)
-            if not 0 <= over <= Fraction(b) / 10**9:
+            if not 0 <= over <= Fraction(b) * SPARE:
                 wrong.append(f"{name} is {float(a)}, not {float(b)}")
 
     for scalar, noise, limit in product(("float", "double"), (0.0, 0.03), (None, (Fraction(1, 3), Fraction(2)))):
@@ -171,10 +185,14 @@ def _setting() -> Outcome:
         near("shift", law.shift, np.array(exact, dtype=object))
         near("shift of P9", np.array(period.statement_of(task, SimpleNamespace(), error).shift, dtype=object),  # type: ignore[arg-type]
              np.array(exact, dtype=object))  # fmt: skip
-        near("gain", law.gain, np.abs([float(v) for v in task.gain]))
-        near("u_max", law.u_max[np.isfinite(law.u_max)], [float(round_down(v, scalar)) for v in limit or ()])
+        gain = np.array([abs(v) for v in task.gain], dtype=object)
+        near("gain", law.gain * (1 + 2.0**-52), gain)  # the nearest double: law.rounding has that rounding
+        near("e_max", law.e_max, [float(v) for v in task.e_max])
+        near("eps at the clamp", law.farthest, [float(_eps(v)) for v in task.e_max])
+        near("eps of the share", eps_of_share(Fraction(9, 10), 2), np.array([_eps(Fraction(9, 10))] * 2, dtype=object))
+        near("u_max", law.u_max[np.isfinite(law.u_max)], [float(round_down(v, scalar)) for v in limit or ()], up=False)
         count += 1
-        if law.latency != 0.25 or law.rounding != statement_rounding(task):
+        if law.latency != 0.25 or law.rounding < 32 * FORMATS[scalar].roundoff:
             wrong.append(f"latency {law.latency}, rounding {law.rounding}")
         low = np.arange(16.0).reshape(2, 2, 4) * 7 % 5
         edges = np.stack([low, low + 3 + np.arange(16.0).reshape(2, 2, 4) * 5 % 7], axis=2)
@@ -183,18 +201,40 @@ def _setting() -> Outcome:
         for k in (1, -1):
             sizes = [(j + 1.0) ** k for j in range(3)]
             each = [np.array([0.5, 0.25]) * v for v in sizes]
-            p = [Bounds(v, v / 2, v * 3, np.zeros((2, 2)), 0.75 * w, 0.5, 2.0) for v, w in zip(each, sizes, strict=True)]
+            p = [
+                Bounds(v, v / 2, v * 3, np.array([[0.0, w], [2 * w, 0.0]]), 0.75 * w, 0.5, 2.0)
+                for v, w in zip(each, sizes, strict=True)
+            ]
             made = setting_of(windows, p, law, np.zeros(2))
             speed = np.maximum(windows.speed, windows.speed[[0, 0, 1]])
             near("push", made.push, speed + [b.push for b in p])
-            near("narrow", made.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]))
+            near("narrow", made.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]), up=False)
             near("push_norm", made.push_norm, np.sqrt((speed**2).sum(axis=1)) + [b.push_norm for b in p])
-            near("g", [made.least, made.most], [[b.least for b in p], [b.most for b in p]])
+            near("g_min", made.least, [b.least for b in p], up=False)
+            near("g_max", made.most, [b.most for b in p])
+            near("g_ij", made.cross, [b.cross for b in p])
+            near("of the whole", [made.definite, made.norm], [[b.definite for b in p], [b.norm for b in p]])
+            balls, alone = in_balls(made), made.component(1)
+            for name in ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm"):
+                near(f"{name} in balls", [float(v) for v in np.ravel(getattr(balls, name))], np.ravel(getattr(made, name)))
+            for name in ("narrow", "wide", "speed", "widening"):
+                near(
+                    f"{name} in balls", [float(v) for v in np.ravel(getattr(balls.windows, name))], getattr(windows, name).ravel()
+                )
+                near(f"{name} of one component", getattr(alone.windows, name)[:, 0], getattr(windows, name)[:, 1])
+            for name in ("least", "most", "push", "narrow"):
+                near(f"{name} of one component", getattr(alone, name)[:, 0], getattr(made, name)[:, 1])
+            near("gain in balls", [float(v) for v in balls.law.gain], law.gain)
     return cases(count, wrong, "what the statements are told is on the safe side, by 1e-9 of it at most")
 
 
-def statement_rounding(task: Any) -> float:
-    return float(period.SharpStatement(task, SimpleNamespace(), ()).rounding)  # type: ignore[arg-type]
+def _eps(share: Fraction) -> Fraction:
+    """ln((1 + share)/(1 - share)) from below, to 2^-55."""
+    with ctx.workprec(200):
+        value = (
+            arb((1 + share).numerator * (1 - share).denominator) / arb((1 + share).denominator * (1 - share).numerator)
+        ).log()
+        return Fraction(math.floor(float((value * 2**40).lower()) * 2**15), 2**55)
 
 
 LEMMAS = (
@@ -219,7 +259,8 @@ LEMMAS = (
     ),
     Lemma(
         "sampled.setting",
-        "What noise, P7 and rounding make of the law and of the tube is on the safe side.",
+        "eta bounds the error of what the law sees: both edges' arithmetic, x rounded, noise. Every bound is the worse of two "
+        "windows, rounded to the safe side.",
         r"\eta \ge 2\delta + \epsilon\max|x| + b",
         (),
         "the evaluated code",

@@ -20,7 +20,7 @@ import numpy as np
 import sympy as sp
 
 from stt_codegen.certify import update
-from stt_codegen.certify.update import SLACK, Curve, ahead
+from stt_codegen.certify.update import SLACK, Cell, Curve, ahead
 from stt_codegen.lemmas.formula import Formula, questions
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
 
@@ -29,7 +29,8 @@ NUMBERS = {
     "u": 0.25, "h": 0.125, "psi": 0.5, "theta": 0.5, "rho": 2.0**-18, "decay": 4.0, "rush": 1.0 + 2.0**-8, "reach": 0.0625,
     "R": 0.75, "kappa": 4.0, "least": 0.015625, "late": 2.0**-16,
 }  # fmt: skip
-V: dict[str, Any] = {name: sp.Symbol(name, positive=True) for name in NUMBERS}
+V: dict[str, Any] = {name: sp.Symbol(name, real=True) if name == "psi" else sp.Symbol(name, positive=True) for name in NUMBERS}
+PSI = (0.5, -0.0625)  # psi of either sign
 S = sp.Rational(Fraction(SLACK))
 u, h, psi, theta, share, decay, rush, reach, R = (V[k] for k in ("u", "h", "psi", "theta", "rho", "decay", "rush", "reach", "R"))
 
@@ -85,7 +86,7 @@ def _rounded() -> Outcome:
         identity({"1/(1 - s) - (1 + s/(1 - s))": sp.cancel(1 / (1 - share) - (1 + share / (1 - share)))}),
         sign(
             {
-                "(1 + 2 s)(1 - s) - 1": sp.factor(sp.together(((1 + 2 * few) * (1 - few) - 1).subs(z, z))),
+                "(1 + 2 s)(1 - s) - 1": sp.factor(sp.together((1 + 2 * few) * (1 - few) - 1)),
                 "1 - (1 - 2 s)(1 + s)": sp.factor(sp.together(1 - (1 - 2 * few) * (1 + few))),
             }
         ),
@@ -107,70 +108,87 @@ def _steps() -> Outcome:
 
 
 def _rises() -> Outcome:
-    """Away from alpha: at the speed F, `rush` times, or with a jump to where F is 0 or points back."""
+    """Away from alpha: at the speed F, `rush` times, or with a jump to where F is 0 or points back; a jump, too, where z <= 0."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
-    for side, far in product((1, -1), (True, False)):
+    for side, far, at in product((1, -1), (True, False), (*PSI, -1.0)):
+        if at == -1.0 and (side < 0 or far):
+            continue  # z <= 0: alpha is below, and the curve above it jumps
         # below alpha F points down: a small force. far: the place of rest is farther out than a line gets
-        curve = _curve(side, at={(1, True): 9.0, (1, False): 0.76, (-1, True): 0.5 + 2.0**-12, (-1, False): 0.749}[side, far])
-        force = 8.0 if side > 0 else 0.125
-        after, kept, extreme = curve.cell(_f("u"), _f("h"), _f("psi"), _f("theta", force))
-        rest = (R - psi) * (1 + side * S) + side * S * psi
+        places = {(1, True): 60.0, (1, False): 0.26, (-1, True): 2.0**-12, (-1, False): 0.249}
+        curve = _curve(side, at=at + places[side, far])
+        force = _f("theta", 8.0 if side > 0 else 2.0**-6)
+        after, kept, extreme = curve.cell(_f("u"), _f("h"), _f("psi", at), force)
+        rest = (R - psi) * (1 + side * S) + side * S * (psi if at > 0 else -psi)
         rest = rest * (1 + side * 2 * share)
         line = u + h * _speed(side) * rush * (1 + S)
-        name = f"side {side}, {'line' if far else 'jump'}"
+        name = f"side {side}, {'line' if far else 'jump'}, psi {at}"
         wanted = (line, u, line) if far else (rest, rest, rest)
         for what, got, form in zip(("end", "promise", "extreme"), (after, kept, extreme), wanted, strict=True):
             found[f"{name}: {what}"] = sp.expand(got.form - form)
         (p, q), *more = curve.asked
         found |= {f"{name}: p": p - psi, f"{name}: q": sp.cancel(q - theta / decay * (1 + side * S))}
         wrong += [f"{name}: {len(more)} roots more"] if more else []
-        curve = _curve(side, at=0.25)  # psi + alpha < psi: no place of rest above 0
-        rest_of = curve.balance(_f("psi"), _f("theta", force))
-        wrong += [f"{name}: rests at {rest_of}"] if float(rest_of) != 0 else []
+        nowhere = _curve(side, at=at - 0.25)  # psi + alpha < psi: no place of rest above 0
+        wrong += [] if float(nowhere.balance(_f("psi", at), force)) == 0 else [f"{name}: rests below 0"]
     speed, y = sp.symbols("F y", positive=True)
     outside = (theta / R**2 - decay * (R - psi)).subs(theta, decay * (R - psi) * R**2 / (1 + S))
     return all_of(
         identity(found, METHOD),
-        cases(4, wrong, "one root for a place of rest, and none below 0"),
-        identity(
-            {"F at the place of rest, plus decay (R - psi) S/(1 + S)": sp.cancel(outside + decay * (R - psi) * S / (1 + S))}
-        ),
+        cases(9, wrong, "one root for a place of rest, and none below 0"),
+        identity({"F at rest, plus decay (R - psi) S/(1 + S)": sp.cancel(outside + decay * (R - psi) * S / (1 + S))}),
         sign({"h F rush (1 + S) - h F, rush = 1 + y": sp.expand(h * speed * (1 + y) * (1 + S) - h * speed)}),
     )
 
 
 def _falls() -> Outcome:
-    """Back towards alpha: no farther than an implicit step of the whole span would, and no faster."""
+    """Back towards alpha: no farther than an implicit step of the whole span would, and no faster. span is positive for rush < 2,
+    and rush (2 - rush) is 1 - (rush - 1)^2: a step that passes `rush` times as fast falls no more than its own length does."""
     found: dict[str, Any] = {}
-    wrong: list[str] = []
     ends: dict[str, Any] = {}
-    for side in (1, -1):
-        curve = _curve(side, at=0.7 if side > 0 else 0.8)
-        after, kept, extreme = curve.cell(_f("u"), _f("h"), _f("psi"), _f("theta", 0.125 if side > 0 else 8.0))
+    wrong: list[str] = []
+    for side, at in (*product((1, -1), PSI), (-1, -1.0)):
+        name = f"side {side}, psi {at}"
+        force = _f("theta", 2.0**-6 if side > 0 else 8.0)
+        curve = _curve(side, at=at + (0.2 if side > 0 else 0.3))
+        after, kept, extreme = curve.cell(_f("u"), _f("h"), _f("psi", at), force)
         damping = (1 + (h + reach) * (2 - rush) * decay) * (1 - side * S)
         span = (h + reach) * (2 - rush)
-        least = (R - psi) * (1 + side * 2 * share) * (1 + side * S) + side * S * psi
+        least = (R - psi) * (1 + side * 2 * share) * (1 + side * S) + side * S * (psi if at > 0 else -psi)
         (p, q), *more = curve.asked
-        wrong += [f"side {side}: {len(more)} roots more"] if more else []
+        wrong += [f"{name}: {len(more)} roots more"] if more else []
         found |= {
-            f"side {side}: p": sp.cancel(p - psi - u / damping),
-            f"side {side}: q": sp.cancel(q - span * theta / damping),
-            f"side {side}: promise": sp.expand(kept.form - least),
-            f"side {side}: slope": sp.cancel((after.form - u) / h - (least - u) * (1 - S) / (h + reach)),
-            f"side {side}: extreme": extreme.form - u,
+            f"{name}: p": sp.cancel(p - psi - u / damping),
+            f"{name}: q": sp.cancel(q - span * theta / damping),
+            f"{name}: promise": sp.expand(kept.form - least),
+            f"{name}: slope": sp.cancel((after.form - u) / h - (least - u) * (1 - S) / (h + reach)),
+            f"{name}: extreme": extreme.form - u,
         }
         # at the root theta = (R - p) R^2 damping/span: the slope to a = R - psi over the span, less F there
         a = R - psi
-        force = (a - u / damping) * R**2 * damping / span
-        rest = sp.cancel((a - u) / span - (force / R**2 - decay * a))
-        found[f"side {side}: slope over the span, less F, less its rest"] = sp.cancel(
-            rest - side * S * a * (1 + span * decay) / span
-        )
-        held = _curve(side, at=5.0 if side > 0 else 0.5 + 2.0**-9)  # a root on the wrong side of u is not kept to
-        _, promise, _ = held.cell(_f("u"), _f("h"), _f("psi"), _f("theta", 0.125 if side > 0 else 8.0))
-        ends[f"side {side}: a promise is never beyond u"] = promise.form - u
-    return all_of(identity(found, METHOD), identity(ends, METHOD), cases(2, wrong, "one root for a cell"))
+        forced = (a - u / damping) * R**2 * damping / span
+        rest = sp.cancel((a - u) / span - (forced / R**2 - decay * a))
+        spare = side * S * a * (1 + span * decay) / span
+        found[f"{name}: slope over the span, less F, less what is spare"] = sp.cancel(rest - spare)
+        held = _curve(side, at=at + (4.5 if side > 0 else 2.0**-9))  # a root on the wrong side of u is not kept to
+        _, promise, _ = held.cell(_f("u"), _f("h"), _f("psi", at), force)
+        ends[f"{name}: a promise is never beyond u"] = promise.form - u
+    w = sp.Symbol("w", positive=True)
+    slow = w / (1 + w)  # rush - 1, from 0 to 1
+    return all_of(
+        identity(found, METHOD),
+        identity(ends, METHOD),
+        cases(5, wrong, "one root for a cell"),
+        identity({"rush (2 - rush) - 1 + (rush - 1)^2": sp.expand(rush * (2 - rush) - 1 + (rush - 1) ** 2)}),
+        sign({"span at rush = 1 + w/(1 + w)": sp.factor((h + reach) * (1 - slow))}),
+        _hopeless(),
+    )
+
+
+def _hopeless() -> Outcome:
+    """Where a step may be late by half of its length nothing is claimed."""
+    found = [update._values([0.0, 1.0], [0.1, 0.1], [1.0, 1.0], Curve(side, 0.0, 1.0, 2.0, 1.0)) for side in (1, -1)]
+    return cases(2, [] if found == [[float("inf")] * 2, [0.0] * 2] else [f"{found}"], "rush >= 2: above all, above nothing")
 
 
 def _root() -> Outcome:
@@ -195,10 +213,10 @@ def _root() -> Outcome:
     for side, size, force in product((1, -1), (0.0, 1e-6, 0.5, 3.0, 1e4), tried):
         for at in {size, -size}:
             curve = Curve(side, 0.0, 1.0, 1.0, 1.0)
-            for given in (curve.root(at, force), curve.beyond(1e-5, at, force)):
+            for far, given in ((False, curve.root(at, force)), (True, curve.beyond(1e-5, at, force))):
                 count += 1
                 value = Fraction(given)
-                if value < Fraction(at) * (1 - Fraction(1, 1 << 30)) and given == curve.root(at, force):
+                if value < Fraction(at) * (1 - Fraction(1, 1 << 30)) and not far:
                     wrong.append(f"side {side}, p {at:g}, q {force:g}: {given!r} is far below p")
                 if side * ((value - Fraction(at)) * value * value - Fraction(force)) < 0:
                     wrong.append(f"side {side}, p {at:g}, q {force:g}: {given!r} is on the wrong side")
@@ -212,16 +230,17 @@ class Scripted(Curve):
     cells: Any = None
     asked: Any = None
 
-    def cell(self, u: Any, h: Any, psi: Any, theta: Any) -> tuple[Any, Any, Any]:
+    def cell(self, u: Any, h: Any, psi: Any, theta: Any) -> Cell:
         self.asked.append((u, h, theta))
-        return self.cells[int(psi)]  # type: ignore[no-any-return]
+        return Cell(*self.cells[int(psi)])
 
     def balance(self, psi: Any, theta: Any) -> Any:
+        self.asked.append((psi, theta))
         return 2.5
 
 
 def _promise() -> Outcome:
-    """`_curve` on cells that are drawn: at the end of a cell it is beyond the cell's end and every promise that is not yet over;
+    """`_values` on cells that are drawn: at the end of a cell it is beyond the cell's end and every promise that is not yet over;
     an extreme is beyond its cell's and beyond both ends."""
     draw, wrong, count = random.Random(1), [], 0
     for side, reach_, _ in product((1, -1), (0.125, 1.0, 2.5), range(20)):
@@ -229,21 +248,36 @@ def _promise() -> Outcome:
         times = [0.5 * k + draw.choice((0.0, 0.25)) for k in range(10)]
         curve = Scripted(side, 0.0, 1.0, 1.0, reach_, cells, [])
         forces = [draw.random() for _ in range(10)]
-        values = update._curve(times, [*map(float, range(9)), 0.0], forces, curve)
+        values = update._values(times, [*map(float, range(9)), 0.5], forces, curve)
         outer: Callable[..., float] = max if side > 0 else min
-        expected, asked, end = [], [], 0.0
+        expected: list[float] = []
+        asked: list[tuple[float, ...]] = []
+        end = 0.0
         for k, (after, _kept, extreme) in enumerate(cells):
             asked.append((end, times[k + 1] - times[k], forces[k]))
             alive = [cells[j][1] for j in range(k + 1) if times[j + 1] + reach_ >= times[k]]
             end = max(outer(after, *alive), 0.0)
             expected.append(outer(extreme, end))
         expected.append(outer(end, 2.5))
+        asked.append((0.5, forces[9]))
         count += 1
         if (values, curve.asked) != (expected, asked):
             wrong.append(f"side {side}, reach {reach_}: {values}, not {expected}")
-    lost = update._curve([0.0, 1.0], [0.0, 0.0], [0.0, 0.0], Scripted(1, 0.0, -1.0, 1.0, 1.0, [(1.0, 1.0, 1.0)], []))
+    lost = update._values([0.0, 1.0], [0.0, 0.0], [0.0, 0.0], Scripted(1, 0.0, -1.0, 1.0, 1.0, [(1.0, 1.0, 1.0)], []))
     wrong += [] if lost == [float("inf")] * 2 else [f"without decay: {lost}"]
-    return all_of(cases(count, wrong, "promises are kept for as long as they hold, and no longer"), _ahead())
+    return all_of(cases(count, wrong, "promises are kept for as long as they hold, and no longer"), _both(), _ahead())
+
+
+def _both() -> Outcome:
+    """`upper_curve` and `lower_curve` are the curves of either side, and the lower one is not below 0."""
+    steps = update.Steps(Fraction(1, 100), Fraction(1, 20), 1e-5, 2.0**-24)
+    times, psi, theta = [0.25 * k for k in range(13)], [0.3, 0.1, -0.05, 0.2] * 3, [0.02, 0.2, 0.4, 0.1] * 3
+    given = times, [*psi, 0.3], [*theta, 0.1]
+    above, below = (update._values(*given, Curve.of(side, 5.0, steps)) for side in (1, -1))
+    wrong = [] if update.upper_curve(*given, 5.0, steps) == above else ["upper_curve"]
+    wrong += [] if update.lower_curve(*given, 5.0, steps) == [max(v, 0.0) for v in below] else ["lower_curve"]
+    wrong += [f"{a} under {b}" for a, b in zip(above, below, strict=True) if a < b]
+    return cases(3, wrong, "one curve above, one below, in this order")
 
 
 def _ahead() -> Outcome:

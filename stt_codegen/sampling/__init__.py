@@ -5,10 +5,10 @@ from stt_codegen.sampling.periods import Period, holds, least, longest
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
 from stt_codegen.sampling.setting import Law, Setting, eps_of_share, eps_of_state, law_of, setting_of
 from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
-from stt_codegen.sampling.windows import Extremes, Windows, extremes, refined_windows
+from stt_codegen.sampling.windows import Windows, extremes, refined_windows
 
 __all__ = [
-    "STATEMENTS", "Bounds", "Extremes", "Gains", "Law", "Period", "PlantEnclosure", "Setting", "Windows", "bounds_of_task",
+    "STATEMENTS", "Bounds", "Gains", "Law", "Period", "PlantEnclosure", "Setting", "Windows", "bounds_of_task",
     "eps_of_share", "eps_of_state", "extremes", "holds", "input_bound", "law_of", "least", "longest", "most_room", "pull", "q",
     "refined_windows", "setting_of",
 ]  # fmt: skip

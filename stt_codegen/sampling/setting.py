@@ -153,4 +153,5 @@ def in_balls(s: Setting) -> Setting:
     convert = np.vectorize(arb, otypes=[object])
     windows = replace(s.windows, **{name: convert(getattr(s.windows, name)) for name in ("narrow", "wide", "speed", "widening")})
     names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
-    return replace(s, windows=windows, **{name: convert(getattr(s, name)) for name in names})
+    law = replace(s.law, gain=convert(s.law.gain))
+    return replace(s, windows=windows, law=law, **{name: convert(getattr(s, name)) for name in names})

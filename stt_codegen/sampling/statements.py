@@ -11,7 +11,7 @@ d- <= gamma_d <= d+, P = |f + w| + |edge rate| and U a bound on |u|, all in one 
     general (eps a vector, |.| its norm): P + G R tau < 4 k g_min q_n(E)/d+,  q_n(E) = E cosh(E/(2 sqrt n))^2
     with R = 16 k q'(E) cosh(E/2)^2 (F + G U + S)/d-^2 + 4 k q(E) D/d-^2.
 
-`lemmas/sampled.py` proves them. A sample in a window may stem from the window before it, so P, U and d- of R take the worse of
+`lemmas/sampled.py` proves them. A sample in a window may stem from the window before it, so P, U, D and d- of R take the worse of
 both; tau is at most a window, half of one where there is latency. Two kinds of error are allowed for: `shift`, by which what the
 law sees of x and of the edges is wrong (noise, P7, x rounded to the scalar), and the law's own rounding, relative and in eps.
 

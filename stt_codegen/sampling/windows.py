@@ -55,7 +55,7 @@ class Extremes:
 
 
 def extremes(design: RefinedDesign) -> Extremes:
-    """Integers below 2^53, so that their sums and differences are exact."""
+    """The extremes of every segment, int64: 6 times a table of less than 2^50, so that doubles hold them too."""
     bezier = design.bezier()  # (K, n, 2, 4)
     bezier = np.concatenate([bezier, np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)])
     width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
