@@ -42,14 +42,13 @@ integration: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/stt-codegen bench loop --count 100
 
 # Everything in generated/: refined from every task file, in both precisions; the case study with the paper's functions, sound
-# (adaptive, certified) and as the paper has it (literal, which collides and says so). Exit code 1 of `prove TASK` is a hypothesis
-# that does not hold; the file that it writes says which (omni_board: its tick is not proved for its gain from all of the share).
+# (adaptive, certified) and as the paper has it (literal, which collides and says so).
 generate: $(STAMP)
 	@for scalar in float double; do $(BIN)/stt-codegen generate $(TASKS) --record generated --scalar $$scalar || exit; done
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design adaptive
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design literal --uncertified
 	@for task in $(TASKS); do name=$$(basename $$task .toml); \
-	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/float >/dev/null || [ $$? = 1 ] || exit; done
+	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/float >/dev/null || exit; done
 	@$(BIN)/stt-codegen prove
 
 check: $(STAMP)

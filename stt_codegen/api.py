@@ -200,7 +200,7 @@ class Controller(pipeline.Controller):
     --------
     >>> controller = build("tasks/omni_s2.toml")
     >>> controller
-    <Controller omni_s2: refined tube, 32 segments, certified, least width 0.18, float>
+    <Controller omni_s2: refined tube, 32 segments, certified, least width 0.5, float>
     """
 
     def __repr__(self) -> str:

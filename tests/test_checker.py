@@ -133,7 +133,7 @@ def test_a_sample_of_changed_tokens_and_every_changed_claim_is_found() -> None:
         ("v6 = v2 + v5", "v6 = v2 - v5"),
         ("v7 = 1.0F + v6", "v7 = 2.0F + v6"),
         ("gain = upper_nearer ? gain_minus : gain_i", "gain = upper_nearer ? gain_i : gain_minus"),
-        ("0.193F, 0.436F", "0.0F, 0.436F"),
+        ("0.178F, 0.173F", "0.0F, 0.173F"),
         ("u[i] = u_held;", "u[i] = 0.0F;"),
         ("outside_any = within ? outside : true", "outside_any = within ? false : true"),
         ("outside_any = within ? outside : true", "outside_any = within ? outside : false"),
@@ -223,8 +223,8 @@ def test_another_meaning_is_found_although_the_hashes_fit(old: str, new: str, tm
         ("trolley", "const $_real room = ", "const $_real volatile = upper_edge - lower_edge;\n        const $_real room = "),
         (
             "trolley",
-            "0.4000225F,\n    0.6527834F, 0.7791462F, 0.3125F, 0.36876583F\n};",
-            "0.4000225F,\n    0.6527834F, 0.7791462F, 0.3125F, 0.36876583F\n}",
+            "0.76875496F, 0.31969357F, 0.37733364F\n};",
+            "0.76875496F, 0.31969357F, 0.37733364F\n}",
         ),
         ("trolley", "const $_real v0 = k * xi;", "const $_real v0 = $_law(k, xi, epsilon);"),
         ("trolley", "{\n    const bool finite = isfinite(t) != 0;", "{" * 3000 + "\n    const bool finite = isfinite(t) != 0;"),
@@ -264,8 +264,8 @@ def test_a_store_before_a_load_of_another_loop_is_found(tmp_path, capsys) -> Non
 def test_a_chosen_gain_is_positive(tmp_path, capsys) -> None:
     arguments = lay_out(tmp_path, "trolley")
     source, proof = Path(arguments[1]), Path(arguments[2])
-    source.write_text(source.read_text().replace("0.193F, 0.436F", "-0.193F, -0.436F"))
-    proof.write_text(proof.read_text().replace('"193/1000", "109/250"', '"-193/1000", "-109/250"'))
+    source.write_text(source.read_text().replace("0.178F, 0.173F", "-0.178F, -0.173F"))
+    proof.write_text(proof.read_text().replace('"89/500", "173/1000"', '"-89/500", "-173/1000"'))
     sign_again(arguments)
     assert checker.main(arguments) == 1
     assert "not of one sign, or not positive" in capsys.readouterr().out
@@ -375,7 +375,7 @@ def test_a_wrong_claim_about_samples_is_found(field: str, change: Callable, said
         ("period = 0.02 ", "period = 0.05 ", "P9 does not hold"),
         ("w_max = 0.1", "w_max = 1.5", "P9 does not hold"),
         ("g_max = 1.1", "g_max = 20.0", "P9 does not hold"),
-        ("g_min = 0.9", "g_min = 0.5", "P9 does not hold"),
+        ("g_min = 0.9", "g_min = 0.2", "P9 does not hold"),
         ("noise = 0.002", "noise = 0.01", "shift"),
         ("initial_state = [0.5, 0.5]", "initial_state = [0.22, 0.5]", "P"),
     ],
@@ -433,7 +433,7 @@ def test_the_documents_example_is_what_is_made() -> None:
     assert all(line in made for line in shown)
 
 
-@pytest.mark.parametrize("number", [0, 175, 214])  # three of seed 0 whose proof needs a cut
+@pytest.mark.parametrize("number", [0, 88, 134])  # three of seed 0 whose proof needs a cut
 def test_where_the_hull_of_a_segment_shows_too_little_the_hints_cut_it(number: int, tmp_path) -> None:
     _, _, _, (task, design) = draw(Random(f"0 {number}"), BASES)
     files = claiming(task, design, certify(task, design, build_program(task, design)))

@@ -54,7 +54,7 @@ def nudged_literal(controller: Controller) -> tuple[str, str]:
 
 
 MUTATIONS = [
-    ("(-0.5F) : 0.5F", "(-0.5F) : 0.50001F", "u"),
+    ("(-0.5F) : 0.5F", "(-0.5F) : 0.5001F", "u"),
     ("1.0F + v0", "1.00001F + v0", "xi"),
     ("logf(v0)", "log1pf(v0)", "epsilon"),
     ("const bool within = 0.0F < nearest", "const bool within = -0.001F < nearest", "status"),

@@ -226,7 +226,7 @@ def test_the_committed_bounds_are_what_prove_says(name: str) -> None:
     task = str(ROOT / "tasks" / f"{name}.toml")
     result = CliRunner().invoke(app, ["prove", task, "--out", str(folder), "--check", "--json"])
     assert not json.loads(result.stdout)["file_differs"]
-    assert result.exit_code == (name == "omni_board")  # its tick is not proved for its gain from all of the share
+    assert result.exit_code == 0, result.output
 
 
 def test_options_of_a_task_are_refused_without_one() -> None:
@@ -267,7 +267,7 @@ def test_a_period_says_where_it_is_tight() -> None:
 def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
     text = (ROOT / "tasks" / "omni_board.toml").read_text()
     assert "tick_period = 0.001" in text
-    for gain, period, told in (("0.2", "0.001", False), ("0.5", "0.001", True), ("0.2", "0.02", True)):
+    for gain, period, told in (("0.5", "0.001", False), ("2.0", "0.001", True), ("0.5", "0.02", True)):
         changed = text.replace("tick_period = 0.001", f"tick_period = {period}").replace("gain = 0.5", f"gain = {gain}")
         (tmp_path / "task.toml").write_text(changed)
         result = CliRunner().invoke(app, ["generate", str(tmp_path / "task.toml"), "--out", str(tmp_path)])

@@ -200,7 +200,7 @@ def test_what_the_route_sees_is_what_there_is(polygon: Polygon, points: Points, 
     reach = Fraction(1, 4)
     table = PolygonTable.model_construct(name="P", lower=(), upper=(), corners=tuple(polygon.corners))
     space = parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * 2, "upper": (Fraction(9),) * 2})
-    seen = obstacles_of(arena_of(with_sets(table, state_space=space)), float(reach))
+    seen = obstacles_of(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
     grown = polygon.grown((reach, reach))
     given_points = np.array([[float(v) for v in p] for p in points])
     for p, inside, free in zip(

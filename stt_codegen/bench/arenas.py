@@ -100,7 +100,7 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
     task = arena_task(FAMILIES[job.family], job.seed, job.clearance, job.min_width)
     arena = arena_of(task)
     try:
-        route = find_route(arena, starting_box(arena), arena.min_width)
+        route = find_route(arena, starting_box(arena), np.full(arena.dimension, arena.min_width))
     except NotCertified:  # a literal tube of an arena in which no other could start
         route = None
     if route is None:

@@ -60,6 +60,13 @@ class Faces:
                 total = total + c * edges[0 if c > 0 else 1, i]
         return total
 
+    def length(self, x: int | list[int], reach: Array) -> Array:
+        """How much a box of these half widths (n,) adds to h(n): the sum of |n_i| reach_i, one dimension after the other."""
+        total = np.zeros(np.shape(self.bound[x]))
+        for i, r in enumerate(reach.tolist()):
+            total = total + np.abs(self.normal[x, i]) * r
+        return total
+
     def beyond(self, x: int, edges: Array) -> Array:
         """How far boxes are beyond face x, in the largest component."""
         return np.asarray((self.low(x, edges) - self.bound[x]) / self.size[x])

@@ -1,8 +1,8 @@
 """The unsafe sets grown for the tube's centre, as the search for a route asks of them: which points are inside, what is in sight.
 
-The centre of a tube of half width w keeps the clearance c where it is outside the set grown by c + w in every component. Boxes
-stay boxes; of another set every half-space moves outward by (c + w) |n|_1, which is the grown set in the plane and may be more
-of space where a face is missing elsewhere.
+The centre of a tube of half width w keeps the clearance c where it is outside the set grown by c + w, by component. Boxes
+stay boxes; of another set every half-space moves outward by the sum of |n_i| (c + w_i), which is the grown set in the plane and
+may be more of space where a face is missing elsewhere.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ class Obstacles:
         return np.asarray(~np.any(first < final - TOUCH, axis=1))
 
 
-def obstacles_of(arena: Arena, reach: float) -> Obstacles:
-    """The arena's unsafe sets grown by `reach` in every component."""
+def obstacles_of(arena: Arena, reach: Array) -> Obstacles:
+    """The arena's unsafe sets grown by `reach` (n,), by component."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     n, faces = arena.dimension, arena.faces
     box = np.array([v is None for v in faces.vertices], dtype=bool)
@@ -96,9 +96,9 @@ def obstacles_of(arena: Arena, reach: float) -> Obstacles:
     for j in np.nonzero(~box)[0]:
         own = faces.of(int(j))
         normals += [axes, faces.normal[own]]
-        offsets += [-lower[j], upper[j], faces.bound[own] + reach * faces.size[own]]
+        offsets += [-lower[j], upper[j], faces.bound[own] + faces.length(own, reach)]
         first.append(first[-1] + 2 * n + len(own))
-        signs = np.array(list(itertools.product((-reach, reach), repeat=n)))
+        signs = np.array(list(itertools.product(*((-r, r) for r in reach.tolist()))))
         vertices = faces.vertices[int(j)]
         assert vertices is not None
         corners.append((vertices[:, None] + signs[None]).reshape(-1, n))

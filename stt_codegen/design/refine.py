@@ -1,12 +1,13 @@
-"""The refined design: a route, its sides, the least times, then a spline tube by linear programming.
+"""The refined design: a width, a route with room for it, its sides, then a spline tube by linear programming.
 
-    arena -> route -> sides -> stretch times (one small linear program)
-          -> least peak speed, then greatest width at SPEED_ROOM times that speed, then each dimension as slow as its
-             width allows (small linear programs, one for each dimension)
-          -> sides chosen anew where the tube has more room on another side, repeated while it helps
+    arena -> the widest share of start and target for which a route is at most ROOM times the shortest
+          -> sides of the box of that width that moves along the route; where that fails, stays and stretch times
+          -> the slowest tube of that width (small linear programs, one for each dimension), sides chosen anew while it helps
+          -> a smaller share, until the tube is no faster than ROOM times the shortest route
           -> coefficients rounded to a dyadic grid that a float holds exactly
 
-Nothing here is trusted: the exact certificate is computed from the rounded coefficients alone.
+So the width is in every bound from the start. Nothing here is trusted: the exact certificate is computed from the rounded
+coefficients alone.
 """
 
 from __future__ import annotations
@@ -19,12 +20,10 @@ from fractions import Fraction
 import numpy as np
 
 from stt_codegen.decimals import below
-from stt_codegen.design.arena import Arena, Array, arena_of, normalised, starting_box
+from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
 from stt_codegen.design.lattice import STEP_BITS, lattice_of
-from stt_codegen.design.route import Route, find_route, shortest_route
-from stt_codegen.design.shape import SPEED_ROOM, Shape, find_shape
-from stt_codegen.design.sides import choose_sides, limits_by_stretch
-from stt_codegen.design.timing import changes_at, least_times, time_plans
+from stt_codegen.design.shape import Shape
+from stt_codegen.design.widest import ROOM, Search
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.task import Task
@@ -32,31 +31,37 @@ from stt_codegen.task import Task
 SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
 FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
 PLENTY = 128
-WIDE_ROUTES = (1.0, 0.5)  # widths to find a route for before the least width, relative to start and target
-DETOUR = 1.1  # how much longer than the shortest such a route may be
 NARROWING = 5  # halvings to find the largest value of an option that would do
 
 
-def refine(task: Task, room: float = SPEED_ROOM) -> RefinedDesign:
+def refine(task: Task, room: float = ROOM) -> RefinedDesign:
     """Design a refined tube. Raises `NotCertified` with the reason when none is found.
 
-    room: the peak speed over the least that was found; at 1 the tube is as slow, and so as narrow, as it gets.
+    room: the peak speed over the shortest route's length and t_c; at 1 the tube is as slow, and so as narrow, as it gets.
     """
     lattice = lattice_of(task)
     arena = normalised(arena_of(task, lattice), lattice.exponent)
-    start = starting_box(arena)
-    ladder = (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
-    *wide, shortest = candidate_routes(arena, start)
-    for route in wide:
-        with suppress(NotCertified):  # too fast along this one; the shortest may do
-            shape = _follow(arena, start, route, ladder[:1], room)
-            if shape is not None:
-                return round_design(task, shape)
-    shape = _follow(arena, start, shortest, ladder, room)
-    if shape is not None:
-        return round_design(task, shape)
-    count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
-    raise NotCertified(f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, arena)}")
+    search = Search(arena, starting_box(arena), _ladder(task, arena))
+    shape = search.slowest() if room <= 1 else search.many() if len(arena.names) > PLENTY else search.widest(room)
+    if shape is None:
+        count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {search.ladder[-1]} segments"
+        raise NotCertified(f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, arena)}")
+    if shape.speed > search.most(shape.segments):
+        raise NotCertified(_too_fast(arena, shape))
+    return round_design(task, shape)
+
+
+def _ladder(task: Task, arena: Arena) -> tuple[int, ...]:
+    return (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
+
+
+def _too_fast(arena: Arena, shape: Shape) -> str:
+    needed = (shape.speed + arena.allowance * shape.segments) * 1.00001  # so that the printed digits are enough
+    speed = arena.length_unit / arena.time_unit
+    return (
+        f"P6 speed: the slowest tube found needs {needed * speed:.6g}, above tube.max_speed {arena.max_speed * speed:.6g}; "
+        f"raise tube.max_speed to that, or prescribed_time to {arena.time_unit * needed / arena.max_speed:.6g} s"
+    )
 
 
 def _what_binds(task: Task, arena: Arena) -> str:
@@ -66,8 +71,9 @@ def _what_binds(task: Task, arena: Arena) -> str:
     def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
         trial = replace(arena, clearance=clearance, min_width=min_width)
         with suppress(NotCertified):
-            begin = starting_box(trial)
-            return _follow(trial, begin, shortest_route(trial, begin, min_width), ladder, SPEED_ROOM)
+            search = Search(trial, starting_box(trial), ladder)
+            shape = search.slowest()
+            return shape if shape is not None and shape.speed <= search.most(shape.segments) else None
         return None
 
     def largest(holds: Callable[[float], bool], least: float, most: float) -> float | None:
@@ -103,37 +109,6 @@ def _what_binds(task: Task, arena: Arena) -> str:
 def segments_for(unsafe: int) -> tuple[int, ...]:
     """The numbers of segments to try for so many unsafe sets."""
     return tuple(k for k in SEGMENTS if FEWEST * unsafe <= k <= max(PLENTY, MOST * unsafe))
-
-
-def candidate_routes(arena: Arena, start: Array) -> list[Route]:
-    """Routes to try: with room for a wide tube where that costs little length, and last the shortest."""
-    shortest = shortest_route(arena, start, arena.min_width)
-    full = float(np.minimum(start[1] - start[0], arena.target[1] - arena.target[0]).min())
-    routes = []
-    for share in WIDE_ROUTES:
-        if share * full > arena.min_width:
-            route = find_route(arena, start, share * full)
-            if route is not None and route.length <= DETOUR * shortest.length:
-                routes.append(route)
-    return [*routes, shortest]
-
-
-def _follow(arena: Arena, start: Array, route: Route, ladder: tuple[int, ...], room: float) -> Shape | None:
-    """A spline tube along the route, with the fewest segments of the ladder that do."""
-    sides = choose_sides(arena, route, start)
-    timing = least_times(arena, sides, start, route) if sides is not None else None
-    if sides is None or timing is None:
-        return None
-    for segments in ladder:
-        for shares in time_plans(timing, segments):
-            changes = changes_at(timing, sides, shares, segments)
-            if changes is None:
-                continue
-            limits = limits_by_stretch(arena, sides, changes, segments)
-            shape = find_shape(arena, start, limits, segments, timing, room)
-            if shape is not None:
-                return shape
-    return None
 
 
 def round_design(task: Task, shape: Shape) -> RefinedDesign:

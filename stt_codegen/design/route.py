@@ -34,15 +34,15 @@ CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and t
 @dataclass(frozen=True)
 class Route:
     """A polyline of shape (m + 1, n) from the centre of the start to a point of the target; its length in the
-    largest-component metric; the reach (clearance + half width) by which it keeps off the unsafe sets."""
+    largest-component metric; the reach (clearance + half width, (n,)) by which it keeps off the unsafe sets."""
 
     points: Array
     length: float
-    reach: float
+    reach: Array
 
 
-def shortest_route(arena: Arena, start: Array, width: float) -> Route:
-    """The route from the centre of the box `start` (shape (2, n)) to the target for a tube of that width.
+def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
+    """The route from the centre of the box `start` (shape (2, n)) to the target for a tube of that width, by dimension.
 
     Raises `NotCertified` when there is none, with the largest clearance (or width) for which there is one.
     """
@@ -56,7 +56,7 @@ def shortest_route(arena: Arena, start: Array, width: float) -> Route:
     return route
 
 
-def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+def _cell_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
     """A route through the cells between the grown sets' edges, shortened where the line of sight is free; None where the
     corners have already found every way, or where there are too many cells."""
     if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
@@ -65,7 +65,7 @@ def _cell_route(arena: Arena, centre: Array, reach: float, inset: float) -> Rout
     return _shortened(way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
 
 
-def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route | None:
+def _leg_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
     """A route in legs, where there are too many dimensions for one flood: in each leg some LEG dimensions go all the way to the
     target and the others stand still, so that the cells of a slice decide. Every choice of the first leg is tried."""
     n = arena.dimension
@@ -94,7 +94,7 @@ def _leg_route(arena: Arena, centre: Array, reach: float, inset: float) -> Route
     return None
 
 
-def _shortened(points: Array | None, obstacles: Obstacles, reach: float) -> Route | None:
+def _shortened(points: Array | None, obstacles: Obstacles, reach: Array) -> Route | None:
     """The polyline without the points that the line of sight makes needless, as a route."""
     if points is None:
         return None
@@ -107,7 +107,7 @@ def _shortened(points: Array | None, obstacles: Obstacles, reach: float) -> Rout
     return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
 
 
-def _grown(arena: Arena, reach: float, inset: float) -> tuple[Obstacles, Array, Array]:
+def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, Array]:
     """For the tube's centre: unsafe sets grown by `reach`, and state space and target shrunk by `inset` (shape (2, n))."""
     space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
     return obstacles_of(arena, reach), space, goal
@@ -119,20 +119,28 @@ def _corners_decide(arena: Arena) -> bool:
     return arena.dimension == 2 and corners + 6 <= NEAR
 
 
-def find_route(arena: Arena, start: Array, width: float) -> Route | None:
-    """As `shortest_route`, None when there is none, or none is found among near nodes where there are many."""
-    return _search(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
+def find_route(arena: Arena, start: Array, width: Array, longest: float = np.inf) -> Route | None:
+    """As `shortest_route`, None when there is none up to `longest`, or none is found among near nodes where there are many."""
+    return _search(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2, longest)
+
+
+def wide_route(arena: Arena, start: Array, width: Array, longest: float = np.inf) -> Route | None:
+    """The same, with the cells between the sets where corners may miss a way."""
+    route = find_route(arena, start, width, longest)
+    if route is None:
+        route = _cell_route(arena, (start[0] + start[1]) / 2, arena.clearance + width / 2, width / 2)
+    return route if route is not None and route.length <= longest else None
 
 
 def _why_blocked(arena: Arena, centre: Array) -> str:
     """The refusal when there is no route: which options, each by itself, would open a way, and at what value."""
 
     def way(clearance: float, width: float, without: int | None = None) -> bool:
-        reach = clearance + width / 2
+        inset = np.full(arena.dimension, width / 2)
         keep = [j for j in range(len(arena.names)) if j != without]
         rest = arena.only(keep)
         ways = (_search, _cell_route, _leg_route)
-        return any(find(rest, centre, reach, width / 2) is not None for find in ways)
+        return any(find(rest, centre, clearance + inset, inset) is not None for find in ways)
 
     def largest(holds: Callable[[float], bool], limit: float) -> str:
         low, high = 0.0, limit
@@ -161,9 +169,9 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
     return f"{start} for a tube of width {width:.6g} with a clearance of {asked:.6g}; a way opens at {', or at '.join(opens)}"
 
 
-def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int = NEAR) -> Route | None:
-    """The shortest route with these distances from unsafe sets and walls; from a node only the `near` nearest nodes are
-    looked at, which is quick with a thousand unsafe sets and may then miss a way."""
+def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: float = np.inf, near: int = NEAR) -> Route | None:
+    """The shortest route with these distances from unsafe sets and walls, up to `longest`; from a node only the `near` nearest
+    nodes are looked at, which is quick with a thousand unsafe sets and may then miss a way."""
     obstacles, space, goal = _grown(arena, reach, inset)
     nodes = _nodes(obstacles, space, goal, centre)
     buried = obstacles.inside(nodes)
@@ -180,6 +188,7 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int =
     closed = np.zeros(len(nodes), dtype=bool)
     queue: list[tuple[float, int]] = [(float(remaining[0]), 0)]
     best, last = np.inf, -1
+    most = longest * (1 + STRAIGHT * arena.dimension)  # the sum of components is at most n times the largest
     while queue:
         estimate, v = heapq.heappop(queue)
         if estimate >= best:
@@ -190,7 +199,7 @@ def _search(arena: Arena, centre: Array, reach: float, inset: float, near: int =
         if end_free[v] and cost[v] + remaining[v] < best and obstacles.visible(nodes[v], ends[v : v + 1])[0]:
             best, last = float(cost[v] + remaining[v]), v
         candidate = cost[v] + _length(nodes - nodes[v])
-        open_ = np.nonzero(candidate < cost)[0]
+        open_ = np.nonzero((candidate < cost) & (candidate + remaining <= most))[0]
         if len(open_) > near:
             open_ = open_[np.argsort(candidate[open_], kind="stable")[:near]]  # ties by index, on every machine
         around = np.vstack([nodes[v], nodes[open_]])

@@ -96,13 +96,13 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
     for i in range(arena.dimension):
         for side in (BELOW, ABOVE):
             gap = (
-                arena.unsafe[j, 0, i] - route.reach - route.points[:, i]
+                arena.unsafe[j, 0, i] - route.reach[i] - route.points[:, i]
                 if side == BELOW
-                else route.points[:, i] - arena.unsafe[j, 1, i] - route.reach
+                else route.points[:, i] - arena.unsafe[j, 1, i] - route.reach[i]
             )
             spans += [(a, b, float(gap.min()), i, side) for a, b in _where_positive(gap)]
     for x in faces.of(j):
-        gap = faces.beyond(x, np.stack([route.points.T, route.points.T])) - route.reach
+        gap = faces.beyond(x, np.stack([route.points.T, route.points.T])) - faces.length(x, route.reach) / faces.size[x]
         spans += [(a, b, float(gap.min()), x, BEYOND) for a, b in _where_positive(gap)]
 
     def separates_start(i: int, side: int) -> bool:
@@ -164,10 +164,44 @@ def limits_by_stretch(
     return limits
 
 
+def limits_along(arena: Arena, start: Array, route: Route, width: Array, segments: int, hold: float) -> Limits:
+    """What the box of this width leaves that follows the route at constant speed, in the largest component: for every segment and
+    unsafe set the side with most room. hold: segments that it stands at every corner."""
+    points = route.points
+    steps = np.abs(points[1:] - points[:-1]).max(axis=1)
+    rest = hold * float(np.cumsum(steps)[-1]) / segments if len(steps) else 0.0
+    knots, places = [0.0], [points[0]]
+    for k, step in enumerate(steps.tolist()):
+        knots.append(knots[-1] + step)
+        places.append(points[k + 1])
+        if hold and k < len(steps) - 1:
+            knots.append(knots[-1] + rest)
+            places.append(points[k + 1])
+    centre = _polyline(np.array(knots), np.array(places), segments)  # (n, K + 1)
+    half = width[:, None] / 2
+    low, high = np.minimum(centre[:, 1:], centre[:, :-1]) - half, np.maximum(centre[:, 1:], centre[:, :-1]) + half
+    low[:, 0], high[:, 0] = np.minimum(low[:, 0], start[0]), np.maximum(high[:, 0], start[1])
+    return _by_room(arena, low, high, np.stack([low, high])[..., None], start)
+
+
+def _polyline(knots: Array, places: Array, count: int) -> Array:
+    """Places (P, n) at count + 1 equal parts of the knots: (n, count + 1). NumPy's interpolation differs by machine."""
+    t = knots[-1] * np.arange(count + 1) / count
+    k = np.minimum(np.searchsorted(knots, t, side="right") - 1, len(knots) - 2)
+    length = knots[k + 1] - knots[k]
+    part = np.where(length > 0, (t - knots[k]) / np.where(length > 0, length, 1.0), 1.0)
+    return np.asarray((places[k] + (places[k + 1] - places[k]) * np.minimum(part, 1.0)[:, None]).T)
+
+
 def limits_of_tube(arena: Arena, bezier: Array) -> Limits:
     """The same with, for every piece and unsafe set, the side on which this tube has most room. bezier: the coefficients of its
     pieces, shape (2, n, K, 4)."""
-    lowest, highest = bezier[0].min(axis=-1), bezier[1].max(axis=-1)  # (n, K)
+    return _by_room(arena, bezier[0].min(axis=-1), bezier[1].max(axis=-1), bezier)
+
+
+def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: Array | None = None) -> Limits:
+    """For every piece and unsafe set the side with most room. lowest, highest: of the pieces, (n, K). start: at t = 0 a side
+    counts only where gamma(0) already is beyond it."""
     n, count = lowest.shape
     limits = Limits.of_space(arena, count)
     if not arena.names:
@@ -175,10 +209,15 @@ def limits_of_tube(arena: Arena, bezier: Array) -> Limits:
     gaps = np.stack(
         [arena.unsafe[:, 0, :, None] - highest[None], lowest[None] - arena.unsafe[:, 1, :, None]], axis=1
     )  # (J, side, n, K)
+    if start is not None:
+        here = np.stack([arena.unsafe[:, 0] - start[1], start[0] - arena.unsafe[:, 1]], axis=1)
+        gaps[..., 0] = np.where(here >= arena.clearance - TOLERANCE, gaps[..., 0], -np.inf)
     flat = gaps.reshape(len(arena.names), 2 * n, count)
     choice, most = flat.argmax(axis=1), flat.max(axis=1)
     for x, j in enumerate(arena.faces.owner.tolist()):
         room = arena.faces.beyond(x, bezier).min(axis=-1)
+        if start is not None and arena.faces.beyond(x, start) < arena.clearance - TOLERANCE:
+            room[0] = -np.inf
         better = room > most[j]
         choice[j], most[j] = np.where(better, 2 * n + x, choice[j]), np.where(better, room, most[j])
     for side in (BELOW, ABOVE):

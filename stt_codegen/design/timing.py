@@ -23,20 +23,19 @@ class Timing:
     """The polyline tube of least time: route parameters of its vertices and the share of time of each stretch.
 
     length: sum of the stretches' lengths (largest movement of any edge), a distance; length / t_c bounds the peak
-    speed of any tube with these sides from below. narrowest: the least width of start and target in any dimension.
+    speed of any tube with these sides from below.
     """
 
     vertices: tuple[float, ...]
     shares: tuple[float, ...]
     length: float
-    narrowest: float
 
 
-def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timing | None:
+def least_times(arena: Arena, sides: Sides, start: Array, route: Route, width: Array) -> Timing | None:
     """A polyline tube with a vertex at every change of side, its total movement least (a linear program).
 
     One duration for each stretch, shared by all dimensions; no edge moves by more than the duration. None when no tube
-    of least width fits.
+    of these widths (n,) fits.
     """
     n = arena.dimension
     inner = sorted({round(stay.until, 9) for stays in sides for stay in stays[:-1]})
@@ -60,7 +59,7 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timin
         program.lower[edge[v]] = start if v == 0 else low
         program.upper[edge[v]] = start if v == 0 else high
     for v in range(1, m + 1):
-        program.rows(np.stack([edge[v, UPPER], edge[v, LOWER]], axis=1), [1, -1], arena.min_width, np.inf)
+        program.rows(np.stack([edge[v, UPPER], edge[v, LOWER]], axis=1), [1, -1], width, np.inf)
         columns = np.stack([np.full(2 * n, duration[v - 1]), edge[v].ravel(), edge[v - 1].ravel()], axis=1)
         program.rows(columns, [1, -1, 1], 0.0, np.inf)
         program.rows(columns, [1, 1, -1], 0.0, np.inf)
@@ -73,8 +72,7 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route) -> Timin
     durations = [max(float(d), 0.0) for d in solution[duration]]
     length = float(np.cumsum(durations)[-1])
     shares = tuple(d / length for d in durations) if length > 0 else (1.0 / m,) * m
-    widths = np.minimum(start[1] - start[0], arena.target[1] - arena.target[0])
-    return Timing(vertices, shares, length, float(widths.min()))
+    return Timing(vertices, shares, length)
 
 
 def time_plans(timing: Timing, segments: int) -> list[tuple[float, ...]]:
