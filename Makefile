@@ -38,6 +38,7 @@ integration: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/python benchmarks/token_mutants.py
 	$(BIN)/python benchmarks/lemma_mutants.py
 	$(BIN)/python benchmarks/sampled.py 100
+	$(BIN)/python benchmarks/tubes.py --count 60 --others 60
 	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
 	$(BIN)/stt-codegen bench loop --count 100
 

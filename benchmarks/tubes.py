@@ -5,7 +5,7 @@ tool's own tube at another min_width is wider and no faster.
 
 The widest box is found by halving on the width of a route; no tube along a route can be wider. --others N: so many arenas are
 designed again at other least widths. --disc: a disc covered by 16, 64 and 128 boxes, each cover within the last. Exit code 1
-where an arena with a route has no certificate.
+where an arena with a way has no certificate, or such a tube is found.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def look(family: str, count: int, others: int) -> bool:
     print(f"  design, ms, median / 95 %: {quantiles(milliseconds)}; with certificate: {quantiles(both)}")
     if others:
         print(f"  dominated by a tube at another min_width: {len(dominated)} of {min(others, count)} {dominated or ''}")
-    return not missing
+    return not missing and not dominated
 
 
 def _dominated(task: Task, width: float, speed: float) -> bool:

@@ -105,7 +105,7 @@ def parts_of(wanted: Arenas) -> list[Part]:
 READING = """
 Two figures are median and 95 %. Times: processor time of one arena. speed: bound on the edges' speed over the least possible
 (shortest route in the largest-component metric among unsafe sets grown by clearance + min_width/2, over t_c); slowest: of the
-slowest tube found, which the shipped one exceeds by up to a quarter for width. Adaptive bounds on speed are proved, not sharp. A
+slowest tube found, which the shipped one exceeds for width (docs/design.md). Adaptive bounds on speed are proved, not sharp. A
 corridor's slowest tube is not computed.
 """.strip()
 STEPS = """

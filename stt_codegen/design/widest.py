@@ -7,7 +7,7 @@ first, for they are quicker than tubes: the widest share with a route within the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -27,6 +27,7 @@ LEAST_STEP, MOST_STEP = 0.35, 0.9  # but so much of the way at least, and at mos
 TIGHT = 0.02  # to this part of start and target the widest share is found
 HOLDS = (0.0, 1.0)  # segments of standing at every corner of a route
 NEAR = 1.12  # a tube this much faster than the limit is not mended by more segments
+GOOD, FAIR = 1.08, 1.1  # times its route over t_c a tube is slow enough to try no rests at corners, no stays
 FEWER = 0.97  # more segments count where the tube is slower by that
 WIDE_ROUTES = (1.0, 0.5)  # of many unsafe sets: the shares that are tried before the least width,
 DETOUR = 1.1  # where the route is at most so much longer than the shortest
@@ -158,7 +159,7 @@ class Search:
         width = self.width(share)
         for segments in ladder or self.ladder[:QUICK]:
             shape = self.moved(width, route, segments, limit)
-            if stays and (shape is None or shape.speed > min(limit, (1 + (NEAR - 1) * 0.8) * route.length)):
+            if stays and (shape is None or shape.speed > min(limit, FAIR * route.length)):
                 other = self.stretched(width, route, segments)
                 shape = other if shape is None or (other is not None and other.pace < shape.pace) else shape
             if shape is None:
@@ -177,13 +178,13 @@ class Search:
             shape = slowest_shape(self.arena, self.start, limits, width, route.length / segments, self.solvers)
             if shape is not None and (best is None or shape.pace < best.pace):
                 best = shape
-            if best is not None and best.speed <= max(limit, 1.08 * route.length):
+            if best is not None and best.speed <= max(limit, GOOD * route.length):
                 break
         return best
 
     def stretched(self, width: Array, route: Route, segments: int) -> Shape | None:
         """Stays on the sides that last longest, and the least times of the stretches between."""
-        arena = replace(self.arena, min_width=float(width.min()))
+        arena = self.arena
         sides = choose_sides(arena, route, self.start)
         timing = least_times(arena, sides, self.start, route, width) if sides is not None else None
         if sides is None or timing is None:
