@@ -17,7 +17,7 @@ from random import Random
 from typing import Any
 
 import numpy as np
-from truth import deepest, signed_edges, signed_faces
+from truth import deepest, derivative, signed_edges, signed_faces
 
 from stt_codegen.bench.families import FAMILIES, arena_task
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
@@ -239,9 +239,24 @@ def body_raised(dice: Random, b: Base) -> Mutant:
 
 
 def speed_bounded(dice: Random, b: Base) -> Mutant:
-    slope = np.roll(signed_edges(b.design) * np.arange(4), -1, axis=-1).reshape(-1, 4)
-    peak = -min(deepest(slope)[2], deepest(-slope)[2]) * b.design.unit * b.design.segments / b.design.prescribed_time
-    return with_tube(b, max_speed=short(peak * (1 + dice.choice((-1, 1)) * Fraction(2) ** dice.randint(-20, -4))))
+    return with_tube(b, max_speed=_peaks(dice, b, 1))
+
+
+def acceleration_bounded(dice: Random, b: Base) -> Mutant:
+    return with_tube(b, max_acceleration=_peaks(dice, b, 2))
+
+
+def _peaks(dice: Random, b: Base, order: int) -> Fraction | tuple[Fraction, ...]:
+    """The largest derivative of that order, a little more or less: one number, or by component."""
+    found = signed_edges(b.design)
+    for _ in range(order):
+        found = derivative(found)
+    per = b.design.unit * (b.design.segments / b.design.prescribed_time) ** order
+    slopes = [found[:, i].reshape(-1, 4) for i in range(b.design.dimension)]
+    peaks = [-min(deepest(slope)[2], deepest(-slope)[2]) * per for slope in slopes]
+    least = max(peaks) / 1000  # a dimension that stands still has a bound too
+    bounds = [max(v, least) * (1 + dice.choice((-1, 1)) * Fraction(2) ** dice.randint(-20, -4)) for v in peaks]
+    return tuple(map(short, bounds)) if dice.randrange(2) else short(max(bounds))
 
 
 def dented(dice: Random, b: Base) -> Mutant:
@@ -269,6 +284,7 @@ KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
     "least width": width_raised,
     "body": body_raised,
     "speed bound": speed_bounded,
+    "acceleration bound": acceleration_bounded,
 }
 
 
@@ -286,5 +302,5 @@ def draw(dice: Random, names: Sequence[str]) -> tuple[str, str, Base, Mutant]:
 
 def well_formed(task: Task) -> bool:
     boxes = (task.state_space, task.initial_set, task.target_set, *task.unsafe)
-    sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), task.tube.max_speed or 1)
+    sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), *(task.max_speed or (1,)))
     return min(sizes) > 0 and min(task.tube.clearance, task.tube.min_width, *(task.body or ())) >= 0

@@ -138,7 +138,8 @@ def toml(task: Task) -> str:
         return f"{head}\nlower = {vector(b.lower)}\nupper = {vector(b.upper)}\n"
 
     limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
-    speed = "" if task.tube.max_speed is None else f"max_speed = {number_text(task.tube.max_speed)}\n"
+    limited = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))
+    speed = "".join(f"{name} = {vector(most)}\n" for name, most in limited if most is not None)
     return "".join(
         (
             f'name = "{task.name}"\nprescribed_time = {number_text(task.prescribed_time)}\n',

@@ -69,8 +69,9 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
             yield Fault("P6", design.prescribed_time, i)
 
     free = signed_faces(task.state_space)
-    slope = edges * np.arange(4)  # times 1/s
-    slope = np.concatenate([slope[..., 1:], np.zeros_like(slope[..., :1])], axis=-1)
+    slope = derivative(edges)  # times 1/s
+    limited = [(slope, most, scale) for most in (task.max_speed,) if most is not None]
+    limited += [(derivative(slope), most, scale**2) for most in (task.max_acceleration,) if most is not None]
     for i in range(n):
         width = max(task.tube.min_width, LEAST_WIDTH) + 2 * room
         for _, u in open_places(-edges[:, i].sum(axis=1, keepdims=True), [[width]], unit):
@@ -79,16 +80,22 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
             one = slice(side, side + 1)
             for _, u in open_places(edges[:, i, one], [[free[i][side] + body[i] + room]], unit):
                 yield Fault("P3", u * scale, i)
-            for sign in (1, -1) if task.tube.max_speed is not None else ():
-                assert task.tube.max_speed is not None
-                for _, u in open_places(sign * slope[:, i, one], [[-task.tube.max_speed * scale]], unit):
-                    yield Fault("P6", u * scale, i)
+            for rate, most, per in limited:
+                for sign in (1, -1):
+                    for _, u in open_places(sign * rate[:, i, one], [[-most[i] * per]], unit):
+                        yield Fault("P6", u * scale, i)
 
     keep = task.tube.clearance + room
     # outside a set: the lower edge above its upper face, or the upper edge below its lower face
     walls = [[-face + body[i] + keep for i in range(n) for face in reversed(signed_faces(s)[i])] for s in task.unsafe]
     for j, u in open_places(edges.reshape(segments, 2 * n, 4), walls, unit):
         yield Fault("P4", u * scale, unsafe=j)
+
+
+def derivative(polynomials: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """By powers of s on the last axis, with respect to s."""
+    found = polynomials * np.arange(4)
+    return np.concatenate([found[..., 1:], np.zeros_like(found[..., :1])], axis=-1)
 
 
 def signed_faces(box: Box) -> list[tuple[Fraction, Fraction]]:

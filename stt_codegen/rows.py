@@ -2,10 +2,11 @@
 
     sum_k c_k E_k^(d) >= bound + keep        for all t, at t = 0, or at t_c
 
-E_k is an edge (dimension, side), d = 0 the edge and d = 1 its rate. A row is data. Design takes the bounds and normals of its
-linear programs from the rows (design/arena.py, a little tightened for the arithmetic), and every certificate evaluates them:
-exactly on Bezier coefficients (exact.py), in balls (enclosure.py), at samples (falsification.py). P4 is a choice: of the rows of
-one set one must hold at every moment, each with a normal n of its own, c_i = n_i on the edge that is nearer to the set.
+E_k is an edge (dimension, side), d = 0 the edge, d = 1 its rate and d = 2 its acceleration. A row is data. Design takes the
+bounds and normals of its linear programs from the rows (design/arena.py, a little tightened for the arithmetic), and every
+certificate evaluates them: exactly on Bezier coefficients (exact.py), in balls (enclosure.py), at samples (falsification.py). P4
+is a choice: of the rows of one set one must hold at every moment, each with a normal n of its own, c_i = n_i on the edge that is
+nearer to the set.
 """
 
 from __future__ import annotations
@@ -99,11 +100,17 @@ def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
 
 def speed_rows(task: Task) -> tuple[Row, ...]:
     """P6, for all t: both edges of every dimension no faster than max_speed; none where there is no bound."""
-    most = task.tube.max_speed
-    if most is None:
-        return ()
-    edges = ((i, side) for i in range(task.dimension) for side in (LOWER, UPPER))
-    return tuple(Row(((i, side, sign),), -most, order=1) for i, side in edges for sign in (-1, 1))
+    return _rates(task.max_speed, 1)
+
+
+def acceleration_rows(task: Task) -> tuple[Row, ...]:
+    """P6, for all t before t_c: both edges of every dimension within max_acceleration; none where there is no bound."""
+    return _rates(task.max_acceleration, 2)
+
+
+def _rates(most: Sequence[Fraction] | None, order: int) -> tuple[Row, ...]:
+    edges = ((i, side) for i in range(len(most or ())) for side in (LOWER, UPPER))
+    return tuple(Row(((i, side, sign),), -most[i], order=order) for i, side in edges for sign in (-1, 1)) if most else ()
 
 
 def within(box: BoxSet) -> tuple[Row, ...]:

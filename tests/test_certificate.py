@@ -226,29 +226,18 @@ def test_far_from_the_origin_a_float_has_no_room_and_the_refusal_says_so() -> No
         build_task(moved_task("empty", Fraction(5_000_000)))
 
 
-def narrowest(design: RefinedDesign) -> int:
-    """The least difference of both edges' Bezier coefficients, in sixths of the table's unit."""
-    bezier = design.bezier()
-    return int((bezier[:, :, 1] - bezier[:, :, 0]).min())
-
-
-def steepest(design: RefinedDesign) -> int:
-    return int(np.abs(np.diff(design.bezier(), axis=3)).max())
-
-
 @pytest.mark.parametrize("far", [Fraction(1000), Fraction(-4821733), Fraction(10**8)])
 @pytest.mark.parametrize("name", ["omni_s2", "spacecraft"])
 def test_a_double_far_from_the_origin_has_the_room_it_has_near_it(name: str, far: Fraction) -> None:
-    """The tube is as wide and as slow as the one near the origin, on the same grid: to one step of each rounding, and one of the
-    origin's, which need not be a multiple of the table's unit. Of tubes that are equally slow it may be another one."""
+    """The tube is the one near the origin, moved, on the same grid: to one step of each rounding, and one of the origin's, which need
+    not be a multiple of the table's unit."""
     near = build_task(moved_task(name, Fraction(0)).with_options(scalar="double"))
     there = build_task(moved_task(name, far).with_options(scalar="double"))
     assert there.certificate.holds
     assert there.design.bits == near.design.bits
     assert there.design.segments == near.design.segments
-    least, fastest = ([f(d) for d in (there.design, near.design)] for f in (narrowest, steepest))
-    assert abs(least[0] - least[1]) <= 4 * 6  # two edges, each by two steps of the table, told in sixths
-    assert abs(fastest[0] - fastest[1]) <= 4 * 6
+    apart = there.design.integers() - near.design.integers()
+    assert np.abs(apart - apart[-1:]).max() <= 2  # the last row tells how far it was moved, rounded like every other
 
 
 def test_where_a_double_holds_no_more_the_tube_is_refused_and_says_so() -> None:

@@ -248,7 +248,8 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
         for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
             assert theirs == (list(ours.lower), list(ours.upper))
-        assert (read.clearance, read.max_speed) == (task.tube.clearance, task.tube.max_speed)
+        limits = [None if most is None else list(most) for most in (task.max_speed, task.max_acceleration)]
+        assert (read.clearance, read.limits) == (task.tube.clearance, limits)
         assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, LEAST_WIDTH))
         files = claiming(task, design, certify(task, design, build_program(task, design)))
         source = checker.Source(files[f"{task.name}.c"], read, task.emit.scalar == "float")

@@ -48,7 +48,8 @@ LAW = {
 KNOWN = {
     "": "name prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
     "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper", "unsafe": "name lower upper",
-    "tube": "design clearance min_width max_speed segments seed adaptive", "control": "gain e_max u_max period latency",
+    "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
+    "control": "gain e_max u_max period latency",
     "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
 }  # fmt: skip
 CLAIMS = (
@@ -101,7 +102,7 @@ class Task:
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
         self.segments = _number(tube["segments"]) if "segments" in tube else None
-        self.max_speed = _number(tube["max_speed"]) if "max_speed" in tube else None
+        self.limits = [_each(tube[k], n) if k in tube else None for k in ("max_speed", "max_acceleration")]
         self.share = _number(document["initial_set"].get("share", Decimal("0.9")))
         self.plant = {
             k: _number(document["plant"][k]) if k in document.get("plant", {}) else None for k in KNOWN["plant"].split()
@@ -115,6 +116,7 @@ class Task:
         self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
         given = [self.plant["g_min"], self.plant["g_max"], self.period, self.tick, *(self.u_max or [])]
+        given += [v for most in self.limits for v in most or []]
         positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
         not_negative = [self.clearance, self.latency, *body, *(v for v in self.plant.values() if v is not None)]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
@@ -907,9 +909,16 @@ class Tube:
             edges = [[[a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d] for a, b, c, d in e] for e in q]
             self.pieces.append([(low, high) for low, high in edges])
 
-    def steps(self, i: int) -> int:
-        """The largest difference of neighbouring Bezier coefficients of dimension i: a third of an edge's steepest slope."""
-        return max(int(abs(b - a)) for piece in self.pieces for edge in piece[i] for a, b in zip(edge, edge[1:]))
+    def fastest(self, i: int, order: int = 1) -> int:
+        """The largest coefficient of an edge's derivative of that order in dimension i, with a segment's time as unit."""
+
+        def derivative(c: Edge) -> Edge:
+            return [(len(c) - 1) * (b - a) for a, b in zip(c, c[1:])]
+
+        edges = [edge for piece in self.pieces for edge in piece[i]]
+        for _ in range(order):
+            edges = [derivative(edge) for edge in edges]
+        return max(int(abs(v)) for edge in edges for v in edge)
 
 
 def arithmetic(source: Source, tube: Tube) -> list[Fraction]:
@@ -923,7 +932,7 @@ def arithmetic(source: Source, tube: Tube) -> list[Fraction]:
         largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
         weights = _errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
         (edge,) = _errors(source, "blend", [*weights, *[(-largest, largest, Fraction(0))] * 4], eps, tiny)
-        found.append(edge[2] + late * 3 * tube.steps(i) * tube.unit)
+        found.append(edge[2] + late * tube.fastest(i) * tube.unit)
     return found
 
 
@@ -1069,8 +1078,11 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
     last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
     claim("P5", [end, end], box(last, *task.target), error)
     need(tube.table[-1] == tube.table[-3], "P6: the tube has a kink at t_c")
-    most = None if task.max_speed is None else math.floor(task.max_speed * task.t_c / tube.segments / unit)
-    claim("P6", [0, end], None if most is None else most - 3 * max(map(tube.steps, dims)), 0)
+    for order, most in enumerate(task.limits, 1):
+        scale = (task.t_c / tube.segments) ** order / unit
+        room = None if most is None else min(math.floor(most[i] * scale) - tube.fastest(i, order) for i in dims)
+        if order == 1 or room is not None:
+            claim("P6", [0, end], room, 0, **({} if order == 1 else {"order": order}))
     need(not claims, "the certificate claims more than is known")
 
 
@@ -1213,7 +1225,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     for own, claimed in zip(error, certificate["edge_error"]):
         fits = type(claimed) is int and above(own, tube.unit) <= claimed <= above(own * Fraction(32769, 32768), tube.unit)
         need(fits, f"P7: the arithmetic moves an edge by {float(own / tube.unit):.4g} units, not {claimed}")
-    need(certificate["speed"] == [3 * tube.steps(i) for i in range(task.n)], "the certificate's speed is not the tube's")
+    need(certificate["speed"] == [tube.fastest(i) for i in range(task.n)], "the certificate's speed is not the tube's")
     start = [[low[0], high[0]] for low, high in tube.pieces[0]]
     need(certificate["start"] == start, "the certificate's start is not the tube's")
     lack = [max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(start, *task.start)]

@@ -18,7 +18,17 @@ import numpy.typing as npt
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.slack import DEPTH, Pieces, RowBlock, halves
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.rows import Row, avoid_rows, reach_rows, speed_rows, start_rows, state_rows, stay_rows, width_rows
+from stt_codegen.rows import (
+    Row,
+    acceleration_rows,
+    avoid_rows,
+    reach_rows,
+    speed_rows,
+    start_rows,
+    state_rows,
+    stay_rows,
+    width_rows,
+)
 from stt_codegen.task import Task
 
 
@@ -34,13 +44,15 @@ class Stretch:
 @dataclass(frozen=True)
 class Claim:
     """One property for all of `on` (spline time, in segments): the slack of its rows is at least `margin` units of the table,
-    None where there is no row. name: of the unsafe set. hints: empty where whole segments and every row do."""
+    None where there is no row. name: of the unsafe set. hints: empty where whole segments and every row do. order: of the
+    derivative, where the property does not tell it."""
 
     code: str
     on: tuple[int, int]
     margin: int | None
     name: str | None = None
     hints: tuple[Stretch, ...] = ()
+    order: int | None = None
 
 
 def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
@@ -68,17 +80,28 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
             found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
         return found
 
-    rates, table = 3 * np.diff(bezier, axis=3), design.integers()
+    table = design.integers()
     kink = int(np.abs(table[-1] - table[-3]).max())
-    most = [math.floor(-row.bound * design.prescribed_time / segments / unit) for row in speed_rows(task)]
-    smooth = -kink if kink else min(most) - int(np.abs(rates).max()) if most else None
+
+    def within(order: int, rows: Sequence[Row]) -> int | None:
+        """The least room of rates, or accelerations, in units of the table by one segment's time to that power."""
+        edges = bezier
+        for degree in range(3, 3 - order, -1):
+            edges = degree * np.diff(edges, axis=3)
+        scale = (design.prescribed_time / segments) ** order / unit
+        return min(
+            (int((c * edges[:, i, e]).min()) - math.ceil(r.bound * scale) for r in rows for i, e, c in r.terms), default=None
+        )
+
+    second = within(2, acceleration_rows(task))
     return [
         every("P1", width_rows(task)),
         at("P2", (*state_rows(task), *start_rows(task)), 0, 0),
         every("P3", stay_rows(task)),
         *avoid(),
         at("P5", reach_rows(task), -1, -1),
-        Claim("P6", always, smooth),
+        Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
+        *([] if second is None else [Claim("P6", always, second, order=2)]),
     ]
 
 

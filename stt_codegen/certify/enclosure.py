@@ -213,7 +213,7 @@ def _certificate(
     width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
     least = least_width(task)
     always, begin, end = slice(None), slice(0, 1), slice(-1, None)
-    limit, fastest = task.tube.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
+    limit, fastest = task.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
     seventh = (
         f"{task.emit.scalar} arithmetic is within the enclosures; "
         f"alpha_step with dt from {decimal(steps.shortest)} to {decimal(steps.longest)} s, without gaps from t = 0 on"
@@ -228,7 +228,7 @@ def _certificate(
             find.least(reach_rows(task), end, "P5", "gamma(t_c) within the target set"),
             Finding(
                 "P6", f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
-                Fraction(0) if limit is None else limit - max(speed), Fraction(0),
+                Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True)), Fraction(0),
                 advice=f"raise tube.max_speed to {above(max(speed), 4):g}, or use a refined tube: the bound is not sharp here",
             ),
             Finding("P7", seventh, Fraction(0), Fraction(0)),

@@ -23,6 +23,7 @@ from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Program
 from stt_codegen.rows import (
     Row,
+    acceleration_rows,
     avoid_rows,
     least_width,
     reach_rows,
@@ -67,7 +68,15 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
     width, speed = tube.width(), _speed(design, tube.bezier)
     start = tuple((int(a) * design.unit, int(b) * design.unit) for a, b in tube.bezier[0, :, :, 0])
     return Certificate(
-        findings=(width, *tube.start(), tube.stay(), tube.avoid(), tube.reach(), _smooth(task, design, tube.bezier, speed)),
+        findings=(
+            width,
+            *tube.start(),
+            tube.stay(),
+            tube.avoid(),
+            tube.reach(),
+            _smooth(task, design, tube.bezier, speed),
+            *_accelerated(task, design, tube.bezier),
+        ),
         edge_error=tuple(edge_error),
         speed=speed,
         least_width=width.margin + least_width(task),
@@ -174,16 +183,32 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
         )  # fmt: skip
     bound = ", ".join(f"{above(v, 4):g}" for v in speed)
     statement = f"gamma is C2, C1 at t_c; |gammadot| <= {bound}"
-    rows = speed_rows(task)
-    if not rows:
-        return Finding("P6", statement, Fraction(0), Fraction(0))
+    return _limited(task, design, bezier, speed_rows(task), statement, "max_speed") or Finding(
+        "P6", statement, Fraction(0), Fraction(0)
+    )
+
+
+def _accelerated(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64]) -> tuple[Finding, ...]:
+    """P6, second derivative: within max_acceleration before t_c, when the task bounds it; from t_c on gamma stands still."""
+    second, unit = _derivative(design, bezier, 2)
+    bound = ", ".join(f"{above(int(v) * unit, 4):g}" for v in np.abs(second).max(axis=(0, 2, 3)))
+    found = _limited(task, design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound} before t_c", "max_acceleration")
+    return () if found is None else (found,)
+
+
+def _limited(
+    task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Row], statement: str, option: str
+) -> Finding | None:
+    """P6 for rows of rates or accelerations; None where there are none."""
     slack = []
     for row in rows:
         edges, unit = _derivative(design, bezier, row.order)
         left = np.sum([c * edges[:, i, side] for i, side, c in row.terms], axis=0)
         slack.append(int(left.min()) * unit - row.bound)
+    if not slack:
+        return None
     worst = slack.index(min(slack))
     dimension = rows[worst].dimension
-    told = f"{statement}, within max_speed {decimal(-rows[worst].bound)}"
+    told = f"{statement}, within {option} {', '.join(map(decimal, dict.fromkeys(-row.bound for row in rows)))}"
     where = None if dimension is None else dimension + 1
-    return Finding("P6", told, slack[worst], Fraction(0), None, where, None, "raise tube.max_speed or prescribed_time")
+    return Finding("P6", told, slack[worst], Fraction(0), None, where, None, f"raise tube.{option} or prescribed_time")

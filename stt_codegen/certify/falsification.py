@@ -37,8 +37,8 @@ def falsify(task: Task, design: AdaptiveDesign) -> Certificate:
     ]
     speed = np.abs(rate).max(axis=(0, 2))
     bound = ", ".join(f"{v:.4g}" for v in speed)
-    limit = task.tube.max_speed
-    margin = _exact(float(limit) - float(speed.max())) if limit is not None else Fraction(0)
+    limit = task.max_speed
+    margin = min(_exact(float(m) - v) for m, v in zip(limit, speed.tolist(), strict=True)) if limit is not None else Fraction(0)
     findings.append(
         Finding("P6", f"|gammadot| up to {bound} at {POINTS} samples", margin, Fraction(0), advice="raise tube.max_speed")
     )

@@ -16,10 +16,16 @@ def design(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     picture: Annotated[Path | None, typer.Option(metavar="DIR", help="where <name>.png goes; none without")] = None,
+    pareto: Annotated[
+        bool, typer.Option("--pareto", help="what tubes of several widths trade: width, speed, longest proved period")
+    ] = False,
     json: Json = False,
     uncertified: Uncertified = False,
 ) -> None:
     """Show the tube of a task before anything is emitted: width, speed, certificate, cost, picture."""
+    if pareto:
+        _compare_tubes(task, design, scalar, picture, json)
+        return
     with patience(f"designing {task}"):
         from stt_codegen.pipeline import build
         from stt_codegen.report.design import design_report
@@ -39,3 +45,26 @@ def design(
         from stt_codegen.cli.show import show_design
 
         show_design(report)
+
+
+def _compare_tubes(task: Path, design: str | None, scalar: str | None, picture: Path | None, json: bool) -> None:
+    """Width against speed against period over several tubes of the task."""
+    with patience(f"designing tubes for {task}"):
+        from stt_codegen.errors import about
+        from stt_codegen.report.trade import trade_report
+        from stt_codegen.task import load_task
+
+        with about(task):
+            report = trade_report(load_task(task).with_options(design, scalar))
+        if picture is not None:
+            from stt_codegen.report.picture import draw_trade
+
+            path = picture / f"{report.task}-pareto.png"
+            draw_trade(report, path)
+            report = report.drawn(path)
+    if json:
+        print_json(report.document())
+    else:
+        from stt_codegen.cli.show import show_trade
+
+        show_trade(report)

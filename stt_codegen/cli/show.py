@@ -17,6 +17,7 @@ from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
 from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
 from stt_codegen.report.design import DesignReport
+from stt_codegen.report.trade import TradeReport
 from stt_codegen.sampling.gains import MUCH
 
 
@@ -70,6 +71,23 @@ def show_design(report: DesignReport) -> None:
     code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
     console.print(f"  one {' + '.join(cost.functions)} step: {cost.operations_total} operations ({kinds})")
     console.print(f"  {cost.table_bytes} B of tables{code}")
+    if report.picture is not None:
+        console.print(f"  picture: {report.picture}")
+
+
+def show_trade(report: TradeReport) -> None:
+    """Tubes of one task side by side, the widest first."""
+    console = _console()
+    console.print(f"[bold]{report.task}[/bold]: what a tube's width costs; none of these is beaten in all three")
+    table = Table(box=None, pad_edge=True, header_style="bold")
+    for heading in ("least width", "peak speed", "proved period", "with gain"):
+        table.add_column(heading, justify="right")
+    table.add_column("tube.prefer")
+    for t in report.tubes:
+        period, gain = ("none", "") if t.period is None or t.gain is None else (_time(t.period), by_component(t.gain))
+        table.add_row(f"{t.least_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
+    console.print(table)
+    console.print("  periods are the longest over all gains, for the plant and the starts of the task")
     if report.picture is not None:
         console.print(f"  picture: {report.picture}")
 

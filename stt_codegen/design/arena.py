@@ -18,7 +18,7 @@ import numpy.typing as npt
 from stt_codegen.decimals import below, decimal
 from stt_codegen.design.lattice import Lattice, lattice_of
 from stt_codegen.errors import NotCertified
-from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, speed_rows, start_rows, stay_rows, width_rows
+from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
 
@@ -77,7 +77,8 @@ class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
     index 0 lower, 1 upper. faces: what an unsafe set has beside its span.
 
-    clearance, min_width: what the task asks for plus the arithmetic allowance. allowance: what rounding of the
+    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speed: of the swiftest dimension; swiftness:
+    of each, over that (n,), at most 1. max_acceleration: (n,), None for no bound. allowance: what rounding of the
     coefficients and of the emitted arithmetic may move an edge by, see `Lattice.allowance`. length_unit, time_unit:
     what lengths and times here must be multiplied by to be the task's; origin: where in the task 0 is, by dimension.
     """
@@ -93,6 +94,8 @@ class Arena:
     clearance: float
     min_width: float
     max_speed: float
+    swiftness: Array
+    max_acceleration: Array | None
     allowance: float
     origin: tuple[Fraction, ...]
     length_unit: float = 1.0
@@ -101,6 +104,10 @@ class Arena:
     @property
     def dimension(self) -> int:
         return int(self.space.shape[1])
+
+    def distance(self, steps: Array) -> Array:
+        """What steps (P, n) take at full speed, as a way of the swiftest dimension: the largest component over its swiftness."""
+        return np.asarray((np.abs(steps) / self.swiftness).max(axis=1))
 
     @property
     def boxes_only(self) -> bool:
@@ -141,7 +148,8 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
                     )
                 )
     inset = 2 * allowance
-
+    speeds, accelerations = task.max_speed, task.max_acceleration
+    fastest = math.inf if speeds is None else float(max(speeds))
     return Arena(
         names=tuple(one.name for one in sets),
         space=_bounds(stay_rows(task), allowance, origin),
@@ -153,7 +161,9 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
         min_width=float(wide),
-        max_speed=min((float(-row.bound) for row in speed_rows(task)), default=math.inf),
+        max_speed=fastest,
+        swiftness=np.ones(n) if speeds is None else np.array([float(v) / fastest for v in speeds]),
+        max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         origin=origin,
     )
@@ -204,7 +214,7 @@ def _points(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
 def normalised(arena: Arena, exponent: int) -> Arena:
     """The same arena with lengths in units of 2**exponent (exactly) and t_c as unit of time, so that tolerances of the
     search and of the solver mean the same for every task."""
-    unit = 2.0**exponent
+    unit, bend = 2.0**exponent, arena.max_acceleration
     return replace(
         arena,
         space=arena.space / unit,
@@ -217,6 +227,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         clearance=arena.clearance / unit,
         min_width=arena.min_width / unit,
         max_speed=arena.max_speed * arena.prescribed_time / unit,
+        max_acceleration=None if bend is None else bend * (arena.prescribed_time * arena.prescribed_time) / unit,
         allowance=arena.allowance / unit,
         length_unit=unit,
         time_unit=arena.prescribed_time,

@@ -1,4 +1,5 @@
-"""The shortest route of the tube's centre, in the largest-component metric, among unsafe sets grown by half a tube.
+"""The shortest route of the tube's centre, in the largest-component metric, among unsafe sets grown by half a tube. Where some
+dimensions may be faster than others a component counts for the time that it takes (`Arena.distance`).
 
 Nodes are the corners of the grown sets (a shortest path in any norm bends only there in the plane); edges are the
 straight lines that meet no grown set's interior. Searched by A*, edges found when a node is first expanded.
@@ -62,7 +63,7 @@ def _cell_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Rout
     if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
         return None
     obstacles, space, goal = _grown(arena, reach, inset)
-    return _shortened(way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
+    return _shortened(arena, way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
 
 
 def _leg_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
@@ -90,11 +91,11 @@ def _leg_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route
                 there[leg] = step
                 points.append(there)
         else:
-            return _shortened(np.array(points), obstacles, reach)
+            return _shortened(arena, np.array(points), obstacles, reach)
     return None
 
 
-def _shortened(points: Array | None, obstacles: Obstacles, reach: Array) -> Route | None:
+def _shortened(arena: Arena, points: Array | None, obstacles: Obstacles, reach: Array) -> Route | None:
     """The polyline without the points that the line of sight makes needless, as a route."""
     if points is None:
         return None
@@ -104,7 +105,7 @@ def _shortened(points: Array | None, obstacles: Obstacles, reach: Array) -> Rout
         seen = np.nonzero(obstacles.visible(points[here], points[here + 1 :]))[0]
         kept.append(here + 1 + (int(seen[-1]) if len(seen) else 0))
     polyline = points[kept]
-    return Route(polyline, float(np.cumsum(np.abs(polyline[1:] - polyline[:-1]).max(axis=1))[-1]), reach)
+    return Route(polyline, float(np.cumsum(arena.distance(polyline[1:] - polyline[:-1]))[-1]), reach)
 
 
 def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, Array]:
@@ -181,7 +182,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
 
     ends = np.clip(nodes, goal[0], goal[1])  # the nearest point of the target to each node
     end_free = ~obstacles.inside(ends)
-    remaining = _length(ends - nodes)
+    remaining = _length(arena, ends - nodes)
     cost = np.full(len(nodes), np.inf)
     cost[0] = 0.0
     parent = [-1] * len(nodes)
@@ -198,7 +199,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
         closed[v] = True
         if end_free[v] and cost[v] + remaining[v] < best and obstacles.visible(nodes[v], ends[v : v + 1])[0]:
             best, last = float(cost[v] + remaining[v]), v
-        candidate = cost[v] + _length(nodes - nodes[v])
+        candidate = cost[v] + _length(arena, nodes - nodes[v])
         open_ = np.nonzero((candidate < cost) & (candidate + remaining <= most))[0]
         if len(open_) > near:
             open_ = open_[np.argsort(candidate[open_], kind="stable")[:near]]  # ties by index, on every machine
@@ -217,7 +218,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
             points.append(nodes[v])
         v = parent[v]
     polyline = np.array(points[::-1])
-    steps = np.abs(polyline[1:] - polyline[:-1]).max(axis=1)
+    steps = arena.distance(polyline[1:] - polyline[:-1])
     return Route(polyline, float(np.cumsum(steps)[-1]), reach)
 
 
@@ -249,10 +250,10 @@ def _nodes(obstacles: Obstacles, space: Array, goal: Array, centre: Array) -> Ar
     return np.array(found)
 
 
-def _length(steps: Array) -> Array:
-    """Length of steps (shape (P, n)): the largest component, ties broken by the sum of components."""
+def _length(arena: Arena, steps: Array) -> Array:
+    """Length of steps (shape (P, n)): what they take at full speed, ties broken by the sum of components."""
     size = np.abs(steps)
     total = size[:, 0].copy()
     for i in range(1, size.shape[1]):
         total += size[:, i]
-    return np.asarray(size.max(axis=1) + STRAIGHT * total)
+    return np.asarray(arena.distance(steps) + STRAIGHT * total)

@@ -3,37 +3,46 @@
 The upper edge is the lower one, the width, and what the start is wider: U = L + w + z, z >= 0 on the first WIDENED control
 points. So a program has half the columns that two free edges would have, and its least peak speed is, in practice, the same. A
 tube that is wider than w here and there would be faster there: its edges move more.
+
+Many tubes are as slow as the slowest: where a dimension has time to spare, any way of spending it will do. Of them the calmest is
+taken: least sum of |second differences| of control points, by one more program for every dimension, at the pace it needs anyway.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stt_codegen.design.arena import Arena, Array
 from stt_codegen.design.sides import Limits, limits_of_tube
 from stt_codegen.design.solver import Rows, Solvers, face_bound, least
+from stt_codegen.design.template import INNER, Template, template_of
 from stt_codegen.designs import LOWER, UPPER
 
 WIDENED = 12  # control points on which the tube may be wider than asked, so that it can begin with all of gamma(0)
 NARROWS = 1e-3  # weight of what it is wider beside the pace
 ROUNDS = 4  # of choosing sides anew
 GAIN = 1.005  # a round must improve by this factor to be followed by another
+SPARE = 1e-8  # of the pace that the calmest tube may take: ten times what the solver's rows are kept to
 CLOSE = 1.03  # times a bound from below is as good as it gets
-# The Bezier coefficients of a segment inside it, where two meet, and at t_c, by the control points from the second on.
-INNER, JOINT, END = ((2 / 3, 1 / 3), (1 / 3, 2 / 3)), (1 / 6, 4 / 6, 1 / 6), (2 / 6, 4 / 6)
 BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 / 3, 0.0), (0.0, 1 / 6, 4 / 6, 1 / 6))
 
 
 @dataclass(frozen=True)
 class Shape:
-    """Control points of shape (2, n, K + 3) [edge, dimension, point], and their pace: the most that an edge moves in one
-    segment's time."""
+    """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
+    moves in one segment's time. limits, width: what it was made within."""
 
     points: Array
-    pace: float
+    paces: Array
+    limits: Limits
+    width: Array
+
+    @property
+    def pace(self) -> float:
+        """The most of all dimensions."""
+        return float(self.paces.max())
 
     @property
     def segments(self) -> int:
@@ -83,94 +92,73 @@ def slowest_shape(
 
 def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solvers: Solvers) -> Shape | None:
     """The slowest tube within these limits: every group of dimensions that the faces in use couple by itself, mostly one."""
+    points: Array = np.empty((2, arena.dimension, len(limits.edges) + 3))
+    paces: Array = np.empty(arena.dimension)
+    for members in _groups(arena, limits):
+        found = _group(arena, start, limits, width, members, solvers)
+        if found is None:
+            return None
+        points[:, members], paces[members] = found
+    return Shape(points, paces, limits, width)
+
+
+def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
+    """The calmest tube of the same width within the same limits, no dimension faster than it is: the one that bends least."""
+    points = shape.points.copy()
+    for members in _groups(arena, shape.limits):
+        found = _group(arena, start, shape.limits, shape.width, members, None, float(shape.paces[members[0]]))
+        if found is not None:
+            points[:, members] = found[0]
+    return replace(shape, points=points)
+
+
+def _groups(arena: Arena, limits: Limits) -> list[list[int]]:
+    """The dimensions that the faces in use couple, together; mostly every one by itself."""
     group = list(range(arena.dimension))
     for x in limits.faces:
         joined = {group[i] for i in np.nonzero(arena.faces.normal[x])[0]}
         group = [min(joined) if g in joined else g for g in group]
-    points: Array = np.empty((2, arena.dimension, len(limits.edges) + 3))
-    pace = 0.0
-    for first in sorted(set(group)):
-        members = [i for i, g in enumerate(group) if g == first]
-        found = _group(arena, start, limits, width, members, solvers)
-        if found is None:
-            return None
-        points[:, members] = found.points
-        pace = max(pace, found.pace)
-    return Shape(points, pace)
+    return [[i for i, g in enumerate(group) if g == first] for first in sorted(set(group))]
 
 
-@dataclass(frozen=True)
-class _Template:
-    """The rows of one dimension for K segments, m widened points: columns are L's K + 2 control points (point K + 2 is point K),
-    then z's m, then the pace. place: which rows are which."""
-
-    rows: Rows
-    place: dict[str, slice]
-    columns: int
-
-
-@cache
-def _template(segments: int, widened: int) -> _Template:
-    points = segments + 2
-    pace = points + widened
-    column = [*range(points), segments]
-    rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
-    place: dict[str, slice] = {}
-
-    def add(name: str, found: list[tuple[tuple[int, ...], tuple[float, ...]]]) -> None:
-        place[name] = slice(len(rows), len(rows) + len(found))
-        rows.extend(found)
-
-    def lower(points: tuple[int, ...], values: tuple[float, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
-        return tuple(column[j] for j in points), values
-
-    def upper(places: tuple[int, ...], values: tuple[float, ...]) -> tuple[tuple[int, ...], tuple[float, ...]]:
-        wider = [(points + j, v) for j, v in zip(places, values, strict=True) if j < widened]
-        return (*(column[j] for j in places), *(c for c, _ in wider)), (*values, *(v for _, v in wider))
-
-    early = range(widened - 1)  # segments and joints in which z counts
-    for k, weights in enumerate(INNER):
-        add(f"inner {k}", [lower((s + 1, s + 2), weights) for s in range(segments)])
-        add(f"inner {k}, wider", [upper((s + 1, s + 2), weights) for s in early])
-    add("joint", [lower((s + 1, s + 2, s + 3), JOINT) for s in range(segments - 1)])
-    add("joint, wider", [upper((s + 1, s + 2, s + 3), JOINT) for s in early if s < segments - 1])
-    add("end", [lower((segments, segments + 1), END)])
-    add("start", [lower((0, 1, 2), JOINT)])
-    add("start, wider", [upper((0, 1, 2), JOINT)])
-    # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
-    for name, sign in (("rise", -1.0), ("fall", 1.0)):
-        steps = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, segments + 1)), ((2, 0), (0.5, -0.5))]
-        early_steps = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, widened)), ((2, 0), (0.5, -0.5))]
-        for what, edge, which in ((name, lower, steps), (f"{name}, wider", upper, early_steps)):
-            found = [edge(places, values) for places, values in which]
-            add(what, [((*c, pace), (*v, sign)) for c, v in found])
-    return _Template(Rows.of(rows), place, pace + 1)
-
-
-def _group(arena: Arena, start: Array, limits: Limits, width: Array, members: list[int], solvers: Solvers) -> Shape | None:
-    """The slowest tube of some dimensions, all with one pace."""
-    segments = len(limits.edges)
-    template = _template(segments, min(WIDENED, segments))
+def _group(
+    arena: Arena,
+    start: Array,
+    limits: Limits,
+    width: Array,
+    members: list[int],
+    solvers: Solvers | None,
+    pace: float | None = None,
+) -> tuple[Array, float] | None:
+    """Control points (2, m, K + 3) of some dimensions, all with one pace, and it: the slowest; of a given pace the calmest."""
+    segments, told = len(limits.edges), pace is not None
+    template = template_of(segments, min(WIDENED, segments), told or arena.max_acceleration is not None, told)
     each = template.columns - 1
-    pace = each * len(members)
+    last = each * len(members)
     parts, bounds = [], []
     for k, i in enumerate(members):
-        parts.append(template.rows.moved(k * each, each, pace))
+        own = template.rows.moved(k * each, each, last)
+        parts.append(own if arena.swiftness[i] == 1 else own.times(last, float(arena.swiftness[i])))
         bounds.append(_bounds(arena, start[:, i], limits.edges[:, :, i], float(width[i]), template, i))
     faces = [x for x in limits.faces if int(np.nonzero(arena.faces.normal[x])[0][0]) in members]
     if faces:
         rows, low = _faces(arena, limits, faces, width, members, each, segments)
         parts.append(rows)
         bounds.append((low, np.full(len(low), np.inf)))
-    lower, upper, cost = np.full(pace + 1, -np.inf), np.full(pace + 1, np.inf), np.zeros(pace + 1)
-    lower[pace], cost[pace] = 0.0, 1.0
-    widened = each - segments - 2
-    for k in range(len(members)):
-        z = slice(k * each + segments + 2, (k + 1) * each)
+    lower, upper, cost = np.full(last + 1, -np.inf), np.full(last + 1, np.inf), np.zeros(last + 1)
+    lower[last], cost[last] = 0.0, 0.0 if told else 1.0
+    if pace is not None:
+        upper[last] = pace + SPARE
+    widened = min(WIDENED, segments)
+    for k, i in enumerate(members):
+        z = slice(k * each + segments + 2, k * each + segments + 2 + widened)
+        bends = slice(z.stop, (k + 1) * each)
         lower[z], cost[z] = 0.0, NARROWS / widened
+        lower[bends], cost[bends] = 0.0, 1.0
+        upper[bends] = _bend(arena, segments, i)
     row_lower, row_upper = (np.concatenate([b[e] for b in bounds]) for e in (0, 1))
     rows = Rows.joined(parts)
-    if faces:
+    if faces or solvers is None:
         solution = least(cost, lower, upper, rows, row_lower, row_upper)
     else:
         solution = solvers.solve((segments, *members), cost, lower, upper, rows, row_lower, row_upper)
@@ -180,15 +168,23 @@ def _group(arena: Arena, start: Array, limits: Limits, width: Array, members: li
     for k, i in enumerate(members):
         low = solution[k * each : k * each + segments + 2]
         high = low + float(width[i])
-        high[:widened] += solution[k * each + segments + 2 : (k + 1) * each]
+        high[:widened] += solution[k * each + segments + 2 : k * each + segments + 2 + widened]
         for edge, value in ((LOWER, low), (UPPER, high)):
             points[edge, k] = np.concatenate([value, value[segments : segments + 1]])
-    return Shape(points, float(solution[pace]))
+    return points, float(solution[last])
 
 
-def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: _Template, i: int) -> tuple[Array, Array]:
+def _bend(arena: Arena, segments: int, i: int) -> float:
+    """The largest second difference of control points that the acceleration allows, with room for their rounding."""
+    if arena.max_acceleration is None:
+        return np.inf
+    return float(arena.max_acceleration[i]) / segments**2 - arena.allowance
+
+
+def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Template, i: int) -> tuple[Array, Array]:
     """What the template's rows of dimension i are between. start (2,); edges (K, 2): on L from below, on U from above."""
-    place, count, widened = template.place, template.rows.count, template.columns - len(edges) - 3
+    place, count, segments = template.place, template.rows.count, len(edges)
+    widened = min(WIDENED, segments)
     lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
     low, high = edges[:, 0], edges[:, 1] - width
     alone = high.copy()
@@ -209,6 +205,10 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: _T
         upper[place[name]] = 0.0
     for name in ("fall", "fall, wider"):
         lower[place[name]] = 0.0
+    for name in ("bend", "bend, wider"):
+        if name in place:
+            most = 0.0 if template.told else _bend(arena, segments, i)
+            lower[place[name]], upper[place[name]] = -most, most
     return lower, upper
 
 
@@ -218,7 +218,7 @@ def _faces(
     """Rows that keep the Bezier coefficients of some segments beyond faces, and what they are at least."""
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
     bound: list[float] = []
-    widened = each - segments - 2
+    widened = min(WIDENED, segments)
     place = {i: k for k, i in enumerate(members)}
     for x in faces:
         normal = arena.faces.normal[x].tolist()

@@ -168,7 +168,7 @@ def limits_along(arena: Arena, start: Array, route: Route, width: Array, segment
     """What the box of this width leaves that follows the route at constant speed, in the largest component: for every segment and
     unsafe set the side with most room. hold: segments that it stands at every corner."""
     points = route.points
-    steps = np.abs(points[1:] - points[:-1]).max(axis=1)
+    steps = arena.distance(points[1:] - points[:-1])
     rest = hold * float(np.cumsum(steps)[-1]) / segments if len(steps) else 0.0
     knots, places = [0.0], [points[0]]
     for k, step in enumerate(steps.tolist()):

@@ -97,6 +97,10 @@ class Rows:
             return self
         return replace(self, column=np.where(self.column == last, there, self.column + by).astype(np.int32))
 
+    def times(self, column: int, factor: float) -> Rows:
+        """The same rows with the entries of one column so many times as large."""
+        return replace(self, value=np.where(self.column == column, factor * self.value, self.value))
+
     @property
     def count(self) -> int:
         return len(self.first) - 1

@@ -61,8 +61,10 @@ def least_times(arena: Arena, sides: Sides, start: Array, route: Route, width: A
     for v in range(1, m + 1):
         program.rows(np.stack([edge[v, UPPER], edge[v, LOWER]], axis=1), [1, -1], width, np.inf)
         columns = np.stack([np.full(2 * n, duration[v - 1]), edge[v].ravel(), edge[v - 1].ravel()], axis=1)
-        program.rows(columns, [1, -1, 1], 0.0, np.inf)
-        program.rows(columns, [1, 1, -1], 0.0, np.inf)
+        for sign in (-1.0, 1.0):
+            values = np.tile([1.0, sign, -sign], (2 * n, 1))
+            values[:, 0] = np.tile(arena.swiftness, 2)
+            program.rows(columns, values, 0.0, np.inf)
     for v in range(m + 1):
         for x in np.nonzero(limits.beyond[max(v - 1, 0) : v + 1].any(axis=0))[0]:
             program.rows(*face_terms(arena, int(x), edge[v]), face_bound(arena, int(x)), np.inf)

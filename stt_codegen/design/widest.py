@@ -6,7 +6,7 @@ first, for they are quicker than tubes: the widest share with a route within the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,6 +21,7 @@ from stt_codegen.design.timing import changes_at, least_times, time_plans
 QUICK = 2  # numbers of segments that are tried for every width
 ROOM = 1.4  # how much longer than the shortest a route may be, and how much faster than its length over t_c a tube, for width
 SLOWEST = 1.25  # times the slowest tube found is room enough, where that is more
+FAMILY = (1.0, 0.9, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)  # of the widest share with a route: the tubes that are compared
 FIRST = (1.0, 0.95)  # of the widest share: a spline loses a segment at each end of a tight passage
 TRIES = 3  # shares between the least width and one that is too fast, where the speed between them would meet the limit,
 LEAST_STEP, MOST_STEP = 0.35, 0.9  # but so much of the way at least, and at most
@@ -61,19 +62,20 @@ class Search:
     def straight(self) -> float:
         """How far the centre must go at least, in the largest component: no tube is slower."""
         half, centre, target = self.arena.min_width / 2, (self.start[0] + self.start[1]) / 2, self.arena.target
-        return float(np.maximum(np.maximum(target[0] + half - centre, centre - target[1] + half), 0).max())
+        apart = np.maximum(np.maximum(target[0] + half - centre, centre - target[1] + half), 0)
+        return float(self.arena.distance(apart[None])[0])
 
-    def widest(self, room: float) -> Shape | None:
-        """The widest tube that is found along a route of at most `room` times the shortest, no faster than its time allows; else
+    def widest(self) -> Shape | None:
+        """The widest tube that is found along a route of at most ROOM times the shortest, no faster than its time allows; else
         the slowest of all that were found."""
         whole = self.route(1.0)
         first: Shape | None = None
-        if whole is not None and whole.length <= room * self.straight:
-            first = self.along(1.0, whole, room * self.straight)
-            if first is not None and self.within(first, room * self.straight):
+        if whole is not None and whole.length <= ROOM * self.straight:
+            first = self.along(1.0, whole, ROOM * self.straight)
+            if first is not None and self.within(first, ROOM * self.straight):
                 return first
         shortest = shortest_route(self.arena, self.start, self.width(0.0))
-        limit = room * shortest.length
+        limit = ROOM * shortest.length
         if first is not None and self.within(first, limit):
             return first
         share, route = self.widest_route(whole, shortest, limit)
@@ -98,6 +100,20 @@ class Search:
                 return best
         last = self.slowest(shortest)
         return min([*found, *([] if last is None else [last])], key=lambda s: s.speed, default=None)
+
+    def family(self) -> Iterator[Shape]:
+        """Tubes of several widths, the widest first, each the slowest that is found along a route of its own; at last one of the
+        least width with any number of segments."""
+        shortest = shortest_route(self.arena, self.start, self.width(0.0))
+        share, _ = self.widest_route(self.route(1.0), shortest, np.inf)
+        for part in (*FAMILY, 0.0):
+            route = self.route(part * share) if part else shortest
+            if not part:
+                shape = self.slowest(shortest)
+            else:
+                shape = None if route is None else self.along(part * share, route, CLOSE * route.length)
+            if shape is not None and shape.speed <= self.most(shape.segments):
+                yield shape
 
     def between(self, slow: Shape, share: float, speed: float, limit: float) -> Shape | None:
         """The widest tube within the limit between the least width, of which `slow` is, and a share that is too fast."""

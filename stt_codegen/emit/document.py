@@ -80,6 +80,8 @@ def _claim(claim: Claim, cuts: int) -> dict[str, Any]:
     entry: dict[str, Any] = {"property": claim.code}
     if claim.name is not None:
         entry["set"] = claim.name
+    if claim.order is not None:
+        entry["order"] = claim.order
     entry["on"] = [v * cuts for v in claim.on]
     if claim.margin is not None:
         entry["margin"] = claim.margin

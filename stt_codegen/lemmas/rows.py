@@ -46,33 +46,36 @@ def _same(what: str, made: Sequence[rows.Row], wanted: Sequence[Any]) -> dict[st
 
 def _plain() -> Outcome:
     """P1, P2, P3, P5 and P6: row by row what is asked of the edges, with a distance of its own size."""
-    width, fast = sp.symbols("width fast", positive=True)
+    width = sp.Symbol("width", positive=True)
+    fast, bend = (sp.symbols(f"{name}1:{N + 1}", positive=True) for name in ("fast", "bend"))
     start, space, target = (_box(name) for name in ("start", "space", "target"))
     x = tuple(sp.Symbol(f"x{i + 1}", real=True) for i in range(N))
-    tube = SimpleNamespace(min_width=Formula(width, 0.25), max_speed=fast)
-    task: Any = SimpleNamespace(dimension=N, tube=tube, initial_state=x, start=start, free_space=space, target=target)
+    tube = SimpleNamespace(min_width=Formula(width, 0.25))
+    bounds = {"max_speed": fast, "max_acceleration": bend}
+    task: Any = SimpleNamespace(dimension=N, tube=tube, initial_state=x, start=start, free_space=space, target=target, **bounds)
     low, high = EDGE[:, LOWER], EDGE[:, UPPER]
 
     def inside(box: Any) -> list[Any]:
         return [v for i in range(N) for v in (low[i] - box.lower[i], box.upper[i] - high[i])]
 
     wide = [rows.Row(r.terms, r.bound.form) for r in rows.width_rows(task)]  # type: ignore[attr-defined]
-    speed = rows.speed_rows(task)
+    speed, second = rows.speed_rows(task), rows.acceleration_rows(task)
     found = _same("P1 width", wide, [high[i] - low[i] - width for i in range(N)])
     found |= _same("P2 x(0)", rows.state_rows(task), [v for i in range(N) for v in (x[i] - low[i], high[i] - x[i])])
     found |= _same("P2 start", rows.start_rows(task), inside(start)) | _same("P3", rows.stay_rows(task), inside(space))
     found |= _same("P5", rows.reach_rows(task), inside(target))
-    found |= _same("P6 speed", speed, [fast + s * e for i in range(N) for e in (low[i], high[i]) for s in (-1, 1)])
+    for what, made, most in (("P6 speed", speed, fast), ("P6 acceleration", second, bend)):
+        found |= _same(what, made, [most[i] + s * e for i in range(N) for e in (low[i], high[i]) for s in (-1, 1)])
     every = {"P1": wide, "P2": (*rows.state_rows(task), *rows.start_rows(task)), "P3": rows.stay_rows(task)}
     every |= {"P5": rows.reach_rows(task)}
     wrong = [
         f"{k}: order {r.order}, per {r.per}" for k, made in every.items() for r in made if (r.order, r.per) != (0, 1) or r.keep
     ]
-    wrong += [f"P6: order {r.order}" for r in speed if r.order != 1]
-    task.tube = SimpleNamespace(min_width=LEAST_WIDTH / 2, max_speed=None)
+    wrong += [f"P6: order {r.order}" for k, made in enumerate((speed, second), 1) for r in made if r.order != k]
+    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=LEAST_WIDTH / 2), None, None
     wrong += [f"P1: {r.bound}" for r in rows.width_rows(task) if r.bound != LEAST_WIDTH]
-    wrong += ["P6 without a bound"] if rows.speed_rows(task) else []
-    count = sum(map(len, every.values())) + len(speed) + N + 1
+    wrong += ["P6 without a bound"] if rows.speed_rows(task) or rows.acceleration_rows(task) else []
+    count = sum(map(len, every.values())) + len(speed) + len(second) + N + 2
     return all_of(
         identity(found, METHOD), cases(count, wrong, "edges or rates as asked, distances undivided, no width below the least")
     )
@@ -316,8 +319,8 @@ LEMMAS = (
     Lemma(
         "rows.plain",
         "The rows of P1, P2, P3, P5 and P6 are: least width, x(0) and the start set, state space, target, bounds on both edges' "
-        "rates.",
-        r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v",
+        "rates and accelerations.",
+        r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
         (),
         "the evaluated code",
         _plain,

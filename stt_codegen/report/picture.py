@@ -15,6 +15,7 @@ from matplotlib.patches import Polygon, Rectangle
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
+from stt_codegen.report.trade import TradeReport
 from stt_codegen.rows import Row, avoid_rows
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
@@ -62,6 +63,23 @@ def draw_beside(controllers: list[Controller], titles: list[str], path: Path) ->
                 Rectangle(tuple(low[k, :2]), *(high[k, :2] - low[k, :2]), fill=False, edgecolor="black", linewidth=0.6)
             )
         axis.set_title(f"{title}: {'collides' if hits.any() else 'keeps clear'}")
+    save(figure, path)
+
+
+def draw_trade(report: TradeReport, path: Path) -> None:
+    """Save one PNG: least width against peak speed, and against the longest proved period, a mark for every tube."""
+    figure = Figure(figsize=(9, 3.8), layout="constrained")
+    wide, periods = [t.least_width for t in report.tubes], [1e3 * (t.period or 0.0) for t in report.tubes]
+    shown = (([t.speed for t in report.tubes], "peak speed of an edge"), (periods, "longest proved period [ms]"))
+    for axis, (values, label) in zip(figure.subplots(1, 2), shown, strict=True):
+        axis.plot(wide, values, "o-", color=COLOURS["tube"], linewidth=1, markersize=5)
+        axis.set(xlabel="least width", ylabel=label, ylim=(0, 1.25 * max(values) or 1))
+        axis.margins(x=0.15)
+        axis.grid(alpha=0.3)
+        for t, x, y in zip(report.tubes, wide, values, strict=True):
+            if t.preferred:
+                axis.annotate("\n".join(t.preferred), (x, y), (0, 7), textcoords="offset points", ha="center", fontsize=8)
+    figure.suptitle(f"{report.task}: what a tube's width costs")
     save(figure, path)
 
 

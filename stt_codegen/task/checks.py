@@ -45,6 +45,10 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         given = getattr(task.control, name)
         if isinstance(given, tuple):
             vectors.append((f"control.{name}", given))
+    for name in ("max_speed", "max_acceleration"):
+        given = getattr(task.tube, name)
+        if isinstance(given, tuple):
+            vectors.append((f"tube.{name}", given))
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
@@ -63,11 +67,26 @@ def _options_problem(task: TaskTables) -> str | None:
     for field, (other, value) in unread.items():
         if value is not None and kind == other:
             return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
-    if task.tube.max_speed == 0:
-        return "tube.max_speed: is 0; it must be greater than 0, or left out for no bound"
+    if problem := _limits_problem(task):
+        return problem
     low, high = task.plant.g_min, task.plant.g_max
     if low is not None and high is not None and low > high:
         return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
+    return None
+
+
+def _limits_problem(task: TaskTables) -> str | None:
+    tube = task.tube
+    for name in ("max_speed", "max_acceleration"):
+        given = getattr(tube, name)
+        for i, bound in enumerate(given if isinstance(given, tuple) else () if given is None else (given,)):
+            if bound <= 0:
+                field = f"tube.{name}[{i}]" if isinstance(given, tuple) else f"tube.{name}"
+                return f"{field}: is {decimal(bound)}; it must be greater than 0, or left out for no bound"
+    if tube.design != "refined" and tube.max_acceleration is not None:
+        return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; use the refined design, or leave it out"
+    if tube.design != "refined" and tube.prefer != "balanced":
+        return f"tube.prefer: is for the refined design; the {tube.design} design has no widths to choose from; leave it out"
     return None
 
 

@@ -17,6 +17,7 @@ from stt_codegen.task.values import MAX_LABEL, MAX_NAME, Each, GainOrAuto, NotNe
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
+Preference = Literal["balanced", "slow", "wide", "period"]
 
 
 class _Table(BaseModel):
@@ -86,7 +87,11 @@ class TubeOptions(_Table):
     design: DesignKind = "refined"
     clearance: NotNegative = Field(default=Fraction(3, 100), description="kept between tube and unsafe sets")
     min_width: NotNegative = Field(default=Fraction(5, 100), description="least width of the tube in each dimension")
-    max_speed: NotNegative | None = Field(default=None, description="bound on the speed of every edge of the tube")
+    prefer: Preference = Field(default="balanced", description="what a refined tube gives up the rest for")
+    max_speed: Each | None = Field(default=None, description="bound on the speed of every edge, or one for each component")
+    max_acceleration: Each | None = Field(
+        default=None, description="bound on the acceleration of every edge, or one for each component; refined only"
+    )
     segments: Annotated[int, BeforeValidator(whole)] | None = Field(
         default=None, ge=4, le=8192, description="spline segments; chosen when absent"
     )
@@ -185,6 +190,16 @@ class TaskTables(_Table):
     def u_max(self) -> tuple[Fraction, ...] | None:
         """The saturation of u by component; None for none."""
         return None if self.control.u_max is None else self._each(self.control.u_max)
+
+    @property
+    def max_speed(self) -> tuple[Fraction, ...] | None:
+        """The bound on the speed of the tube's edges by dimension; None for none."""
+        return None if self.tube.max_speed is None else self._each(self.tube.max_speed)
+
+    @property
+    def max_acceleration(self) -> tuple[Fraction, ...] | None:
+        """The bound on the acceleration of the tube's edges by dimension; None for none."""
+        return None if self.tube.max_acceleration is None else self._each(self.tube.max_acceleration)
 
     @property
     def sampling_period(self) -> Fraction:

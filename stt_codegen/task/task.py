@@ -48,10 +48,15 @@ class Task(TaskTables):
         return self._digest
 
     def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
-        """The same task with the options that the command line may override."""
+        """The same task with the options that the command line may override. Raises `BadInput` where its other options are not for
+        that design."""
         tube = self.tube.model_copy(update={"design": design}) if design else self.tube
         emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
-        return self.model_copy(update={"tube": tube, "emit": emit})
+        changed = self.model_copy(update={"tube": tube, "emit": emit})
+        problem = first_problem(changed) if design else None
+        if problem:
+            raise BadInput(problem)
+        return changed
 
     def with_gain(self, gain: Sequence[Fraction]) -> Task:
         """The same task, of the same digest, with a gain that was chosen for it: by component, or one number where all agree."""

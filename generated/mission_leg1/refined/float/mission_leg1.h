@@ -18,7 +18,7 @@ typedef float mission_leg1_real;
 
 #define MISSION_LEG1_N 2
 #define MISSION_LEG1_T_C 9.5F /* prescribed time, seconds */
-#define MISSION_LEG1_DESIGN_HASH "c87e0fd68e326d32" /* log it: names this design */
+#define MISSION_LEG1_DESIGN_HASH "c9ae34fb5ee3a988" /* log it: names this design */
 
 typedef enum {
     MISSION_LEG1_OK = 0,

@@ -18,7 +18,7 @@ typedef float mission_leg2_real;
 
 #define MISSION_LEG2_N 2
 #define MISSION_LEG2_T_C 3.0F /* prescribed time, seconds */
-#define MISSION_LEG2_DESIGN_HASH "ba6208f889adf4fd" /* log it: names this design */
+#define MISSION_LEG2_DESIGN_HASH "f1effa867ee9fab9" /* log it: names this design */
 
 typedef enum {
     MISSION_LEG2_OK = 0,

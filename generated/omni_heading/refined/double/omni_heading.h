@@ -18,7 +18,7 @@ typedef double omni_heading_real;
 
 #define OMNI_HEADING_N 3
 #define OMNI_HEADING_T_C 9.0 /* prescribed time, seconds */
-#define OMNI_HEADING_DESIGN_HASH "7dad47de88fe04f7" /* log it: names this design */
+#define OMNI_HEADING_DESIGN_HASH "94f78c456d41b30a" /* log it: names this design */
 
 typedef enum {
     OMNI_HEADING_OK = 0,

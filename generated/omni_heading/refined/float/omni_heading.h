@@ -18,7 +18,7 @@ typedef float omni_heading_real;
 
 #define OMNI_HEADING_N 3
 #define OMNI_HEADING_T_C 9.0F /* prescribed time, seconds */
-#define OMNI_HEADING_DESIGN_HASH "e36f846ba61629dd" /* log it: names this design */
+#define OMNI_HEADING_DESIGN_HASH "c81276691b164fe4" /* log it: names this design */
 
 typedef enum {
     OMNI_HEADING_OK = 0,
