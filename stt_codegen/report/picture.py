@@ -78,7 +78,7 @@ def draw_trade(report: TradeReport, path: Path) -> None:
         axis.grid(alpha=0.3)
         for t, x, y in zip(report.tubes, wide, values, strict=True):
             if t.preferred:
-                axis.annotate("\n".join(t.preferred), (x, y), (0, 7), textcoords="offset points", ha="center", fontsize=8)
+                axis.annotate("\n".join(t.preferred), (x, y), (-3, 7), textcoords="offset points", ha="right", fontsize=8)
     figure.suptitle(f"{report.task}: what a tube's width costs")
     save(figure, path)
 

@@ -48,8 +48,8 @@ class Task(TaskTables):
         return self._digest
 
     def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
-        """The same task with the options that the command line may override. Raises `BadInput` where its other options are not for
-        that design."""
+        """The same task with the options that the command line may override. Raises `BadInput` where its other options are not
+        for that design."""
         tube = self.tube.model_copy(update={"design": design}) if design else self.tube
         emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
         changed = self.model_copy(update={"tube": tube, "emit": emit})
