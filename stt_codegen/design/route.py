@@ -28,7 +28,7 @@ STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the 
 HALVINGS = 30  # to find the largest clearance or width with a way
 LEG = 3  # dimensions that move together in a leg of a route in many dimensions
 NAMED = 40  # up to so many unsafe sets, those are named that alone close the way
-NEAR = 96  # nodes looked at from one, before all are
+NEAR = 128  # nodes looked at from one, before all are
 CORNERS = 6  # above 2**6 corners a set, only the corners nearest to start and target are used
 
 
