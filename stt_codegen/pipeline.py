@@ -21,7 +21,7 @@ Imports run one way; the order of all rooms stands in pyproject.toml and is test
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stt_codegen.certify.certificate import Certificate
@@ -120,15 +120,17 @@ def build_program(task: Task, design: Design) -> Program:
 
 def certify(task: Task, design: Design, program: Program) -> Certificate:
     """P1 to P7, and P9 where there is a period, with their margins; the certificate may fail, `build` decides what that means."""
-    if not isinstance(design, RefinedDesign):
+    if isinstance(design, RefinedDesign):
+        from stt_codegen.certify.exact import certify_emitted
+
+        found = certify_emitted(task, design, program)
+    else:
         from stt_codegen.certify.enclosure import certify_enclosed
         from stt_codegen.certify.falsification import falsify
 
-        at_samples = falsify(task, design)  # quick, and what fails there fails for certain
-        return at_samples if at_samples.failures else certify_enclosed(task, design)
-    from stt_codegen.certify.exact import certify_emitted
-
-    return certify_emitted(task, design, program)
+        found = falsify(task, design)  # quick, and what fails there fails for certain
+        found = found if found.failures else certify_enclosed(task, design)
+    return replace(found, axes=task.axis_words)
 
 
 def render_files(task: Task, design: Design, program: Program, certificate: Certificate) -> dict[str, bytes]:

@@ -3,6 +3,7 @@ the margin is least."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -44,20 +45,21 @@ class Finding:
     def holds(self) -> bool:
         return self.margin >= self.required
 
-    def place(self) -> str:
+    def place(self, axes: Sequence[str] = ()) -> str:
+        """When and where; axes: what a sentence calls the dimensions."""
         parts = []
         if self.time is not None:
             a, b = self.time
             parts.append(f"t = {decimal(a)} s" if a == b else f"t in [{decimal(a)}, {decimal(b)}] s")
         if self.dimension is not None:
-            parts.append(f"dimension {self.dimension}")
+            parts.append(axes[self.dimension - 1] if axes else f"dimension {self.dimension}")
         if self.obstacle is not None:
             parts.append(f"unsafe set {self.obstacle}")
         return ", ".join(parts)
 
-    def fault(self) -> str:
-        """What fails, where and by how much."""
-        where, unit = self.place(), " s" if self.code == "P9" and self.time is None else ""
+    def fault(self, axes: Sequence[str] = ()) -> str:
+        """What fails, where and by how much; axes as for `place`."""
+        where, unit = self.place(axes), " s" if self.code == "P9" and self.time is None else ""
         return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
@@ -95,6 +97,7 @@ class Certificate:
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
     proved_period: PeriodProof | None = None
+    axes: tuple[str, ...] = ()  # what sentences call the dimensions
 
     @property
     def proves(self) -> bool:
@@ -117,7 +120,7 @@ class Certificate:
         broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
         faults: dict[str, list[str]] = {}
         for f in broken or self.failures:
-            faults.setdefault(f.advice, []).append(f.fault())
+            faults.setdefault(f.advice, []).append(f.fault(self.axes))
         told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
         return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
 

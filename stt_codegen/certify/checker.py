@@ -46,7 +46,7 @@ LAW = {
     "inline": {24: 2.0**-14, 53: 2.0**-14},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
-    "": "name prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
+    "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
     "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper", "unsafe": "name lower upper",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",

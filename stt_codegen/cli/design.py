@@ -8,14 +8,17 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, Uncertified, patience, print_json
+from stt_codegen.cli.options import Axes, DesignOption, Json, ScalarOption, TaskFile, Uncertified, patience, print_json
 
 
 def design(
     task: TaskFile,
     design: DesignOption = None,
     scalar: ScalarOption = None,
-    picture: Annotated[Path | None, typer.Option(metavar="DIR", help="where <name>.png goes; none without")] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="folder for <name>.png, or a file .png, .svg, .pdf; none without")
+    ] = None,
+    axes: Axes = None,
     pareto: Annotated[
         bool, typer.Option("--pareto", help="what tubes of several widths trade: width, speed, longest proved period")
     ] = False,
@@ -34,10 +37,10 @@ def design(
         controller = build(task, design, scalar, uncertified)
         report = design_report(controller, time.perf_counter() - begin)
         if picture is not None:
-            from stt_codegen.report.picture import draw
+            from stt_codegen.report.picture import draw, picture_path, plane_named
 
-            path = picture / f"{controller.task.name}.png"
-            draw(controller, path)
+            path = picture_path(picture, controller.task.name)
+            draw(controller, path, [plane_named(controller.task, text) for text in axes or ()])
             report = report.drawn(path)
     if json:
         print_json(report.document())
@@ -57,9 +60,9 @@ def _compare_tubes(task: Path, design: str | None, scalar: str | None, picture: 
         with about(task):
             report = trade_report(load_task(task).with_options(design, scalar))
         if picture is not None:
-            from stt_codegen.report.picture import draw_trade
+            from stt_codegen.report.picture import draw_trade, picture_path
 
-            path = picture / f"{report.task}-pareto.png"
+            path = picture_path(picture, f"{report.task}-pareto")
             draw_trade(report, path)
             report = report.drawn(path)
     if json:

@@ -17,6 +17,10 @@ TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see
 TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
 DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
+Axes = Annotated[
+    list[str] | None,
+    typer.Option(metavar="A,B", help="two dimensions by name (x1, x2, .. or the task's axes) to draw in; may be given again"),
+]
 ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
 PlantOption = Annotated[
     str | None,

@@ -36,10 +36,13 @@ def show_design(report: DesignReport) -> None:
     console = _console()
     verdict = "[green]certified[/green]" if report.certified else "[red]NOT CERTIFIED[/red]"
     console.print(f"[bold]{report.task}[/bold]: {report.design} tube, {verdict}, {report.seconds} s")
-    speed = ", ".join(f"{v:.4g}" for v in report.speed_bound)
+    named = any(name != f"x{i + 1}" for i, name in enumerate(report.axes))
+    names = [f"{escape(name)} " if named else "" for name in report.axes]
+    units = [f" {unit}/s" if unit else "" for unit in report.units]
+    speed = ", ".join(f"{a}{v:.4g}{unit}" for a, v, unit in zip(names, report.speed_bound, units, strict=True))
     console.print(
         f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.least_width:.4g}; "
-        f"speed of an edge at most {speed} by dimension"
+        f"speed of an edge at most {speed}" + ("" if named else " by dimension")
     )
     if report.method == "sampled":
         console.print(
@@ -177,8 +180,8 @@ def show_bounds(report: BoundsReport) -> None:
     }
     numbers = Table(box=None, header_style="bold")
     numbers.add_column("bound")
-    for i in range(len(tube.lower)):
-        numbers.add_column(f"x{i + 1}", justify="right")
+    for name in report.axes:
+        numbers.add_column(name, justify="right")
     for name, values in rows.items():
         numbers.add_row(name, *map(_or_none, values))
     console.print(numbers)

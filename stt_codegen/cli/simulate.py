@@ -7,7 +7,18 @@ from typing import Annotated
 
 import typer
 
-from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, ScalarOption, TaskFile, Uncertified, patience, print_json
+from stt_codegen.cli.options import (
+    Axes,
+    DesignOption,
+    Json,
+    Latency,
+    Noise,
+    ScalarOption,
+    TaskFile,
+    Uncertified,
+    patience,
+    print_json,
+)
 
 
 def simulate(
@@ -32,6 +43,7 @@ def simulate(
         str | None, typer.Option(help='another control.gain, or "best": of those proved for the rate that with the most room')
     ] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
+    axes: Axes = None,
     design: DesignOption = None,
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
@@ -45,7 +57,7 @@ def simulate(
 
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
-            seed=seed, gain=gain,
+            seed=seed, gain=gain, axes=tuple(axes or ()),
         )  # fmt: skip
         report = drive(build(task, design, scalar, uncertified), request, out)
     if json:

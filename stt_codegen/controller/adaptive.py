@@ -24,6 +24,7 @@ from stt_codegen.controller.adaptive_parts import (
 )
 from stt_codegen.controller.law import (
     MARGIN_DOC,
+    axes_doc,
     control_component,
     control_law_of,
     inside_of,
@@ -224,6 +225,7 @@ def _control(task: Task, frame: Frame) -> Function:
     doc = (
         law_doc(task, law),
         "t: seconds since the start (held within [0, t_c]); alpha: the update function at t; x: state; u: input.",
+        *axes_doc(task),
         "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
         + inward_doc(task),
         "(0 where the tube is empty). BAD_INPUT: t, alpha or x has a NaN or an infinity; u is 0. u may be the array x itself.",

@@ -7,6 +7,7 @@ leaves: so one comparison clamps, nothing overflows and no division is by zero, 
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -292,6 +293,13 @@ def law_doc(task: Task, law: Law) -> str:
     gain, clamp = by_component(task.gain), by_component(task.e_max)
     limited = "." if law.u_max is None else ", u saturated."
     return f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{clamp}, {clamp}] by component{limited}"
+
+
+def axes_doc(task: Task) -> tuple[str, ...]:
+    """What the components of x are, where the task names them."""
+    if task.axes is None and task.units is None:
+        return ()
+    return tuple(textwrap.wrap(f"x by component: {', '.join(task.axis_labels)}.", 115))
 
 
 def inward_doc(task: Task) -> str:

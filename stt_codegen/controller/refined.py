@@ -10,6 +10,7 @@ from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.controller.law import (
     MARGIN_DOC,
     Law,
+    axes_doc,
     control_component,
     control_law_of,
     inside_of,
@@ -286,6 +287,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         (
             law_doc(task, law),
             _time_doc(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]); x: state; u: input.",
+            *axes_doc(task),
             "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
             + inward_doc(task),
             f"(0 where the tube is empty). BAD_INPUT: {times} has a NaN or an infinity; u is 0. u may be the array x itself.",

@@ -75,7 +75,8 @@ class Faces:
 @dataclass(frozen=True)
 class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
-    index 0 lower, 1 upper. faces: what an unsafe set has beside its span.
+    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what an unsafe set
+    has beside its span.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. max_speed: of the swiftest dimension; swiftness:
     of each, over that (n,), at most 1. max_acceleration: (n,), None for no bound. allowance: what rounding of the
@@ -84,6 +85,7 @@ class Arena:
     """
 
     names: tuple[str, ...]
+    axes: tuple[str, ...]
     space: Array
     start: Array
     target: Array
@@ -138,7 +140,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
             width = box.upper[i] - box.lower[i]
             if width < wide + 4 * allowance:
                 raise NotCertified(
-                    f"P1 width: {field} is {decimal(width)} wide in dimension {i + 1}, too narrow for a tube of "
+                    f"P1 width: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
                     f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
                         f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
@@ -152,6 +154,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     fastest = math.inf if speeds is None else float(max(speeds))
     return Arena(
         names=tuple(one.name for one in sets),
+        axes=task.axis_words,
         space=_bounds(stay_rows(task), allowance, origin),
         start=_bounds(start_rows(task), inset, origin),
         target=_bounds(reach_rows(task), allowance, origin),
@@ -279,7 +282,7 @@ def starting_box(arena: Arena) -> Array:
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
             size = arena.length_unit
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in dimension {i + 1}, nearer "
+                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in {arena.axes[i]}, nearer "
                 f"than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {arena.place(i, x):.6g} there "
                 "leaves no room to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
             )

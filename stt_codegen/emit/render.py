@@ -106,7 +106,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
         "This controller was written with --uncertified. Do not run it on a machine. "
         + ("What fails:" if certificate.failures else "P1 to P6 hold at samples;"),
-        *(f"  {f.code} {f.title}{' at ' + f.place() if f.place() else ''}" for f in certificate.failures),
+        *(f"  {f.code} {f.title}{' at ' + f.place(certificate.axes) if f.place() else ''}" for f in certificate.failures),
         *(["between the samples nothing is proved."] if not certificate.failures else []),
     ]
 

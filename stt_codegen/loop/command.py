@@ -30,7 +30,7 @@ BOUNDS = "bounds"  # the name of the plants within_bounds
 class Request:
     """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name, a file, or
     "bounds" for the worst of the plants at the corners of [plant]; start: numbers with commas between them; gain: a number, or
-    "best"."""
+    "best"; axes: pairs of dimensions to draw in, by name with a comma between them."""
 
     plant: str = "integrator"
     rate: float | None = None
@@ -42,6 +42,7 @@ class Request:
     start: str | None = None
     seed: int = 0
     gain: str | None = None
+    axes: tuple[str, ...] = ()
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
@@ -113,7 +114,7 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
         controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
     runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
     name, run = min(runs, key=lambda one: (one[1].good, one[1].margin))
-    written = () if out is None else tuple(write_run(controller, run, out))
+    written = () if out is None else tuple(write_run(controller, run, out, request.axes))
     return RunReport(controller, name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
 
 
@@ -196,7 +197,7 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     places = np.abs((2 * np.array(start) - low - high) / (high - low))
     if (places >= analysis.setting.law.e_max).any():
         i = int(np.argmax(places))
-        told = f"the start has |e| = {float(places[i]):.4g} in dimension {i + 1}, not below e_max"
+        told = f"the start has |e| = {float(places[i]):.4g} in {controller.task.axis_words[i]}, not below e_max"
         lines.append(f"{told}: sampled, nothing is proved from there")
     age, period = scenario.age, analysis.period
     if period is None:
@@ -212,12 +213,13 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
 
 
-def write_run(controller: Controller, run: Run, folder: Path) -> list[str]:
+def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str] = ()) -> list[str]:
     """The trace and a picture of it; their paths."""
     from stt_codegen.loop.picture import draw_run
+    from stt_codegen.report.picture import plane_named
 
     assert run.trace is not None
     name = f"{controller.task.name}.loop"
     write_files(folder, {f"{name}.csv": csv(run.trace, controller.task.dimension)})
-    draw_run(controller, run, folder / f"{name}.png")
+    draw_run(controller, run, folder / f"{name}.png", [plane_named(controller.task, text) for text in axes])
     return [str(folder / f"{name}.csv"), str(folder / f"{name}.png")]

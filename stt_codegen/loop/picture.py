@@ -14,7 +14,19 @@ from stt_codegen.decimals import by_component
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.picture import COLOURS, draw_arena, draw_dimension, draw_sets, outline, patch, save
+from stt_codegen.report.picture import (
+    COLOURS,
+    Plane,
+    draw_arena,
+    draw_dimension,
+    draw_sets,
+    label,
+    outline,
+    panels,
+    patch,
+    planes_of,
+    save,
+)
 
 Array = npt.NDArray[Any]
 PATH = "#d35400"
@@ -22,27 +34,26 @@ LINES = ("#d35400", "#8e44ad", "#16a085")
 SLICES = 40  # boxes of a tube in three dimensions
 
 
-def draw_run(controller: Controller, run: Run, path: Path) -> None:
-    """Save one PNG: the arena with the state's path, every dimension over time, and the input."""
+def draw_run(controller: Controller, run: Run, path: Path, planes: Sequence[Plane] = ()) -> None:
+    """Save one PNG: the arena with the state's path, every dimension over time, and the input. planes: as for `figure_of`."""
     assert run.trace is not None
     task, n = controller.task, controller.task.dimension
     t, x, u = run.trace[:, 0], run.trace[:, 1 : n + 1], run.trace[:, n + 1 : 2 * n + 1]
     grid = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller.design, grid)
-    names = [*(f"x{i + 1}" for i in range(n)), "u"]
-    rows: list[Any] = [["arena", name] if n > 1 else [name, name] for name in names]
+    shown = planes_of(task, planes)
     figure = Figure(figsize=(11, max(5.2, 1.8 * (n + 1))), layout="constrained")
-    axes: Any = figure.subplot_mosaic(rows, width_ratios=[1, 1.25])
-    if n > 1:
-        draw_arena(axes["arena"], controller, low, high)
-        axes["arena"].plot(x[:, 0], x[:, 1], color=PATH, linewidth=1.6)
+    arenas, over = panels(figure, task, shown, [*task.axis_names, "u"])
+    for axis, plane in zip(arenas, shown, strict=True):
+        draw_arena(axis, controller, low, high, plane)
+        axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH, linewidth=1.6)
     for i in range(n):
-        draw_dimension(axes[f"x{i + 1}"], controller, i, grid, low, high)
-        axes[f"x{i + 1}"].plot(t, x[:, i], color=PATH, linewidth=1.2)
+        draw_dimension(over[i], controller, i, grid, low, high)
+        over[i].plot(t, x[:, i], color=PATH, linewidth=1.2)
     for i in range(n):
-        axes["u"].plot(t, u[:, i], linewidth=0.8, label=f"$u_{i + 1}$")
-    axes["u"].set(xlabel="t [s]", ylabel="$u$", xlim=axes["x1"].get_xlim())
-    axes["u"].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)  # beside the curves, never over them
+        over[-1].plot(t, u[:, i], linewidth=0.8, label=f"$u_{{{i + 1}}}$")
+    over[-1].set(xlabel="t [s]", ylabel="$u$")
+    over[-1].legend(loc="center left", bbox_to_anchor=(1.0, 0.5), fontsize=7)  # beside the curves, never over them
     told = "task fulfilled" if run.good else _reason(run)
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, gain {by_component(task.gain)}, {told}")
     save(figure, path)
@@ -106,7 +117,7 @@ def _tube3(axis: Any, controller: Controller, colour: str) -> None:
     axis.set(
         xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])), zlim=(0, end)
     )
-    axis.set(xlabel="$x_1$", ylabel="$x_2$", zlabel="t [s]")
+    axis.set(xlabel=label(task, 0), ylabel=label(task, 1), zlabel="t [s]")
     axis.view_init(elev=24, azim=-62)
 
 
@@ -131,7 +142,7 @@ def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
     axes[0].set_title("(a) state space and path", fontsize=9)
     rho, beta = lines.rho[:, i].astype(float), lines.beta[:, i].astype(float)
     for axis, name in zip(axes[1:], ("(b) reachability tube", "(c) circumvent functions", "(d) adaptive tube"), strict=True):
-        axis.set_title(f"{name}, $x_{i + 1}$", fontsize=9)
+        axis.set_title(f"{name}, {label(task, i)}", fontsize=9)
         axis.set(xlabel="t [s]", ylim=(float(task.state_space.lower[i]), float(task.state_space.upper[i])))
     for axis in axes[1:3]:
         axis.fill_between(t, rho[:, 0], rho[:, 1], color=COLOURS["tube"], alpha=0.3, linewidth=0)

@@ -255,6 +255,7 @@ class Analysis:
             controller.design.kind,
             controller.program.scalar,
             self.name,
+            controller.task.axis_names,
             self.noise,
             self.latency,
             tuple(self.hypotheses()),

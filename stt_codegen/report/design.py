@@ -69,6 +69,8 @@ class DesignReport:
     least_width: float
     speed_bound: tuple[float, ...]
     covers_initial_set: bool
+    axes: tuple[str, ...]
+    units: tuple[str, ...]
     properties: tuple[Property, ...]
     input: Input
     cost: Cost
@@ -89,12 +91,14 @@ class DesignReport:
 def design_report(controller: Controller, seconds: float) -> DesignReport:
     """The figures of one design."""
     task, certificate, design = controller.task, controller.certificate, controller.design
+    properties = tuple(
+        Property(f.code, f.title, f.statement, f.holds, float(f.margin), f.place(certificate.axes)) for f in certificate.findings
+    )
     return DesignReport(
         task.name, design.kind, controller.program.scalar, certificate.holds, round(seconds, 3), float(task.prescribed_time),
         design.size, certificate.method, float(certificate.least_width), tuple(float(v) for v in certificate.speed),
-        certificate.whole_start,
-        tuple(Property(f.code, f.title, f.statement, f.holds, float(f.margin), f.place()) for f in certificate.findings),
-        input_report(controller), cost_report(controller),
+        certificate.whole_start, task.axis_names, task.units or ("",) * task.dimension, properties, input_report(controller),
+        cost_report(controller),
     )  # fmt: skip
 
 

@@ -3,6 +3,8 @@ dimension's tube over time with the unsafe sets that matter then. Imports matplo
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,34 +25,71 @@ from stt_codegen.task.sets import ConvexSet
 Array = npt.NDArray[np.float64]
 COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb"}
 BOXES = 46  # tube boxes drawn over the arena
+NAMED = 40  # up to so many unsafe sets have their names in the picture
+FEW = 3  # up to so many dimensions the arena is drawn in two of them alone
+EDGE = 0.06  # a label so near to the frame, as a part of its width, begins or ends there
+Plane = tuple[int, int]  # two dimensions, from 0
 
 
-def draw(controller: Controller, path: Path) -> None:
-    """Save one PNG of `figure_of`."""
-    save(figure_of(controller), path)
+def draw(controller: Controller, path: Path, planes: Sequence[Plane] = ()) -> None:
+    """Save `figure_of`."""
+    save(figure_of(controller, planes), path)
 
 
-def figure_of(controller: Controller) -> Figure:
-    """On the left the arena in the first two dimensions, on the right every dimension over time. The figure belongs to no window
-    and changes no backend of the caller's."""
+def picture_path(where: Path, name: str) -> Path:
+    """`where` itself when it ends in png, svg or pdf, else <name>.png in that folder."""
+    return where if where.suffix in (".png", ".svg", ".pdf") else where / f"{name}.png"
+
+
+def planes_of(task: Task, asked: Sequence[Plane] = ()) -> list[Plane]:
+    """Which dimensions the arena is drawn in: as asked, else the first two; above three dimensions the others two by two too."""
+    n = task.dimension
+    if asked or n < 2:
+        return list(asked) if n > 1 else []
+    return [(0, 1)] if n <= FEW else [(min(i, n - 2), min(i, n - 2) + 1) for i in range(0, n, 2)]
+
+
+def plane_named(task: Task, text: str) -> Plane:
+    """Two dimensions by their names, with a comma between them. Raises `BadInput`."""
+    names = [part.strip() for part in text.split(",")]
+    known = {**{f"x{i + 1}": i for i in range(task.dimension)}, **{name: i for i, name in enumerate(task.axis_names)}}
+    if len(names) != 2 or names[0] == names[1] or not all(name in known for name in names):
+        raise BadInput(f"--axes {text}: two different ones of {', '.join(task.axis_names)} are needed, with a comma between them")
+    return known[names[0]], known[names[1]]
+
+
+def panels(figure: Figure, task: Task, planes: Sequence[Plane], beside: Sequence[str]) -> tuple[list[Any], list[Any]]:
+    """Axes for the planes, one above the other on the left, and for what is drawn over time beside them, all on one time axis."""
+    if not planes:
+        over = figure.subplots(len(beside), 1, sharex=True, squeeze=False)[:, 0]
+        return [], list(over)
+    rows, down = figure.add_gridspec(1, 2, width_ratios=[1, 1.25]), len(beside)
+    left = rows[0, 0].subgridspec(len(planes), 1).subplots(squeeze=False)[:, 0]
+    over = rows[0, 1].subgridspec(down, 1).subplots(sharex=True, squeeze=False)[:, 0]
+    return list(left), list(over)
+
+
+def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
+    """On the left the arena in two dimensions, or in several pairs of them, on the right every dimension over time. The figure
+    belongs to no window and changes no backend of the caller's."""
     task, n = controller.task, controller.task.dimension
     t = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller.design, t)
-    rows: list[Any] = [["arena", f"x{i + 1}"] if n > 1 else ["x1", "x1"] for i in range(n)]
+    shown = planes_of(task, planes)
     figure = Figure(figsize=(11, max(4.6, 1.9 * n)), layout="constrained")
-    axes: Any = figure.subplot_mosaic(rows, width_ratios=[1, 1.25])
-    if n >= 2:
-        draw_arena(axes["arena"], controller, low, high)
+    arenas, over = panels(figure, task, shown, task.axis_names)
+    for axis, plane in zip(arenas, shown, strict=True):
+        draw_arena(axis, controller, low, high, plane)
     for i in range(n):
-        draw_dimension(axes[f"x{i + 1}"], controller, i, t, low, high)
-        axes[f"x{i + 1}"].set_xlabel("t [s]" if i == n - 1 else "")
+        draw_dimension(over[i], controller, i, t, low, high)
+    over[-1].set_xlabel("t [s]")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
     return figure
 
 
 def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
-    """Save one PNG with the arenas of several controllers beside each other, boxes that meet an unsafe set outlined."""
+    """Save one picture with the arenas of several controllers beside each other, boxes that meet an unsafe set outlined."""
     figure = Figure(figsize=(5.2 * len(controllers), 5), layout="constrained")
     axes = figure.subplots(1, len(controllers))
     for axis, controller, title in zip(np.atleast_1d(axes), controllers, titles, strict=True):
@@ -67,7 +106,7 @@ def draw_beside(controllers: list[Controller], titles: list[str], path: Path) ->
 
 
 def draw_trade(report: TradeReport, path: Path) -> None:
-    """Save one PNG: least width against peak speed, and against the longest proved period, a mark for every tube."""
+    """Save one picture: least width against peak speed, and against the longest proved period, a mark for every tube."""
     figure = Figure(figsize=(9, 3.8), layout="constrained")
     wide, periods = [t.least_width for t in report.tubes], [1e3 * (t.period or 0.0) for t in report.tubes]
     shown = (([t.speed for t in report.tubes], "peak speed of an edge"), (periods, "longest proved period [ms]"))
@@ -98,17 +137,24 @@ def slack_at(row: Row, low: Array, high: Array) -> Array:
 
 
 def save(figure: Any, path: Path) -> None:
-    """Write a figure. Raises `BadInput` where it cannot be written."""
+    """Write a figure as its name ends: png, svg or pdf, without a date. Raises `BadInput` where it cannot be written."""
+    dated = {".svg": "Date", ".pdf": "CreationDate"}.get(path.suffix, "Software")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=110, metadata={"Software": None})
+        with mpl.rc_context({"svg.hashsalt": "stt"}):
+            figure.savefig(path, dpi=110, metadata={dated: None})
     except OSError as error:
         raise BadInput(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
 
 
-def outline(convex: ConvexSet) -> Array:
-    """The corners of a set's shadow on the first two dimensions, in order around it: (V, 2)."""
-    points = np.unique(np.array([[float(v) for v in p[:2]] for p in convex.vertices]), axis=0)
+def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
+    """The corners of a set's shadow on two dimensions, in order around it: (V, 2)."""
+    return hull_of(np.array([[float(p[i]) for i in plane] for p in convex.vertices]))
+
+
+def hull_of(points: Array) -> Array:
+    """The corners of the hull of points (P, 2), in order around it: (V, 2)."""
+    points = np.unique(points, axis=0)
     hulls: list[list[Array]] = []
     for ordered in (points, points[::-1]):  # Andrew's monotone chain: the lower side, then the upper one
         hull: list[Array] = []
@@ -125,50 +171,78 @@ def _turn(a: Array, b: Array, c: Array) -> float:
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
-def patch(convex: ConvexSet, colour: str, **style: Any) -> Polygon:
+def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
     """A set as matplotlib draws it."""
-    return Polygon(outline(convex), closed=True, color=colour, **style)
+    return Polygon(outline(convex, plane), closed=True, color=colour, **style)
 
 
-def _frame(axis: Any, task: Task) -> None:
-    """Limits and names of the axes of an arena."""
-    space = task.state_space
-    axis.set(xlim=(float(space.lower[0]), float(space.upper[0])), ylim=(float(space.lower[1]), float(space.upper[1])))
-    axis.set(xlabel="$x_1$", ylabel="$x_2$", aspect="equal")
+def label(task: Task, i: int) -> str:
+    """What an axis of a picture is called: its name and unit, x with its number where it has none."""
+    if task.axes is not None:
+        return task.axis_labels[i]
+    unit = f" [{task.units[i]}]" if task.units is not None and task.units[i] else ""
+    return f"$x_{{{i + 1}}}${unit}"
 
 
-def draw_sets(axis: Any, task: Task) -> None:
-    """The plane's frame, unsafe sets with their names, and the target."""
-    _frame(axis, task)
-    for s in task.bare:
-        axis.add_patch(patch(s, COLOURS["unsafe"], alpha=0.75))
-        x, y = outline(s).mean(axis=0)
-        axis.text(x, y, s.name, ha="center", va="center", color="white", clip_on=True, fontsize=8)
-    axis.add_patch(patch(task.target, COLOURS["target"], fill=False, linewidth=1.8))
+def _frame(axis: Any, task: Task, plane: Plane) -> None:
+    """Limits and names of the axes of an arena. One scale for both, unless they are of different kinds."""
+    (a, b), space = plane, task.state_space
+    axis.set(xlim=(float(space.lower[a]), float(space.upper[a])), ylim=(float(space.lower[b]), float(space.upper[b])))
+    alike = task.units is None or task.units[a] == task.units[b]
+    axis.set(xlabel=label(task, a), ylabel=label(task, b), aspect="equal" if alike else "auto")
 
 
-def draw_arena(axis: Any, controller: Controller, low: Array, high: Array) -> None:
-    """The arena in the first two dimensions: sets, the tube's boxes over time, its centre line."""
-    task = controller.task
+def _named(axis: Any, task: Task, convex: ConvexSet, text: str, plane: Plane, colour: str) -> None:
+    """A label in the middle of what is seen of a set, on the side of the frame that has room for it."""
+    points = outline(convex, plane)
+    ends = np.array([[float(v[i]) for i in plane] for v in (task.state_space.lower, task.state_space.upper)])
+    x, y = (np.maximum(points.min(axis=0), ends[0]) + np.minimum(points.max(axis=0), ends[1])) / 2
+    from_left = (x - ends[0, 0]) / (ends[1, 0] - ends[0, 0])
+    side = "left" if from_left < EDGE else "right" if from_left > 1 - EDGE else "center"
+    x = {"left": ends[0, 0], "right": ends[1, 0]}.get(side, x)
+    axis.text(x, y, text, ha=side, va="center", color=colour, clip_on=True, fontsize=8)
+
+
+def _bounded(task: Task, convex: ConvexSet, i: int) -> bool:
+    """Whether a set leaves something of the state space in this dimension."""
+    lower, upper = convex.span(i)
+    return lower > task.state_space.lower[i] or upper < task.state_space.upper[i]
+
+
+def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
+    """The plane's frame, unsafe sets with their names where they are not too many, hatched what the body adds, and the target.
+    Lighter are sets that one may pass in another dimension."""
+    _frame(axis, task, plane)
+    named, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
+    for s, grown in zip(task.bare, task.obstacles, strict=True):
+        if not any(_bounded(task, s, i) for i in plane):
+            continue  # it is everywhere in this plane, and says something in another
+        alpha = 0.4 if any(_bounded(task, s, i) for i in others) else 0.75
+        if any(task.half_extents[i] for i in plane):
+            axis.add_patch(patch(grown, COLOURS["unsafe"], plane, fill=False, hatch="////", alpha=0.35, linewidth=0))
+        axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
+        if named:
+            _named(axis, task, s, s.name, plane, "white")
+    axis.add_patch(patch(task.target, COLOURS["target"], plane, fill=False, linewidth=1.8))
+
+
+def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane = (0, 1)) -> None:
+    """The arena in two dimensions: sets, the tube's boxes over time, its centre line."""
+    task, (a, b) = controller.task, plane
     if task.dimension > 2:
         axis.set_title("projection: sets may be kept apart in another dimension", fontsize=8)
-    for k in np.linspace(0, len(low) - 1, BOXES).astype(int):
-        shade = k / (len(low) - 1)
-        axis.add_patch(
-            Rectangle(
-                tuple(low[k, :2]),
-                *(high[k, :2] - low[k, :2]),
-                facecolor=mpl.colormaps["viridis"](shade),
-                alpha=0.28,
-                edgecolor="none",
-            )
-        )
-    draw_sets(axis, task)
-    axis.add_patch(patch(task.start, COLOURS["start"], fill=False, linewidth=1.8))
-    for box, label in ((task.start, "start"), (task.target, "target")):
-        x, y = outline(box).mean(axis=0)
-        axis.text(x, y, label, ha="center", va="center", fontsize=8)
-    axis.plot(*((low + high) / 2).T[:2], color="black", linewidth=0.8, linestyle=":")
+    corners = np.stack([np.stack([x[:, a], y[:, b]], axis=1) for x in (low, high) for y in (low, high)], axis=1)  # (T, 4, 2)
+    steps = np.linspace(0, len(low) - 1, BOXES).astype(int)
+    for k, after in itertools.pairwise(steps.tolist()):
+        swept = hull_of(np.concatenate([corners[k], corners[after]]))  # what a box covers on its way to the next: no gaps
+        colour = mpl.colormaps["viridis"](k / (len(low) - 1))
+        axis.add_patch(Polygon(swept, closed=True, facecolor=colour, alpha=0.28, edgecolor="none"))
+    draw_sets(axis, task, plane)
+    axis.add_patch(patch(task.start, COLOURS["start"], plane, fill=False, linewidth=1.8))
+    for box, name in ((task.start, "start"), (task.target, "target")):
+        _named(axis, task, box, name, plane, "black")
+    middle = (low + high) / 2
+    axis.plot(middle[:, a], middle[:, b], color="black", linewidth=0.8, linestyle=":")
 
 
 def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Array, high: Array) -> None:
@@ -184,5 +258,5 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
     end = float(task.prescribed_time)
     axis.vlines(end, float(task.target_set.lower[i]), float(task.target_set.upper[i]), color=COLOURS["target"], linewidth=5)
     axis.vlines(0, float(task.initial_set.lower[i]), float(task.initial_set.upper[i]), color=COLOURS["start"], linewidth=5)
-    axis.set(ylabel=f"$x_{i + 1}$", xlim=(-0.01 * end, 1.01 * end))
+    axis.set(ylabel=label(task, i), xlim=(-0.01 * end, 1.01 * end))
     axis.set_ylim(float(task.state_space.lower[i]), float(task.state_space.upper[i]))

@@ -49,6 +49,7 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         given = getattr(task.tube, name)
         if isinstance(given, tuple):
             vectors.append((f"tube.{name}", given))
+    vectors += [(name, given) for name in ("axes", "units") if (given := getattr(task, name)) is not None]
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
@@ -56,7 +57,19 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None)
 
 
+def _labels_problem(task: TaskTables) -> str | None:
+    names = task.axes or ()
+    for i, name in enumerate(names):
+        if not name.strip() or name != name.strip():
+            return f"axes[{i}]: is {name!r}; a name without spaces around it is needed"
+        if name in names[:i]:
+            return f"axes[{i}]: {name!r} is the name of axis {names.index(name) + 1} too; names must differ"
+    return None
+
+
 def _options_problem(task: TaskTables) -> str | None:
+    if problem := _labels_problem(task):
+        return problem
     for i, half in enumerate(task.body or ()):
         if half < 0:
             return f"body[{i}]: is {decimal(half)}; half extents must be 0 or greater"

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.values import MAX_LABEL, MAX_NAME, Each, GainOrAuto, NotNegative, Positive, Vector, below_one, whole
+from stt_codegen.task.values import MAX_LABEL, MAX_NAME, Each, GainOrAuto, Labels, NotNegative, Positive, Vector, below_one, whole
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
@@ -149,6 +149,8 @@ class TaskTables(_Table):
     """All tables of a task, and the sets that they describe. Users have `Task`, which is checked."""
 
     name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)
+    axes: Labels | None = Field(default=None, description="names of the dimensions in messages, pictures and comments: x1, ..")
+    units: Labels | None = Field(default=None, description="unit of each dimension there; an empty text for none")
     prescribed_time: Positive = Field(description="t_c, seconds")
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Box
@@ -165,6 +167,22 @@ class TaskTables(_Table):
     def dimension(self) -> int:
         """n, the number of state components."""
         return len(self.state_space.lower)
+
+    @property
+    def axis_names(self) -> tuple[str, ...]:
+        """What the dimensions are called: `axes`, or x1, x2, ..."""
+        return self.axes or tuple(f"x{i + 1}" for i in range(self.dimension))
+
+    @property
+    def axis_labels(self) -> tuple[str, ...]:
+        """The same with their units, as in heading [rad]."""
+        units = self.units or ("",) * self.dimension
+        return tuple(f"{name} [{unit}]" if unit else name for name, unit in zip(self.axis_names, units, strict=True))
+
+    @property
+    def axis_words(self) -> tuple[str, ...]:
+        """How a sentence names them: "axis heading", or "dimension 3" where they have no names."""
+        return tuple(f"axis {a}" for a in self.axes) if self.axes else tuple(f"dimension {i + 1}" for i in range(self.dimension))
 
     def _each(self, value: Fraction | tuple[Fraction, ...]) -> tuple[Fraction, ...]:
         return value if isinstance(value, tuple) else (value,) * self.dimension

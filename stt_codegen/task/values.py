@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Annotated, Literal
@@ -141,6 +142,20 @@ Each = Annotated[  # one number for all components, or one for each
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
 Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return_type=float), WithJsonSchema({"type": "number"})]
+
+
+def _labels(value: object) -> object:
+    if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
+        raise ValueError(f"is {kind_of(value)}; a list of texts is needed, one for each dimension")
+    for v in value:
+        if len(v) > MAX_LABEL or not re.fullmatch(r"[A-Za-z0-9 ._/^%()+-]*", v):
+            raise ValueError(
+                f"{v!r} is no label; use letters, digits, spaces or . _ / ^ % ( ) + -, at most {MAX_LABEL} characters"
+            )
+    return value
+
+
+Labels = Annotated[tuple[str, ...], BeforeValidator(_labels)]
 GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
 GainOrAuto = Annotated[
     Annotated[Gain, Tag("<number>")] | Annotated[GainVector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
