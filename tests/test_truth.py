@@ -244,7 +244,7 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
     for number in range(40):
         _, _, _, (task, design) = draw(Random(f"files {number}"), BASES)
         read = checker.Task(toml(task).encode())
-        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper))) for s in task.obstacles]
+        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper), [], [])) for s in task.obstacles]
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
         for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
             assert theirs == (list(ours.lower), list(ours.upper))

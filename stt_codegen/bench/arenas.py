@@ -108,8 +108,8 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
     least = route.length / arena.prescribed_time
     slowest = float("nan")
     if job.design == "refined" and certificate.holds and FAMILIES[job.family].length is None:
-        slow = refine(task.changed(tube={"prefer": "slow"}))
-        slowest = float(max(certify_refined(task, slow, certificate.edge_error).speed)) / least
+        other = certify_refined(task, refine(task.changed(tube={"prefer": "slow"})), certificate.edge_error)
+        slowest = float(max(other.speed)) / least
     return float(max(certificate.speed)) / least, slowest
 
 

@@ -47,7 +47,8 @@ LAW = {
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
     "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
-    "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper", "unsafe": "name lower upper",
+    "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper",
+    "unsafe": "name lower upper vertices axes",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",
     "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
@@ -93,11 +94,14 @@ class Task:
         lower, upper = _box(document["state_space"], n)
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
-        self.unsafe = []
+        self.unsafe, signs = [], [(s, t) for s in (1, -1) for t in (1, -1)]
+        names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
         for j, entry in enumerate(document.get("unsafe", []), 1):
-            lower, upper = _box(entry, n)
-            grown = ([a - h for a, h in zip(lower, body)], [b + h for b, h in zip(upper, body)])
-            self.unsafe.append((str(entry.get("name") or f"U{j}"), grown))
+            own, plane = _points(entry, names, n) if "vertices" in entry else ([], [])
+            a, b = (lower, upper) if own else _box(entry, n)
+            grown = ([u - h for u, h in zip(a, body)], [v + h for v, h in zip(b, body)])
+            around = [[v + s * body[i] for v, s, i in zip(p, sign, plane)] for p in own for sign in signs]
+            self.unsafe.append((str(entry.get("name") or f"U{j}"), (*grown, plane, around)))
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
@@ -141,6 +145,17 @@ def _each(value: Any, n: int) -> list[Fraction]:
     if len(found) != n:
         raise Unusable(f"the task has {len(found)} numbers where {n} are needed")
     return found
+
+
+def _points(table: Any, names: list[str], n: int) -> tuple[list[list[Fraction]], list[int]]:
+    """The points of a polygon, not all on one line, and the two dimensions that they are in."""
+    axes, points = table.get("axes", names), [_each(p, 2) for p in table["vertices"] if isinstance(p, list)]
+    if "lower" in table or "upper" in table or len({*axes}) != 2 or len(axes) != 2 or not set(axes) <= set(names):
+        raise Unusable("the task has a polygon whose axes are not two of the task's, or that is a box too")
+    (x, y), *rest = points
+    if len(points) < len(table["vertices"]) or all((a - x) * (d - y) == (b - y) * (c - x) for a, b in rest for c, d in rest):
+        raise Unusable("the task has a polygon whose vertices are no points, or all on one line")
+    return points, [names.index(a) for a in axes]
 
 
 def _box(table: Any, n: int) -> tuple[list[Fraction], list[Fraction]]:
@@ -911,13 +926,9 @@ class Tube:
 
     def fastest(self, i: int, order: int = 1) -> int:
         """The largest coefficient of an edge's derivative of that order in dimension i, with a segment's time as unit."""
-
-        def derivative(c: Edge) -> Edge:
-            return [(len(c) - 1) * (b - a) for a, b in zip(c, c[1:])]
-
         edges = [edge for piece in self.pieces for edge in piece[i]]
         for _ in range(order):
-            edges = [derivative(edge) for edge in edges]
+            edges = [[(len(c) - 1) * (b - a) for a, b in zip(c, c[1:])] for c in edges]
         return max(int(abs(v)) for edge in edges for v in edge)
 
 
@@ -1060,7 +1071,7 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
         return box([(min(low), max(high)) for low, high in piece], *task.space)
 
     claim("P3", [0, end], least("P3", stay), error)
-    for name, (lower, upper) in task.unsafe:
+    for name, (lower, upper, plane, points) in task.unsafe:
         slacks = []
         for piece, normal in parts(tube, hints("P4"), cuts, False):
             good = (
@@ -1071,7 +1082,8 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
             )
             need(good, f"a hint of {name} has no normal of whole numbers without a common divisor")
             size = sum(map(abs, normal))
-            support = sum((c * (upper[i] if c > 0 else lower[i]) for i, c in enumerate(normal)), Fraction(0))
+            ends = [c * (upper[i] if c > 0 else lower[i]) for i, c in enumerate(normal) if i not in plane]
+            support = sum(ends, max((sum(normal[i] * v for i, v in zip(plane, p)) for p in points), default=Fraction(0)))
             values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
             slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
         claim("P4", [0, end], min(slacks), error, set=name)

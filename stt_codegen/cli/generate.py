@@ -88,6 +88,8 @@ def _keep_certified(folder: Path, controller: Any) -> None:
 def _tell_what_is_not_proved(controller: Any) -> None:
     """Notes on stderr about gain, limits and tick of a refined tube: what `design` would say of them. P9 is a demand, no note."""
     task = controller.task
+    for name in task.hulls:
+        say(f"note: {task.name}: the vertices of {name} are not all corners of their hull; the hull is what is avoided")
     if task.control.period is not None or controller.design.stateful or not controller.certificate.holds:
         return
     from stt_codegen.report.analysis import Analysis

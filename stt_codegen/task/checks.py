@@ -6,7 +6,7 @@ import keyword
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
-from stt_codegen.task.schema import Box, TaskTables
+from stt_codegen.task.schema import PLANE, Box, TaskTables, UnsafePolygon
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -31,7 +31,7 @@ def _name_problem(name: str) -> str | None:
 
 
 def _shape_problem(task: TaskTables, n: int) -> str | None:
-    tables: list[tuple[str, Box]] = [
+    tables: list[tuple[str, Box | UnsafePolygon]] = [
         ("state_space", task.state_space),
         ("initial_set", task.initial_set),
         ("target_set", task.target_set),
@@ -53,8 +53,20 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
+    for j, unsafe in enumerate(task.unsafe):
+        if isinstance(unsafe, UnsafePolygon) and (problem := _plane_problem(task, unsafe)):
+            return f"unsafe[{j}].axes: {problem}"
     found = (table.problem() for _, table in tables)
     return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None)
+
+
+def _plane_problem(task: TaskTables, polygon: UnsafePolygon) -> str | None:
+    names = ", ".join(task.axis_names)
+    if polygon.axes is None:
+        return None if task.dimension == PLANE else f"are missing; a polygon is in two dimensions, name two of {names}"
+    if len(polygon.axes) != PLANE or polygon.axes[0] == polygon.axes[1] or not set(polygon.axes) <= set(task.axis_names):
+        return f"are {', '.join(polygon.axes) or 'none'}; two different ones of {names} are needed"
+    return None
 
 
 def _labels_problem(task: TaskTables) -> str | None:

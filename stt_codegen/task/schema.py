@@ -9,11 +9,24 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictBool
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StrictBool, Tag
 
 from stt_codegen.decimals import decimal
-from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.values import MAX_LABEL, MAX_NAME, Each, GainOrAuto, Labels, NotNegative, Positive, Vector, below_one, whole
+from stt_codegen.task.sets import BoxSet, ConvexSet, Point, Prism, hull_of_points
+from stt_codegen.task.values import (
+    MAX_LABEL,
+    MAX_NAME,
+    Each,
+    GainOrAuto,
+    Labels,
+    NotNegative,
+    Positive,
+    Vector,
+    below_one,
+    labels,
+    points,
+    whole,
+)
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
@@ -66,6 +79,51 @@ class UnsafeSet(Box):
 
     def convex(self) -> BoxSet:
         return BoxSet(self.lower, self.upper, self.name)
+
+
+class UnsafePolygon(_Table):
+    """One unsafe set U_j: the hull of points in the plane of two axes, whatever the others are."""
+
+    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
+    vertices: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="points in any order; their hull counts")
+    axes: Annotated[tuple[str, ...], BeforeValidator(labels)] | None = Field(
+        default=None, description="the two dimensions, by name; absent: those of a task in the plane"
+    )
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        """Nothing here has one entry for each dimension of the task."""
+        return []
+
+    def problem(self) -> str | None:
+        """What makes these points no set, in words; None where they are one."""
+        for k, point in enumerate(self.vertices):
+            if len(point) != PLANE:
+                return f"vertices[{k}]: has {len(point)} entries; two are needed, one for each of its axes"
+        if len(self.corners) <= PLANE:
+            return "vertices: have no interior; at least three points that are not on one line are needed"
+        return None
+
+    @property
+    def corners(self) -> tuple[Point, ...]:
+        """Of the hull, in order around it."""
+        return hull_of_points([(p[0], p[1]) for p in self.vertices])
+
+    def within(self, space: Box, plane: tuple[int, int]) -> Prism:
+        """The set in a state space: in the dimensions that are not its own as long as that, which is all that is asked for."""
+        return Prism(self.corners, plane, space.lower, space.upper, self.name)
+
+
+def _kind_of_set(value: object) -> str:
+    """Which of the two a table [[unsafe]] is to be read as."""
+    if isinstance(value, UnsafePolygon) or (isinstance(value, dict) and "vertices" in value):
+        return "<polygon>"
+    return "<box>"
+
+
+AnyUnsafe = Annotated[
+    Annotated[UnsafeSet, Tag("<box>")] | Annotated[UnsafePolygon, Tag("<polygon>")], Discriminator(_kind_of_set)
+]
+PLANE = 2  # dimensions of a polygon
 
 
 class AdaptiveOptions(_Table):
@@ -135,7 +193,7 @@ class PlantBounds(_Table):
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
 
 
-def _named(sets: tuple[UnsafeSet, ...]) -> tuple[UnsafeSet, ...]:
+def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
     """With U1, U2, ... for those without a name; the name that was not given does not count as data."""
     named = []
     for j, one in enumerate(sets, 1):
@@ -157,7 +215,7 @@ class TaskTables(_Table):
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
     target_set: Box
     body: Vector | None = Field(default=None, description="half extents of the robot")
-    unsafe: Annotated[tuple[UnsafeSet, ...], AfterValidator(_named)] = ()
+    unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
     tube: TubeOptions = TubeOptions()
     control: ControlOptions = ControlOptions()
     emit: EmitOptions = EmitOptions()
@@ -247,7 +305,20 @@ class TaskTables(_Table):
     @property
     def bare(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets as they are, in the order of the file."""
-        return tuple(s.convex() for s in self.unsafe)
+        return tuple(
+            s.within(self.state_space, self.plane_of(s)) if isinstance(s, UnsafePolygon) else s.convex() for s in self.unsafe
+        )
+
+    @property
+    def hulls(self) -> tuple[str, ...]:
+        """The polygons whose points are not all corners: what is avoided is their hull."""
+        polygons = (s for s in self.unsafe if isinstance(s, UnsafePolygon))
+        return tuple(s.name for s in polygons if len(s.corners) < len(s.vertices))
+
+    def plane_of(self, polygon: UnsafePolygon) -> tuple[int, int]:
+        """The dimensions that a polygon is in; its axes are known to be two of the task's."""
+        i, j = (self.axis_names.index(name) for name in polygon.axes or self.axis_names)
+        return i, j
 
     @property
     def obstacles(self) -> tuple[ConvexSet, ...]:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import product
+from math import gcd, lcm
 
 Vector = tuple[Fraction, ...]
 Normal = tuple[int, ...]  # whole numbers: any rational normal has a multiple of these
@@ -124,6 +125,71 @@ class BoxSet(ConvexSet):
             return self
         lower = tuple(a - h for a, h in zip(self.lower, half, strict=True))
         return BoxSet(lower, tuple(b + h for b, h in zip(self.upper, half, strict=True)), self.name)
+
+
+Point = tuple[Fraction, Fraction]
+
+
+def hull_of_points(points: Sequence[Point]) -> tuple[Point, ...]:
+    """The corners of the hull of points in the plane, by turns to the left (Andrew's monotone chain); exact."""
+
+    def turn(a: Point, b: Point, c: Point) -> Fraction:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    ordered, sides = sorted(set(points)), []
+    for way in (ordered, ordered[::-1]):
+        side: list[Point] = []
+        for p in way:
+            while len(side) > 1 and turn(side[-2], side[-1], p) <= 0:
+                side.pop()
+            side.append(p)
+        sides.append(side[:-1])
+    return (*sides[0], *sides[1])
+
+
+@dataclass(frozen=True)
+class Prism(ConvexSet):
+    """A convex polygon, by its corners in order around it to the left, in the dimensions of `plane`; in all others what `lower`
+    and `upper` say, whose entries in the plane are not read."""
+
+    corners: tuple[Point, ...]
+    plane: tuple[int, int]
+    lower: Vector
+    upper: Vector
+    name: str = ""
+
+    @property
+    def dimension(self) -> int:
+        return len(self.lower)
+
+    @cached_property
+    def normals(self) -> tuple[Normal, ...]:
+        found = dict.fromkeys(axes(self.dimension))
+        for (a, b), (c, d) in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
+            outward = (d - b, a - c)
+            whole = [int(v * lcm(*(w.denominator for w in outward))) for v in outward]
+            full = [0] * self.dimension
+            for i, v in zip(self.plane, whole, strict=True):
+                full[i] = v // gcd(*whole)
+            found[tuple(full)] = None
+        return tuple(found)
+
+    def support(self, normal: Normal) -> Fraction:
+        i, j = self.plane
+        ends = [c * (b if c > 0 else a) for c, a, b in zip(normal, self.lower, self.upper, strict=True)]
+        rest = sum((v for k, v in enumerate(ends) if k not in (i, j)), ZERO)
+        return max(normal[i] * x + normal[j] * y for x, y in self.corners) + rest
+
+    @cached_property
+    def vertices(self) -> tuple[Vector, ...]:
+        i, j = self.plane
+        ends = [(ZERO,) if k in (i, j) else pair for k, pair in enumerate(zip(self.lower, self.upper, strict=True))]
+        found = []
+        for corner, rest in product(self.corners, product(*ends)):
+            point = list(rest)
+            point[i], point[j] = corner
+            found.append(tuple(point))
+        return tuple(found)
 
 
 class Grown(ConvexSet):

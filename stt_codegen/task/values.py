@@ -144,9 +144,9 @@ Each = Annotated[  # one number for all components, or one for each
 Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return_type=float), WithJsonSchema({"type": "number"})]
 
 
-def _labels(value: object) -> object:
+def labels(value: object) -> object:
     if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
-        raise ValueError(f"is {kind_of(value)}; a list of texts is needed, one for each dimension")
+        raise ValueError(f"is {kind_of(value)}; a list of texts is needed")
     for v in value:
         if len(v) > MAX_LABEL or not re.fullmatch(r"[A-Za-z0-9 ._/^%()+-]*", v):
             raise ValueError(
@@ -155,7 +155,14 @@ def _labels(value: object) -> object:
     return value
 
 
-Labels = Annotated[tuple[str, ...], BeforeValidator(_labels)]
+def points(value: object) -> object:
+    given = value.tolist() if hasattr(value, "tolist") else value
+    if not isinstance(given, list | tuple) or not given:
+        raise ValueError(f"is {kind_of(value)}; a list of points is needed, [[x, y], ..]")
+    return given
+
+
+Labels = Annotated[tuple[str, ...], BeforeValidator(labels)]
 GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
 GainOrAuto = Annotated[
     Annotated[Gain, Tag("<number>")] | Annotated[GainVector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
