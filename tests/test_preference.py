@@ -52,8 +52,8 @@ def checked(controller: Controller, task: Task, folder: Path) -> int:
 
 @pytest.mark.parametrize("seed", [0, 5, 10, 15, 20, 30, 35])
 def test_of_the_tubes_that_are_as_slow_the_one_that_bends_least_is_taken(seed: int) -> None:
-    search = refining._search(arena_task(FAMILIES["paper"], seed))
-    shape = search.widest()
+    task = arena_task(FAMILIES["paper"], seed)
+    search, shape = refining._designed(task, refining._arena(task))
     calm = calmest(search.arena, search.start, shape)
 
     def bends(points: np.ndarray) -> float:
@@ -123,12 +123,65 @@ def test_a_refusal_names_a_bound_and_a_time_that_would_do(tube: dict[str, object
     with pytest.raises(NotCertified) as caught:
         build_task(OMNI.changed(tube=tube))
     (option,) = tube
-    told = re.search(r"needs (\[?[\d., ]+\]?),|raise it to (\[?[\d., ]+\]?),", str(caught.value))
+    told = re.search(r"raise tube.max_\w+ to (\[?[\d., ]+\]?),", str(caught.value))
     assert told is not None
-    assert build_task(OMNI.changed(tube={option: json.loads(told[1] or told[2])})).certificate.holds
+    assert build_task(OMNI.changed(tube={option: json.loads(told[1])})).certificate.holds
     longer = re.search(r"prescribed_time to ([\d.]+) s", str(caught.value))
     assert longer is not None
     assert build_task(OMNI.changed(tube=tube, prescribed_time=longer[1])).certificate.holds
+
+
+@pytest.mark.parametrize(
+    ("family", "seed", "tube"),
+    [
+        ("dense12", 100, {"max_speed": [0.604212, 0.658266]}),
+        ("dense12", 110, {"max_speed": [0.463206, 1.59693], "prefer": "wide"}),
+        ("dense12", 137, {"max_speed": [0.823026, 0.568129], "max_acceleration": 2.77142}),
+        ("paper", 202, {"max_speed": 0.677526, "max_acceleration": [1.44696, 0.303437]}),
+        ("paper", 3, {"max_speed": 1e-3}),
+        ("paper", 3, {"max_acceleration": 1e-7}),
+        ("paper", 3, {"max_acceleration": 0.1, "max_speed": 0.1}),
+    ],
+)
+def test_every_value_that_a_refusal_names_does(family: str, seed: int, tube: dict[str, object]) -> None:
+    task = arena_task(FAMILIES[family], seed).changed(tube=tube)
+    try:
+        build_task(task)
+    except NotCertified as caught:
+        told = str(caught)
+    else:
+        return
+    values = re.findall(r"(?:raise tube\.(max_\w+)|(prescribed_time)) to (\[[^]]*\]|[\d.e+-]+)", told)
+    assert values, told
+    for option, time, text in values:
+        value = json.loads(text)
+        change = {"prescribed_time": value} if time else {"tube": {option: value}}
+        assert build_task(task.changed(**change)).certificate.holds, (told, option or time)
+
+
+@pytest.mark.parametrize(
+    ("family", "seed", "loose"),
+    [("dense12", 334, 50), ("paper", 490, 50), ("dense12", 443, 50), ("paper", 1, 1e9), ("paper", 2, 5)],
+)
+def test_a_bound_that_the_tube_keeps_anyway_changes_nothing(family: str, seed: int, loose: float) -> None:
+    task = arena_task(FAMILIES[family], seed)
+    plain = build_task(task)
+    own = [float(v) * 1.0005 for v in plain.certificate.speed]
+    for bounds in (own, [own[0], loose], [loose, own[1]]):
+        assert build_task(task.changed(tube={"max_speed": [f"{v:.7g}" for v in bounds]})).design == plain.design
+
+
+@pytest.mark.parametrize("bounds", [[30, 1], [1, 1e5], [1000, 0.9], [1, 1e9]])
+@pytest.mark.parametrize("seed", [0, 5, 10, 15])
+def test_a_loose_bound_beside_a_tight_one_is_no_reason_for_haste(seed: int, bounds: list[float]) -> None:
+    task = arena_task(FAMILIES["dense12"], 420 + seed)
+    try:
+        plain = build_task(task)
+    except NotCertified:
+        return
+    made = build_task(task.changed(tube={"max_speed": bounds}))
+    assert made.certificate.holds
+    assert max(made.certificate.speed) <= 2.01 * max(plain.certificate.speed)
 
 
 @pytest.mark.parametrize("design", ["adaptive", "literal"])

@@ -1,7 +1,8 @@
 """Random arenas by the hundred: how many tubes are certified, how fast, how wide, how slow; literal, adaptive, refined.
 
 Each arena is one job, run in this process, in processes of this machine, or on a Dask cluster; the results do not depend
-on where. Times are processor time of one job, imports and a first design not counted.
+on where. Times are processor time of one job, imports and a first design not counted. Long because jobs, families and tables
+are told together.
 """
 
 from __future__ import annotations
@@ -108,8 +109,8 @@ def _speeds(job: Job, certificate: Certificate) -> tuple[float, float]:
     least = route.length / arena.prescribed_time
     slowest = float("nan")
     if job.design == "refined" and certificate.holds and FAMILIES[job.family].length is None:
-        other = certify_refined(task, refine(task.changed(tube={"prefer": "slow"})), certificate.edge_error)
-        slowest = float(max(other.speed)) / least
+        slow = certify_refined(task, refine(task.changed(tube={"prefer": "slow"})), certificate.edge_error)
+        slowest = float(max(slow.speed)) / least
     return float(max(certificate.speed)) / least, slowest
 
 

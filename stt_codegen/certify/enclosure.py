@@ -31,7 +31,7 @@ from stt_codegen.certify.slopes import speed_bound
 from stt_codegen.certify.update import Steps, ahead, lower_curve, upper_curve
 from stt_codegen.controller.adaptive_parts import alpha_cap
 from stt_codegen.controller.probes import lines_program
-from stt_codegen.decimals import above, decimal
+from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.designs.grid import parameters_of
 from stt_codegen.program.ball_arithmetic import ball, hull
@@ -229,7 +229,8 @@ def _certificate(
             Finding(
                 "P6", f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
                 Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True)), Fraction(0),
-                advice=f"raise tube.max_speed to {above(max(speed), 4):g}, or use a refined tube: the bound is not sharp here",
+                advice=f"raise tube.max_speed to {by_component([above(v, 4) for v in speed])}, or use a refined tube: the "
+                "bound is not sharp here",
             ),
             Finding("P7", seventh, Fraction(0), Fraction(0)),
         ),

@@ -18,7 +18,7 @@ from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.controller.arithmetic import edge_error
-from stt_codegen.decimals import above, decimal
+from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Program
 from stt_codegen.rows import (
@@ -199,7 +199,7 @@ def _accelerated(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64
 def _limited(
     task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Row], statement: str, option: str
 ) -> Finding | None:
-    """P6 for rows of rates or accelerations; None where there are none."""
+    """P6 for rows of rates or accelerations, four for each dimension; None where there are none."""
     slack = []
     for row in rows:
         edges, unit = _derivative(design, bezier, row.order)
@@ -209,6 +209,6 @@ def _limited(
         return None
     worst = slack.index(min(slack))
     dimension = rows[worst].dimension
-    told = f"{statement}, within {option} {', '.join(map(decimal, dict.fromkeys(-row.bound for row in rows)))}"
+    told = f"{statement}, within {option} {by_component([-row.bound for row in rows[::4]])}"
     where = None if dimension is None else dimension + 1
     return Finding("P6", told, slack[worst], Fraction(0), None, where, None, f"raise tube.{option} or prescribed_time")

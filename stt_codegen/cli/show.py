@@ -90,7 +90,7 @@ def show_trade(report: TradeReport) -> None:
         period, gain = ("none", "") if t.period is None or t.gain is None else (_time(t.period), by_component(t.gain))
         table.add_row(f"{t.least_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
     console.print(table)
-    console.print("  periods are the longest over all gains, for the plant and the starts of the task")
+    console.print("  periods: at control.gain, or the longest over all gains, for the plant and the starts of the task")
     if report.picture is not None:
         console.print(f"  picture: {report.picture}")
 

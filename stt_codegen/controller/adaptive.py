@@ -24,17 +24,15 @@ from stt_codegen.controller.adaptive_parts import (
 )
 from stt_codegen.controller.law import (
     MARGIN_DOC,
-    axes_doc,
     control_component,
     control_law_of,
     inside_of,
-    inward_doc,
-    law_doc,
     margin_component,
     not_finite,
     place_of,
     transform_function,
 )
+from stt_codegen.controller.words import axes_doc, inward_doc, law_doc
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.paper import adaptive_tube
 from stt_codegen.program import (

@@ -7,14 +7,12 @@ leaves: so one comparison clamps, nothing overflows and no division is by zero, 
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
 from stt_codegen.controller.logarithm import without_library
-from stt_codegen.decimals import by_component
 from stt_codegen.designs import LEAST_WIDTH
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
@@ -286,22 +284,3 @@ def transform_function(law: Law, n: int) -> Function:
             "NaN where an edge, x or upper - lower is not finite.",
         ),
     )
-
-
-def law_doc(task: Task, law: Law) -> str:
-    """The first line of what is said of `control`."""
-    gain, clamp = by_component(task.gain), by_component(task.e_max)
-    limited = "." if law.u_max is None else ", u saturated."
-    return f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{clamp}, {clamp}] by component{limited}"
-
-
-def axes_doc(task: Task) -> tuple[str, ...]:
-    """What the components of x are, where the task names them."""
-    if task.axes is None and task.units is None:
-        return ()
-    return tuple(textwrap.wrap(f"x by component: {', '.join(task.axis_labels)}.", 115))
-
-
-def inward_doc(task: Task) -> str:
-    """Where u points with a negative gain."""
-    return "" if task.gain[0] > 0 else " through a negative g"

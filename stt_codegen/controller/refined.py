@@ -10,18 +10,16 @@ from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.controller.law import (
     MARGIN_DOC,
     Law,
-    axes_doc,
     control_component,
     control_law_of,
     inside_of,
-    inward_doc,
-    law_doc,
     margin_component,
     not_finite,
     place_of,
     transform_function,
 )
 from stt_codegen.controller.ticks import segment_at_tick, ticks_of
+from stt_codegen.controller.words import axes_doc, inward_doc, law_doc
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import BadInput

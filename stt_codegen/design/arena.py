@@ -78,10 +78,11 @@ class Arena:
     index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what an unsafe set
     has beside its span.
 
-    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speed: of the swiftest dimension; swiftness:
-    of each, over that (n,), at most 1. max_acceleration: (n,), None for no bound. allowance: what rounding of the
-    coefficients and of the emitted arithmetic may move an edge by, see `Lattice.allowance`. length_unit, time_unit:
-    what lengths and times here must be multiplied by to be the task's; origin: where in the task 0 is, by dimension.
+    clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
+    search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
+    bound. allowance: what rounding of the coefficients and of the emitted arithmetic may move an edge by, see
+    `Lattice.allowance`. length_unit, time_unit: what lengths and times here must be multiplied by to be the task's; origin:
+    where in the task 0 is, by dimension.
     """
 
     names: tuple[str, ...]
@@ -96,6 +97,7 @@ class Arena:
     clearance: float
     min_width: float
     max_speed: float
+    max_speeds: Array
     swiftness: Array
     max_acceleration: Array | None
     allowance: float
@@ -151,7 +153,6 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
                 )
     inset = 2 * allowance
     speeds, accelerations = task.max_speed, task.max_acceleration
-    fastest = math.inf if speeds is None else float(max(speeds))
     return Arena(
         names=tuple(one.name for one in sets),
         axes=task.axis_words,
@@ -164,8 +165,9 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
         min_width=float(wide),
-        max_speed=fastest,
-        swiftness=np.ones(n) if speeds is None else np.array([float(v) / fastest for v in speeds]),
+        max_speed=math.inf if speeds is None else float(max(speeds)),
+        max_speeds=np.full(n, math.inf) if speeds is None else np.array([float(v) for v in speeds]),
+        swiftness=np.ones(n),
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         origin=origin,
@@ -230,6 +232,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         clearance=arena.clearance / unit,
         min_width=arena.min_width / unit,
         max_speed=arena.max_speed * arena.prescribed_time / unit,
+        max_speeds=arena.max_speeds * arena.prescribed_time / unit,
         max_acceleration=None if bend is None else bend * (arena.prescribed_time * arena.prescribed_time) / unit,
         allowance=arena.allowance / unit,
         length_unit=unit,

@@ -12,61 +12,94 @@ coefficients alone.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 
 import numpy as np
 
-from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
 from stt_codegen.design.lattice import STEP_BITS, lattice_of
+from stt_codegen.design.refusal import refusal
 from stt_codegen.design.shape import Shape, calmest
-from stt_codegen.design.widest import Search
+from stt_codegen.design.widest import PLENTY, Search, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.sampling import Gains, bounds_of_task, eps_of_share, law_of, refined_windows, setting_of
 from stt_codegen.sampling.gains import natural_gain
 from stt_codegen.task import Task
 
-SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
-FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
-PLENTY = 128
-BENDS = 2.0**20  # times max_acceleration: beyond, it is not what leaves no tube
+CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
 AS_SLOW = 1.01  # times the slowest tube is as slow, where that is preferred: so much for width
-NARROWING = 5  # halvings to find the largest value of an option that would do
 
 
 def refine(task: Task) -> RefinedDesign:
     """Design a refined tube, the one that tube.prefer asks for. Raises `NotCertified` with the reason when none is found."""
-    search = _search(task)
-    arena = search.arena
-    shape = search.many() if len(arena.names) > PLENTY else search.widest()
-    if task.tube.prefer != "balanced":
-        shape = _preferred(task, search, ([] if shape is None else [shape]) + _others(search))
-    if shape is None:
-        count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {search.ladder[-1]} segments"
-        raise NotCertified(
-            _bends_too_much(task, arena)
-            or f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, arena)}"
-        )
-    if shape.speed > search.most(shape.segments):
-        raise NotCertified(_too_fast(task, arena, shape))
+    arena = _arena(task)
+    found = _designed(task, arena)
+    if found is None:
+        raise NotCertified(refusal(task, arena, _is_found))
+    search, shape = found
     return _finished(task, search, shape)
 
 
 def family(task: Task) -> list[RefinedDesign]:
-    """Tubes of several widths for one task, the widest first; of many unsafe sets the slowest alone."""
-    search = _search(task)
-    return [_finished(task, search, shape) for shape in _others(search)]
+    """Tubes of several widths for one task, the widest first; of many unsafe sets the slowest alone. They are those that
+    tube.prefer chooses from."""
+    found = _designed(task, _arena(task))
+    if found is None:
+        return []
+    fresh = Search(found[0].arena, found[0].start, found[0].ladder)
+    return [_finished(task, fresh, shape) for shape in _others(fresh)]
+
+
+def _arena(task: Task) -> Arena:
+    lattice = lattice_of(task)
+    return normalised(arena_of(task, lattice), lattice.exponent)
+
+
+def _is_found(task: Task) -> bool:
+    with suppress(NotCertified):
+        return _designed(task, _arena(task)) is not None
+    return False
+
+
+def _designed(task: Task, arena: Arena) -> tuple[Search, Shape] | None:
+    """The tube that is preferred, within its limits; None where none is found. A bound on a component's speed is no reason to
+    use it up: first it is only asked whether it is kept, then no component may be faster than a few times what it takes without
+    such bounds."""
+    start, ladder = starting_box(arena), segments_tried(task, arena)
+    plain = Search(arena, start, ladder)
+    shape = _chosen(task, plain)
+    if shape is not None and plain.keeps(shape):
+        return plain, shape
+    if np.all(arena.max_speeds == arena.max_speed):
+        return None
+    base = plain.arena.max_speeds.min() if shape is None else max(shape.speed, float(plain.arena.max_speeds.min()))
+    for times in CAPS:
+        speeds = np.minimum(arena.max_speeds, times * base)
+        fastest = float(speeds.max())
+        search = Search(replace(arena, max_speed=fastest, swiftness=speeds / fastest), start, ladder)
+        shape = _chosen(task, search)
+        if shape is not None and search.keeps(shape):
+            return search, shape
+    return None
+
+
+def _chosen(task: Task, search: Search) -> Shape | None:
+    """Of the tubes that are found the one that tube.prefer asks for."""
+    shape = search.many() if len(search.arena.names) > PLENTY else search.widest()
+    if task.tube.prefer == "balanced":
+        return shape
+    own = [] if shape is None or not search.keeps(shape) else [shape]
+    # made anew, so that they are the same tubes whatever was solved before
+    return _preferred(task, search, own + _others(Search(search.arena, search.start, search.ladder)))
 
 
 def _others(search: Search) -> list[Shape]:
     if len(search.arena.names) <= PLENTY:
         return list(search.family())
     slow = search.slowest()
-    return [] if slow is None or slow.speed > search.most(slow.segments) else [slow]
+    return [slow] if slow is not None and search.keeps(slow) else []
 
 
 def _preferred(task: Task, search: Search, shapes: list[Shape]) -> Shape | None:
@@ -79,12 +112,6 @@ def _preferred(task: Task, search: Search, shapes: list[Shape]) -> Shape | None:
         return max(shapes, key=lambda shape: (shape.width.min(), -shape.speed))
     slow = [shape for shape in shapes if shape.speed <= AS_SLOW * min(s.speed for s in shapes)]
     return max(slow, key=lambda shape: shape.width.min())
-
-
-def _search(task: Task) -> Search:
-    lattice = lattice_of(task)
-    arena = normalised(arena_of(task, lattice), lattice.exponent)
-    return Search(arena, starting_box(arena), _ladder(task, arena))
 
 
 def _finished(task: Task, search: Search, shape: Shape) -> RefinedDesign:
@@ -103,101 +130,6 @@ def _longest_period(task: Task, design: RefinedDesign) -> float:
         return 0.0 if best is None else best[1].seconds
     period = Gains(setting, setting.law.gain).at(setting.law.gain)
     return 0.0 if period is None else period.seconds
-
-
-def _ladder(task: Task, arena: Arena) -> tuple[int, ...]:
-    return (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
-
-
-def _too_fast(task: Task, arena: Arena, shape: Shape) -> str:
-    needed = (shape.speed + arena.allowance * shape.segments) * 1.00001  # so that the printed digits are enough
-    factor = needed / arena.max_speed
-    return (
-        f"P6 speed: the slowest tube found needs {_raised(task.tube.max_speed, factor)}, above tube.max_speed "
-        f"{_raised(task.tube.max_speed, 1.0)}; raise tube.max_speed to that, or prescribed_time to "
-        f"{arena.time_unit * factor:.6g} s"
-    )
-
-
-def _raised(given: Fraction | tuple[Fraction, ...] | None, factor: float) -> str:
-    """One number, or one for each component, so many times as large."""
-    if isinstance(given, tuple):
-        return f"[{', '.join(f'{float(v) * factor:.6g}' for v in given)}]"
-    return f"{float(given or 0) * factor:.6g}"
-
-
-def _bends_too_much(task: Task, arena: Arena) -> str | None:
-    """The refusal where it is max_acceleration that leaves no tube, with what would do; None where it is not."""
-    most = arena.max_acceleration
-    if most is None:
-        return None
-
-    def possible(factor: float) -> bool:
-        trial = replace(arena, max_acceleration=most * factor)
-        search = Search(trial, starting_box(trial), _ladder(task, trial))
-        shape = search.slowest()
-        return shape is not None and shape.speed <= search.most(shape.segments)
-
-    low, high = 1.0, 2.0
-    while high < BENDS and not possible(high):
-        low, high = high, high * 2
-    if high >= BENDS:
-        return None
-    for _ in range(NARROWING):
-        middle = (low * high) ** 0.5
-        low, high = (low, middle) if possible(middle) else (middle, high)
-    high *= 1.00001  # so that the printed digits are enough
-    return (
-        "P6 acceleration: no tube within tube.max_acceleration was found along the shortest route; raise it to "
-        f"{_raised(task.tube.max_acceleration, high)}, or prescribed_time to {arena.time_unit * high**0.5:.6g} s"
-    )
-
-
-def _what_binds(task: Task, arena: Arena) -> str:
-    """Which options, changed one at a time, would let a tube be found, and how far each must go."""
-    size = arena.length_unit
-
-    def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
-        trial = replace(arena, clearance=clearance, min_width=min_width)
-        with suppress(NotCertified):
-            search = Search(trial, starting_box(trial), ladder)
-            shape = search.slowest()
-            return shape if shape is not None and shape.speed <= search.most(shape.segments) else None
-        return None
-
-    def largest(holds: Callable[[float], bool], least: float, most: float) -> float | None:
-        if not holds(least):
-            return None
-        for _ in range(NARROWING):
-            middle = (least + most) / 2
-            least, most = (middle, most) if holds(middle) else (least, middle)
-        return least
-
-    usual = segments_for(len(arena.names))
-    ladder = (task.tube.segments,) if task.tube.segments else usual
-    would_do = []
-    if task.tube.segments:
-        more = (*range(task.tube.segments + 1, SEGMENTS[0]), *usual)
-        shape = found(arena.clearance, arena.min_width, tuple(k for k in more if k > task.tube.segments))
-        if shape is not None:
-            would_do.append(f"tube.segments = {shape.points.shape[2] - 3} (or leave it out)")
-    spare = arena.allowance
-    clearance = largest(lambda c: found(c, arena.min_width, ladder) is not None, spare, arena.clearance)
-    if clearance is not None:
-        would_do.append(f"tube.clearance = {below(Fraction((clearance - spare) * size), 3):g}")
-    width = largest(lambda w: found(arena.clearance, w, ladder) is not None, 2 * spare, arena.min_width)
-    if width is not None:
-        would_do.append(f"tube.min_width = {below(Fraction((width - 2 * spare) * size), 3):g}")
-    if not would_do and arena.max_speed < np.inf:
-        return "without tube.max_speed, " + _what_binds(task, replace(arena, max_speed=np.inf))
-    if not would_do:
-        return "no single option of [tube] would change that: lower tube.clearance and tube.min_width, or make more room"
-    return ", or ".join(would_do) + " would do"
-
-
-def segments_for(unsafe: int) -> tuple[int, ...]:
-    """The numbers of segments to try for so many unsafe sets."""
-    return tuple(k for k in SEGMENTS if FEWEST * unsafe <= k <= max(PLENTY, MOST * unsafe))
 
 
 def round_design(task: Task, shape: Shape) -> RefinedDesign:

@@ -17,8 +17,13 @@ from stt_codegen.design.shape import CLOSE, Shape, slowest_shape
 from stt_codegen.design.sides import choose_sides, limits_along, limits_by_stretch
 from stt_codegen.design.solver import Solvers
 from stt_codegen.design.timing import changes_at, least_times, time_plans
+from stt_codegen.task import Task
 
+SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
+FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
+PLENTY = 128
 QUICK = 2  # numbers of segments that are tried for every width
+ROUNDED = 0.25  # of the allowance, which is 32 steps
 ROOM = 1.4  # how much longer than the shortest a route may be, and how much faster than its length over t_c a tube, for width
 SLOWEST = 1.25  # times the slowest tube found is room enough, where that is more
 FAMILY = (1.0, 0.9, 0.8, 0.65, 0.5, 0.35, 0.2, 0.1)  # of the widest share with a route: the tubes that are compared
@@ -55,8 +60,14 @@ class Search:
         return wide_route(self.arena, self.start, self.width(share), longest)
 
     def most(self, segments: int) -> float:
-        """The largest peak speed that max_speed allows, less the arithmetic's part."""
-        return self.arena.max_speed - self.arena.allowance * segments
+        """The largest peak speed that max_speed allows, less what rounding the control points may add: 6 steps to a difference
+        of two, a fifth of the allowance."""
+        return self.arena.max_speed - ROUNDED * self.arena.allowance * segments
+
+    def keeps(self, shape: Shape) -> bool:
+        """Whether every dimension keeps to its own bound on speed."""
+        speeds = shape.paces * self.arena.swiftness * shape.segments
+        return bool((speeds <= self.arena.max_speeds - ROUNDED * self.arena.allowance * shape.segments).all())
 
     @property
     def straight(self) -> float:
@@ -112,7 +123,7 @@ class Search:
                 shape = self.slowest(shortest)
             else:
                 shape = None if route is None else self.along(part * share, route, CLOSE * route.length)
-            if shape is not None and shape.speed <= self.most(shape.segments):
+            if shape is not None and self.keeps(shape):
                 yield shape
 
     def between(self, slow: Shape, share: float, speed: float, limit: float) -> Shape | None:
@@ -214,3 +225,13 @@ class Search:
             if shape is not None:
                 return shape
         return None
+
+
+def segments_tried(task: Task, arena: Arena) -> tuple[int, ...]:
+    """The numbers of segments to try for a task."""
+    return (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
+
+
+def segments_for(unsafe: int) -> tuple[int, ...]:
+    """The numbers of segments to try for so many unsafe sets."""
+    return tuple(k for k in SEGMENTS if FEWEST * unsafe <= k <= max(PLENTY, MOST * unsafe))

@@ -8,7 +8,7 @@ from typing import Any
 
 from stt_codegen.design.refine import family
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.errors import BadInput
+from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import Controller, build_task, design_tube
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task import Task
@@ -19,8 +19,9 @@ PREFERENCES = ("balanced", "slow", "wide", "period")
 @dataclass(frozen=True)
 class Trade:
     """One tube, certified. Width (least over time and dimensions) and speed (most of an edge) in the task's units; period:
-    seconds between samples that are proved for the plant and the share of starts, with the gain (by component) that makes it
-    longest, None where none is proved. preferred: the values of tube.prefer that give this tube."""
+    seconds between samples that are proved for the plant and the share of starts, with the gain (by component): the task's, or
+    where it leaves that open the one that makes it longest. None where none is proved. preferred: the values of tube.prefer
+    that give this tube."""
 
     segments: int
     least_width: float
@@ -65,9 +66,12 @@ def trade_report(task: Task) -> TradeReport:
         found.setdefault(design, []).append(prefer)
     for design in family(task):
         found.setdefault(design, [])
-    free = task.changed(control={"gain": None, "period": None})  # P9 would refuse tubes whose period is shorter
+    gain = None if task.gain_chosen else task.control.gain
+    free = task.changed(control={"gain": gain, "period": None})  # P9 would refuse tubes whose period is shorter
     pairs = [(build_task(free, uncertified=True, tube=design), tuple(named)) for design, named in found.items()]
     tubes = [_trade(controller, named) for controller, named in pairs if controller.certificate.holds]
+    if not tubes:
+        raise NotCertified("--pareto: of the tubes that were found none is certified; see `stt-codegen design`")
     kept = [t for t in tubes if t.preferred or not any(other.beats(t) for other in tubes)]
     return TradeReport(task.name, float(task.prescribed_time), tuple(sorted(kept, key=lambda t: (-t.least_width, t.speed))))
 
@@ -75,7 +79,11 @@ def trade_report(task: Task) -> TradeReport:
 def _trade(controller: Controller, preferred: tuple[str, ...]) -> Trade:
     certificate, design = controller.certificate, controller.design
     assert isinstance(design, RefinedDesign)
-    best = Analysis(controller).gains.longest
+    analysis = Analysis(controller)
+    if controller.task.control.gain is None:
+        best = analysis.gains.longest
+    else:
+        best = None if analysis.period is None else (analysis.setting.law.gain, analysis.period)
     return Trade(
         design.segments,
         float(certificate.least_width),

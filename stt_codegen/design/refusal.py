@@ -1,0 +1,129 @@
+"""What is told where no tube is found: which option would have to change, and how far. Every limit that is named was tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+
+from stt_codegen.decimals import above, below
+from stt_codegen.design.arena import Arena, starting_box
+from stt_codegen.design.shape import Shape
+from stt_codegen.design.widest import ROUNDED, SEGMENTS, Search, segments_for, segments_tried
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.task import Task
+
+NARROWING = 5  # halvings to find the value of an option that would do
+DIGITS = 6  # of a value that is proposed, rounded up
+LARGEST = 1e18  # of a factor: a task's numbers are between 1e-9 and 1e9
+IsFound = Callable[[Task], bool]  # whether a tube within its limits is found for a task
+Given = Fraction | tuple[Fraction, ...]
+
+
+def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
+    """Why there is no tube for the task, whose arena this is, in one sentence, and what would do."""
+    limits = {name: getattr(task.tube, name) for name in ("max_speed", "max_acceleration")}
+    limits = {name: given for name, given in limits.items() if given is not None}
+    if limits and is_found(task.changed(tube=dict.fromkeys(limits))):
+        return _limits_bind(task, limits, is_found, _needed(task, arena))
+    free = replace(arena, max_speed=np.inf, max_speeds=np.full(arena.dimension, np.inf), max_acceleration=None)
+    ladder = segments_tried(task, arena)
+    count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
+    return f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, free, ladder)}"
+
+
+def _needed(task: Task, arena: Arena) -> float:
+    """How many times its bounds on speed the slowest tube takes: what is tried first."""
+    free = Search(replace(arena, max_speed=np.inf), starting_box(arena), segments_tried(task, arena))
+    shape = free.slowest()
+    if shape is None or not np.isfinite(arena.max_speeds).all():
+        return 1.0
+    speeds = (shape.paces + ROUNDED * arena.allowance) * shape.segments
+    return float((speeds / arena.max_speeds).max())
+
+
+def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess: float) -> str:
+    """The refusal where it is the limits that leave no tube. Every value that is named was tried, as it is printed."""
+    told = []
+    for name, given in limits.items():
+        factor = _least(lambda f, name=name, given=given: is_found(task.changed(tube={name: _times(given, f)})), guess)  # type: ignore[misc]
+        if factor is not None:
+            told.append(f"raise tube.{name} to {_shown(_times(given, factor))}")
+    longer = _least(lambda f: is_found(task.changed(prescribed_time=_times(task.prescribed_time, f))), guess)
+    if longer is not None:
+        told.append(f"prescribed_time to {_shown(_times(task.prescribed_time, longer))} s")
+    words = {"max_speed": "speed", "max_acceleration": "acceleration"}
+    bounds = " and ".join(f"tube.{name} {_shown(value)}" for name, value in limits.items())
+    found = ", or ".join(told) or "no value of one alone would do; leave both out"
+    return f"P6 {' and '.join(words[name] for name in limits)}: no tube was found within {bounds}; {found}"
+
+
+def _least(holds: Callable[[float], bool], guess: float) -> float | None:
+    """A factor above 1 that holds, near the least one; None where none does that leaves numbers as large as a task may have."""
+
+    def good(factor: float) -> bool:
+        with suppress(BadInput):
+            return holds(factor)
+        return False
+
+    if guess > 1 and good(guess):
+        return guess
+    low, high = 1.0, 1.5
+    while not good(high):
+        low, high = high, high * high
+        if high > LARGEST:
+            return None
+    for _ in range(NARROWING):
+        middle = (low * high) ** 0.5
+        low, high = (low, middle) if good(middle) else (middle, high)
+    return high
+
+
+def _times(given: Given, factor: float) -> Given:
+    """So many times as large, of DIGITS digits, rounded up."""
+    if isinstance(given, tuple):
+        return tuple(Fraction(f"{above(v * Fraction(factor), DIGITS):g}") for v in given)
+    return Fraction(f"{above(given * Fraction(factor), DIGITS):g}")
+
+
+def _shown(given: Given) -> str:
+    return f"[{', '.join(f'{float(v):g}' for v in given)}]" if isinstance(given, tuple) else f"{float(given):g}"
+
+
+def _what_binds(task: Task, arena: Arena, ladder: tuple[int, ...]) -> str:
+    """Which options, changed one at a time, would let a tube be found, and how far each must go."""
+    size = arena.length_unit
+
+    def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
+        trial = replace(arena, clearance=clearance, min_width=min_width)
+        with suppress(NotCertified):
+            return Search(trial, starting_box(trial), ladder).slowest()
+        return None
+
+    def largest(holds: Callable[[float], bool], least: float, most: float) -> float | None:
+        if not holds(least):
+            return None
+        for _ in range(NARROWING):
+            middle = (least + most) / 2
+            least, most = (middle, most) if holds(middle) else (least, middle)
+        return least
+
+    usual, would_do = segments_for(len(arena.names)), []
+    if task.tube.segments:
+        more = (*range(task.tube.segments + 1, SEGMENTS[0]), *usual)
+        shape = found(arena.clearance, arena.min_width, tuple(k for k in more if k > task.tube.segments))
+        if shape is not None:
+            would_do.append(f"tube.segments = {shape.points.shape[2] - 3} (or leave it out)")
+    spare = arena.allowance
+    clearance = largest(lambda c: found(c, arena.min_width, ladder) is not None, spare, arena.clearance)
+    if clearance is not None:
+        would_do.append(f"tube.clearance = {below(Fraction((clearance - spare) * size), 3):g}")
+    width = largest(lambda w: found(arena.clearance, w, ladder) is not None, 2 * spare, arena.min_width)
+    if width is not None:
+        would_do.append(f"tube.min_width = {below(Fraction((width - 2 * spare) * size), 3):g}")
+    if not would_do:
+        return "no single option of [tube] would change that: lower tube.clearance and tube.min_width, or make more room"
+    return ", or ".join(would_do) + " would do"
