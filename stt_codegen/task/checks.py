@@ -6,7 +6,8 @@ import keyword
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
-from stt_codegen.task.schema import PLANE, Box, TaskTables, UnsafePolygon
+from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.shapes import PLANE, Box, UnsafePolygon
 
 
 def first_problem(task: TaskTables) -> str | None:

@@ -9,12 +9,11 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, StrictBool, Tag
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
-from stt_codegen.decimals import decimal
-from stt_codegen.task.sets import BoxSet, ConvexSet, Point, Prism, hull_of_points
+from stt_codegen.task.sets import BoxSet, ConvexSet
+from stt_codegen.task.shapes import AnyUnsafe, Box, Table, UnsafePolygon
 from stt_codegen.task.values import (
-    MAX_LABEL,
     MAX_NAME,
     Each,
     GainOrAuto,
@@ -23,40 +22,12 @@ from stt_codegen.task.values import (
     Positive,
     Vector,
     below_one,
-    labels,
-    points,
     whole,
 )
 
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
 Preference = Literal["balanced", "slow", "wide", "period"]
-
-
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-
-class Box(_Table):
-    """An axis-aligned box: `lower` and `upper` edges by dimension, in the task's units."""
-
-    lower: Vector
-    upper: Vector
-
-    def vectors(self) -> list[tuple[str, Vector]]:
-        """What must have one entry for each dimension, by name."""
-        return [("lower", self.lower), ("upper", self.upper)]
-
-    def problem(self) -> str | None:
-        """What makes these numbers no set, in words; None where they are one."""
-        for i, (a, b) in enumerate(zip(self.lower, self.upper, strict=True)):
-            if a >= b:
-                return f"lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
-        return None
-
-    def convex(self) -> BoxSet:
-        """The box as a set."""
-        return BoxSet(self.lower, self.upper)
 
 
 class InitialSet(Box):
@@ -72,61 +43,7 @@ def _from_box(value: object) -> object:
     return {name: getattr(value, name) for name in value.model_fields_set} if type(value) is Box else value
 
 
-class UnsafeSet(Box):
-    """One unsafe set U_j; unnamed sets are called U1, U2, ... in the order of the file."""
-
-    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
-
-    def convex(self) -> BoxSet:
-        return BoxSet(self.lower, self.upper, self.name)
-
-
-class UnsafePolygon(_Table):
-    """One unsafe set U_j: the hull of points in the plane of two axes, whatever the others are."""
-
-    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
-    vertices: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="points in any order; their hull counts")
-    axes: Annotated[tuple[str, ...], BeforeValidator(labels)] | None = Field(
-        default=None, description="the two dimensions, by name; absent: those of a task in the plane"
-    )
-
-    def vectors(self) -> list[tuple[str, Vector]]:
-        """Nothing here has one entry for each dimension of the task."""
-        return []
-
-    def problem(self) -> str | None:
-        """What makes these points no set, in words; None where they are one."""
-        for k, point in enumerate(self.vertices):
-            if len(point) != PLANE:
-                return f"vertices[{k}]: has {len(point)} entries; two are needed, one for each of its axes"
-        if len(self.corners) <= PLANE:
-            return "vertices: have no interior; at least three points that are not on one line are needed"
-        return None
-
-    @property
-    def corners(self) -> tuple[Point, ...]:
-        """Of the hull, in order around it."""
-        return hull_of_points([(p[0], p[1]) for p in self.vertices])
-
-    def within(self, space: Box, plane: tuple[int, int]) -> Prism:
-        """The set in a state space: in the dimensions that are not its own as long as that, which is all that is asked for."""
-        return Prism(self.corners, plane, space.lower, space.upper, self.name)
-
-
-def _kind_of_set(value: object) -> str:
-    """Which of the two a table [[unsafe]] is to be read as."""
-    if isinstance(value, UnsafePolygon) or (isinstance(value, dict) and "vertices" in value):
-        return "<polygon>"
-    return "<box>"
-
-
-AnyUnsafe = Annotated[
-    Annotated[UnsafeSet, Tag("<box>")] | Annotated[UnsafePolygon, Tag("<polygon>")], Discriminator(_kind_of_set)
-]
-PLANE = 2  # dimensions of a polygon
-
-
-class AdaptiveOptions(_Table):
+class AdaptiveOptions(Table):
     """Parameters of the paper's functions (7)-(11). Absent: adaptive lets the search choose, literal takes the case study's."""
 
     bump_steepness: Positive | None = Field(default=None, description="k^j of (7); literal only: 0.01")
@@ -139,7 +56,7 @@ class AdaptiveOptions(_Table):
     target_margin: NotNegative | None = Field(default=None, description="inset of That, units; adaptive only")
 
 
-class TubeOptions(_Table):
+class TubeOptions(Table):
     """How the tube is designed."""
 
     design: DesignKind = "refined"
@@ -157,7 +74,7 @@ class TubeOptions(_Table):
     adaptive: AdaptiveOptions = AdaptiveOptions()
 
 
-class ControlOptions(_Table):
+class ControlOptions(Table):
     """The control law (13)."""
 
     gain: GainOrAuto | None = Field(
@@ -173,7 +90,7 @@ class ControlOptions(_Table):
     latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
 
 
-class EmitOptions(_Table):
+class EmitOptions(Table):
     """What the C looks like."""
 
     scalar: Scalar = "float"
@@ -182,7 +99,7 @@ class EmitOptions(_Table):
     selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
 
 
-class PlantBounds(_Table):
+class PlantBounds(Table):
     """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
 
     f_max: NotNegative | None = Field(default=None, description="bound on |f|; absent: 0")
@@ -203,7 +120,7 @@ def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
     return tuple(named)
 
 
-class TaskTables(_Table):
+class TaskTables(Table):
     """All tables of a task, and the sets that they describe. Users have `Task`, which is checked."""
 
     name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)

@@ -4,7 +4,7 @@
 
 The box B and the set C are apart where low_n(B) > h(n) for one normal n (the separating hyperplane theorem). A set says which
 normals are worth a try, and h for every n. Design, certificate, search, loops and pictures ask no more, so a new shape is one
-class here, its table in schema.py, and its place in the stand-alone checker, which shares nothing with this file.
+class here, its table in shapes.py, and its place in the stand-alone checker, which shares nothing with this file.
 
 All numbers are exact fractions in the task's units.
 """
