@@ -203,7 +203,7 @@ class BoundsReport:
 
     def document(self) -> dict[str, Any]:
         """The report as JSON data."""
-        data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "axes", "noise", "latency")}
+        data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "noise", "latency")}
         data["hypotheses"] = [asdict(h) for h in self.hypotheses]
         data |= {name: asdict(getattr(self, name)) for name in ("tube", "plant_over_the_tube", "continuous")}
         data["sampled"] = {name: None if p is None else p.document() for name, p in self.sampled.items()}
