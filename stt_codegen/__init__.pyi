@@ -7,7 +7,10 @@ from stt_codegen.api import MissingTool as MissingTool
 from stt_codegen.api import NotCertified as NotCertified
 from stt_codegen.api import SttError as SttError
 from stt_codegen.api import Task as Task
-from stt_codegen.api import UnsafePolygon as UnsafePolygon
+from stt_codegen.api import UnsafeBall as UnsafeBall
+from stt_codegen.api import UnsafeCapsule as UnsafeCapsule
+from stt_codegen.api import UnsafeHalfSpaces as UnsafeHalfSpaces
+from stt_codegen.api import UnsafePolytope as UnsafePolytope
 from stt_codegen.api import UnsafeSet as UnsafeSet
 from stt_codegen.api import build as build
 from stt_codegen.api import certify as certify

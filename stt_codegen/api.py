@@ -26,11 +26,21 @@ from stt_codegen.compare.toolchain import load_module
 from stt_codegen.design.own import fitted_tube, spline_tube
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
-from stt_codegen.task import Box, Task, UnsafePolygon, UnsafeSet, load_task, parse_task
+from stt_codegen.task import (
+    Box,
+    Task,
+    UnsafeBall,
+    UnsafeCapsule,
+    UnsafeHalfSpaces,
+    UnsafePolytope,
+    UnsafeSet,
+    load_task,
+    parse_task,
+)
 
 __all__ = [
-    "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task", "UnsafePolygon",
-    "UnsafeSet",
+    "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task",
+    "UnsafeBall", "UnsafeCapsule", "UnsafeHalfSpaces", "UnsafePolytope", "UnsafeSet",
     "build", "certify", "certify_tube", "design", "load", "parse",
 ]  # fmt: skip
 

@@ -27,6 +27,7 @@ from stt_codegen.rows import apart_rows, avoid_rows
 from stt_codegen.task import Task, UnsafeSet, parse_task
 from stt_codegen.task.checks import first_problem
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal, Vector, axes, low_of
+from stt_codegen.task.shapes import Unsafe
 
 Points = list[tuple[Fraction, Fraction]]
 
@@ -58,8 +59,8 @@ class Polygon(ConvexSet):
         return tuple(self.corners)
 
 
-class PolygonTable(UnsafeSet):
-    """What schema.py would have: a table that knows its shape."""
+class PolygonTable(Unsafe):
+    """What shapes.py would have: a table that knows its shape."""
 
     corners: tuple[tuple[Fraction, Fraction], ...] = ()
 
@@ -67,15 +68,15 @@ class PolygonTable(UnsafeSet):
         return [(f"corners[{k}]", p) for k, p in enumerate(self.corners)]
 
     def problem(self) -> str | None:
-        return None if len(self.corners) > 2 else "has fewer than three corners"
+        return None if len(self.corners) > 2 else "corners: are fewer than three"
 
-    def convex(self) -> ConvexSet:  # type: ignore[override]
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         return Polygon(list(self.corners), self.name)
 
 
 def polygon_of(name: str, *corners: tuple[str, str]) -> PolygonTable:
     points = tuple((Fraction(x), Fraction(y)) for x, y in corners)
-    return PolygonTable.model_construct(name=name, lower=(), upper=(), corners=points)
+    return PolygonTable.model_construct(name=name, axes=None, corners=points)
 
 
 PLAIN = """name = "diagonal"
@@ -90,7 +91,7 @@ RIGHT = polygon_of("right", ("1.2", "0"), ("5", "0"), ("5", "3.8"))
 LEFT = polygon_of("left", ("0", "1.2"), ("3.8", "5"), ("0", "5"))
 
 
-def with_sets(*tables: UnsafeSet, **options: object) -> Task:
+def with_sets(*tables: Unsafe, **options: object) -> Task:
     return parse_task(PLAIN).model_copy(update={"unsafe": tables, **options})
 
 
@@ -198,7 +199,7 @@ def test_the_outline_of_a_set_is_its_corners(polygon: Polygon) -> None:
 def test_what_the_route_sees_is_what_there_is(polygon: Polygon, points: Points, eye: tuple[Fraction, Fraction]) -> None:
     """Inside and in sight of the grown set, against exact arithmetic, but where a line all but touches."""
     reach = Fraction(1, 4)
-    table = PolygonTable.model_construct(name="P", lower=(), upper=(), corners=tuple(polygon.corners))
+    table = PolygonTable.model_construct(name="P", axes=None, corners=tuple(polygon.corners))
     space = parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * 2, "upper": (Fraction(9),) * 2})
     seen = obstacles_of(arena_of(with_sets(table, state_space=space)), np.full(2, float(reach)))
     grown = polygon.grown((reach, reach))
@@ -233,7 +234,7 @@ def test_a_way_that_only_the_true_shapes_leave_is_found_and_certified(controller
                 *(
                     UnsafeSet(name=t.name, lower=[v[0] for v in s], upper=[v[1] for v in s])
                     for t in (RIGHT, LEFT)
-                    for s in [[t.convex().span(i) for i in (0, 1)]]
+                    for s in [[t.own((), ()).span(i) for i in (0, 1)]]
                 )
             )
         )

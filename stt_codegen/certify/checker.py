@@ -19,8 +19,10 @@ Exit code 0: all holds. 1: something does not, and what. 2: a file cannot be use
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
 import math
+import operator
 import re
 import secrets
 import sys
@@ -48,14 +50,19 @@ LAW = {
 KNOWN = {
     "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
     "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper",
-    "unsafe": "name lower upper vertices axes",
+    "unsafe": "name axes lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",
     "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
 }  # fmt: skip
+FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
 CLAIMS = (
     "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
 ).split()
+
+
+Box = tuple[list[Fraction], list[Fraction]]  # lower and upper edges
+Unsafe = tuple[list[list[Fraction]], list[Fraction], list[int], Fraction]
 
 
 class Failed(Exception):
@@ -94,14 +101,9 @@ class Task:
         lower, upper = _box(document["state_space"], n)
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
-        self.unsafe, signs = [], [(s, t) for s in (1, -1) for t in (1, -1)]
         names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
-        for j, entry in enumerate(document.get("unsafe", []), 1):
-            own, plane = _points(entry, names, n) if "vertices" in entry else ([], [])
-            a, b = (lower, upper) if own else _box(entry, n)
-            grown = ([u - h for u, h in zip(a, body)], [v + h for v, h in zip(b, body)])
-            around = [[v + s * body[i] for v, s, i in zip(p, sign, plane)] for p in own for sign in signs]
-            self.unsafe.append((str(entry.get("name") or f"U{j}"), (*grown, plane, around)))
+        sets = enumerate(document.get("unsafe", []), 1)
+        self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
@@ -147,15 +149,67 @@ def _each(value: Any, n: int) -> list[Fraction]:
     return found
 
 
-def _points(table: Any, names: list[str], n: int) -> tuple[list[list[Fraction]], list[int]]:
-    """The points of a polygon, not all on one line, and the two dimensions that they are in."""
-    axes, points = table.get("axes", names), [_each(p, 2) for p in table["vertices"] if isinstance(p, list)]
-    if "lower" in table or "upper" in table or len({*axes}) != 2 or len(axes) != 2 or not set(axes) <= set(names):
-        raise Unusable("the task has a polygon whose axes are not two of the task's, or that is a box too")
-    (x, y), *rest = points
-    if len(points) < len(table["vertices"]) or all((a - x) * (d - y) == (b - y) * (c - x) for a, b in rest for c, d in rest):
-        raise Unusable("the task has a polygon whose vertices are no points, or all on one line")
-    return points, [names.index(a) for a in axes]
+def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> Unsafe:
+    """An unsafe set as all that is within a radius, in its own dimensions, and half extents of the hull of points."""
+    axes = table.get("axes", names)
+    if not isinstance(axes, list) or not axes or not set(axes) <= set(names) or len({*axes}) < len(axes):
+        raise Unusable("the task has an unsafe set whose axes are none of the task's")
+    form = " ".join(k for k in KNOWN["unsafe"].split() if k in table and k not in ("name", "axes"))
+    if form not in FORMS:
+        raise Unusable("the task has an unsafe set that is said in no way that is known here")
+    own, d, radius = [names.index(a) for a in axes], len(axes), _number(table.get("radius", 0))
+    middle, half = [(a + b) / 2 for a, b in zip(*space)], [(b - a) / 2 + h for a, b, h in zip(*space, body)]
+    extents = [Fraction(0)] * d
+    if form == "lower upper":
+        box = _box(table, d)
+        points, extents = [[(a + b) / 2 for a, b in zip(*box)]], [(b - a) / 2 for a, b in zip(*box)]
+    elif form == "normals offsets":
+        normals = _vectors(table["normals"], d)
+        if len(normals) > 32 or d > 3:
+            raise Unusable("the task has more half-spaces than can be checked in good time")
+        points = _cut(normals, _each(table["offsets"], len(normals)), *([edges[i] for i in own] for edges in space))
+    elif form == "vertices":
+        points = _vectors(table["vertices"], d)
+    else:
+        points = _vectors(table["segment"] if "segment" in table else [table["centre"]], d)
+    if not points or radius < 0 or ("radius" in table and not radius):
+        raise Unusable("the task has an unsafe set that is empty, or a radius that is not above 0")
+    for i, extent in zip(own, extents):
+        half[i] = extent + body[i]
+    return [[dict(zip(own, p)).get(i, v) for i, v in enumerate(middle)] for p in points], half, own, radius
+
+
+def _vectors(value: Any, d: int) -> list[list[Fraction]]:
+    if not isinstance(value, list) or not all(isinstance(p, list) for p in value):
+        raise Unusable("the task has a set whose points are no lists")
+    return [_each(p, d) for p in value]
+
+
+def _cut(
+    normals: list[list[Fraction]], offsets: list[Fraction], lower: list[Fraction], upper: list[Fraction]
+) -> list[list[Fraction]]:
+    """The corners of a box that is cut by half-spaces: where as many faces as there are dimensions meet and all hold."""
+    d = len(lower)
+    sides = [[Fraction(s * (k == i)) for k in range(d)] for i in range(d) for s in (-1, 1)]
+    ends = [v for a, b in zip(lower, upper) for v in (-a, b)]
+    faces, found = list(zip([*normals, *sides], [*offsets, *ends])), []
+    for chosen in itertools.combinations(faces, d):
+        rows: list[list[Fraction]] = []
+        for normal, offset in chosen:  # Gauss and Jordan: each row is 1 in a column of its own, where the others are 0
+            row = [*normal, offset]
+            for r in rows:
+                lead = next(i for i in range(d) if r[i])
+                row = [v - row[lead] * w for v, w in zip(row, r)]
+            lead = next((i for i in range(d) if row[i]), d)
+            if lead == d:
+                break
+            row = [v / row[lead] for v in row]
+            rows = [[v - r[lead] * w for v, w in zip(r, row)] for r in rows] + [row]
+        else:
+            point = [r[d] for r in sorted(rows, key=lambda r: r[:d], reverse=True)]
+            if all(sum(c * v for c, v in zip(n, point)) <= offset for n, offset in faces):
+                found.append(point)
+    return found
 
 
 def _box(table: Any, n: int) -> tuple[list[Fraction], list[Fraction]]:
@@ -1071,7 +1125,7 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
         return box([(min(low), max(high)) for low, high in piece], *task.space)
 
     claim("P3", [0, end], least("P3", stay), error)
-    for name, (lower, upper, plane, points) in task.unsafe:
+    for name, (points, half, own, radius) in task.unsafe:
         slacks = []
         for piece, normal in parts(tube, hints("P4"), cuts, False):
             good = (
@@ -1082,8 +1136,10 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
             )
             need(good, f"a hint of {name} has no normal of whole numbers without a common divisor")
             size = sum(map(abs, normal))
-            ends = [c * (upper[i] if c > 0 else lower[i]) for i, c in enumerate(normal) if i not in plane]
-            support = sum(ends, max((sum(normal[i] * v for i, v in zip(plane, p)) for p in points), default=Fraction(0)))
+            square = sum(normal[i] ** 2 for i in own) << 64
+            root = math.isqrt(square)  # |n|_2 in its dimensions, rounded up to a multiple of 2^-32
+            support = max(sum(map(operator.mul, normal, p), Fraction(0)) for p in points)
+            support += sum(abs(c) * h for c, h in zip(normal, half)) + radius * Fraction(root + (root * root < square), 1 << 32)
             values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
             slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
         claim("P4", [0, end], min(slacks), error, set=name)

@@ -27,49 +27,48 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Faces:
-    """The normals of unsafe sets that are no axes: normal (X, n), bound h(n) (X,), size |n|_1 (X,), owner (X,) the set's number;
-    vertices: points (V, n) of every set that has such a normal, None for a box."""
+    """The normals of unsafe sets that are no axes, each over its |n|_1: normal (X, n), bound h(n) (X,), owner (X,) the set's
+    number, one set's together. bends: of every set that has such a normal the points and signs of its bends, (2, V, n); None for
+    a box."""
 
     normal: Array
     bound: Array
-    size: Array
     owner: npt.NDArray[np.int64]
-    vertices: tuple[Array | None, ...]
+    bends: tuple[Array | None, ...]
 
     def only(self, keep: Sequence[int]) -> Faces:
         """The faces of the sets whose numbers are in `keep`, numbered anew."""
         kept = np.isin(self.owner, keep)
         owner = np.array([keep.index(j) for j in self.owner[kept]], dtype=np.int64)
-        vertices = tuple(self.vertices[j] for j in keep)
-        return Faces(self.normal[kept], self.bound[kept], self.size[kept], owner, vertices)
+        return Faces(self.normal[kept], self.bound[kept], owner, tuple(self.bends[j] for j in keep))
 
     def scaled(self, unit: float) -> Faces:
         """The same faces with lengths measured in `unit`."""
-        vertices = tuple(None if v is None else v / unit for v in self.vertices)
-        return replace(self, bound=self.bound / unit, vertices=vertices)
+        bends = tuple(None if b is None else np.stack([b[0] / unit, b[1]]) for b in self.bends)
+        return replace(self, bound=self.bound / unit, bends=bends)
 
-    def of(self, j: int) -> list[int]:
+    def of(self, j: int) -> range:
         """The faces of set j."""
-        return [int(x) for x in np.nonzero(self.owner == j)[0]]
+        return range(int(np.searchsorted(self.owner, j)), int(np.searchsorted(self.owner, j, side="right")))
 
-    def low(self, x: int, edges: Array) -> Array:
-        """low_n of boxes, edges of shape (2, n, ...): summed one dimension after the other, the same on every machine."""
-        total = np.zeros(edges.shape[2:])
-        for i, c in enumerate(self.normal[x].tolist()):
-            if c:
-                total = total + c * edges[0 if c > 0 else 1, i]
-        return total
-
-    def length(self, x: int | list[int], reach: Array) -> Array:
-        """How much a box of these half widths (n,) adds to h(n): the sum of |n_i| reach_i, one dimension after the other."""
-        total = np.zeros(np.shape(self.bound[x]))
+    def length(self, reach: Array) -> Array:
+        """How much a box of these half widths (n,) adds to every h(n): the sum of |n_i| reach_i, one dimension after the other,
+        the same on every machine. (X,)"""
+        total = np.zeros(len(self.bound))
         for i, r in enumerate(reach.tolist()):
-            total = total + np.abs(self.normal[x, i]) * r
+            total = total + np.abs(self.normal[:, i]) * r
         return total
 
-    def beyond(self, x: int, edges: Array) -> Array:
-        """How far boxes are beyond face x, in the largest component."""
-        return np.asarray((self.low(x, edges) - self.bound[x]) / self.size[x])
+    def beyond(self, edges: Array, first: int = 0, end: int | None = None) -> Array:
+        """How far boxes, edges of shape (2, n, ...), are beyond each of the faces from `first` to `end`, in the largest
+        component: (X, ...)."""
+        normal, bound = self.normal[first:end], self.bound[first:end]
+        shape = (len(bound), *(1 for _ in edges.shape[2:]))
+        total = -bound.reshape(shape)
+        for i in range(normal.shape[1]):
+            c = normal[:, i].reshape(shape)
+            total = total + np.maximum(c, 0.0) * edges[0, i] + np.minimum(c, 0.0) * edges[1, i]
+        return np.asarray(total)
 
 
 @dataclass(frozen=True)
@@ -200,20 +199,20 @@ def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Seque
     normal = np.zeros((len(found), len(origin)))
     for x, (_, row) in enumerate(found):
         for i, _, c in row.terms:
-            normal[x, i] = float(c)
+            normal[x, i] = float(Fraction(c, row.per))
     skew = {j for j, _ in found}
     return Faces(
         normal,
-        np.array([float(row.seen_from(origin)) for _, row in found]),
-        np.array([float(row.per) for _, row in found]),
+        np.array([float(row.seen_from(origin) / row.per) for _, row in found]),
         np.array([j for j, _ in found], dtype=np.int64),
-        tuple(_points(s, origin) if j in skew else None for j, s in enumerate(shapes)),
+        tuple(_bends(s, origin) if j in skew else None for j, s in enumerate(shapes)),
     )
 
 
-def _points(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
-    """The vertices of a set seen from the origin: shape (V, n)."""
-    return np.array([[float(v - o) for v, o in zip(p, origin, strict=True)] for p in convex.vertices])
+def _bends(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
+    """The bends of a set seen from the origin, points and signs: shape (2, V, n)."""
+    points = [[float(v - o) for v, o in zip(p, origin, strict=True)] for p, _ in convex.bends]
+    return np.array([points, [list(map(float, signs)) for _, signs in convex.bends]])
 
 
 def normalised(arena: Arena, exponent: int) -> Arena:
@@ -243,7 +242,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
 def _cut_beyond(arena: Arena, box: Array, room: float, x: int) -> tuple[Array, int]:
     """The box cut back to keep the clearance beyond face x, `room` of which it has: along the component of its normal in which
     x(0) is farthest from the edge that moves, for what the cut takes there."""
-    lack = (arena.clearance - room) * float(arena.faces.size[x]) * (1 + 1e-12)
+    lack = (arena.clearance - room) * (1 + 1e-12)
     cut = box.copy()
 
     def left(i: int) -> float:
@@ -271,7 +270,8 @@ def starting_box(arena: Arena) -> Array:
         above = box[0] - arena.unsafe[j, 1]
         gap = np.maximum(below, above)
         i = int(np.argmax(gap))
-        slanted = [(float(arena.faces.beyond(x, box)), x) for x in arena.faces.of(j)]
+        own = arena.faces.of(j)
+        slanted = list(zip(arena.faces.beyond(box, own.start, own.stop).tolist(), own, strict=True))
         nearest = max([float(gap[i]), *(room for room, _ in slanted)])
         if nearest >= arena.clearance:
             continue

@@ -6,12 +6,16 @@ Flood fill over the cells finds every way there is, in time that grows with the 
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.design.arena import Array
+from stt_codegen.design.obstacles import Obstacles
 
 LARGEST = 5_000_000  # cells; above, the flood is not tried
+FINE = {1: 1024, 2: 256, 3: 64}  # equal parts of every dimension, where sets are no boxes
 
 
 def decides(unsafe: int, dimension: int) -> bool:
@@ -22,16 +26,57 @@ def decides(unsafe: int, dimension: int) -> bool:
 def way_through_cells(lower: Array, upper: Array, space: Array, goal: Array, start: Array) -> Array | None:
     """A polyline, shape (m, n), from `start` into `goal` that meets no open box [lower, upper] (shape (J, n)) and stays in
     `space`; None when there is none. space, goal: shape (2, n)."""
-    n = len(start)
-    edges = []
-    for i in range(n):
-        inner = np.concatenate([lower[:, i], upper[:, i], goal[:, i]])
-        inside = inner[(inner > space[0, i]) & (inner < space[1, i])]
-        edges.append(np.unique(np.concatenate([inside, space[:, i]])))
-    middles = [(axis[:-1] + axis[1:]) / 2 for axis in edges]
+    edges = _edges(np.concatenate([lower, upper, goal]), space)
+    middles = _middles(edges)
     free = np.ones([len(m) for m in middles], dtype=bool)
     for low, high in zip(lower, upper, strict=True):
         free[_between(middles, low, high)] = False
+    return _way(edges, free, goal, start)
+
+
+def way_through_grid(obstacles: Obstacles, space: Array, goal: Array, start: Array) -> Array | None:
+    """The same where some sets are no boxes: every dimension is cut into FINE equal parts too, and a cell is free of a set that
+    one of its half-spaces shows to be apart. None may mean that the cells are too coarse."""
+    n = len(start)
+    even = [np.linspace(space[0, i], space[1, i], FINE[n] + 1) for i in range(n)]
+    edges = _edges(np.concatenate([obstacles.lower, obstacles.upper, goal, np.stack(even, axis=1)]), space)
+    middles = _middles(edges)
+    free = np.ones([len(m) for m in middles], dtype=bool)
+    for low, high in zip(obstacles.lower, obstacles.upper, strict=True):
+        free[_between(middles, low, high)] = False
+    ends = [*obstacles.first.tolist(), len(obstacles.offset)]
+    for first, end in itertools.pairwise(ends):
+        normals, offsets = obstacles.normal[first:end], obstacles.offset[first:end]  # the first 2n are -+e_i
+        near = tuple(
+            slice(max(int(np.searchsorted(axis, -offsets[i])) - 1, 0), int(np.searchsorted(axis, offsets[n + i])))
+            for i, axis in enumerate(edges)
+        )
+        meets = np.ones([len(m[part]) for m, part in zip(middles, near, strict=True)], dtype=bool)
+        for normal, offset in zip(normals[2 * n :], offsets[2 * n :], strict=True):
+            least: Array = np.zeros(())
+            for c, axis, part in zip(normal, edges, near, strict=True):
+                least = least[..., None] + np.minimum(c * axis[:-1], c * axis[1:])[part]
+            meets &= least < offset
+        free[near] &= ~meets
+    return _way(edges, free, goal, start)
+
+
+def _edges(inner: Array, space: Array) -> list[Array]:
+    """By dimension the edges of the cells: those given that lie inside the space, and its own."""
+    found = []
+    for i in range(inner.shape[1]):
+        inside = inner[(inner[:, i] > space[0, i]) & (inner[:, i] < space[1, i]), i]
+        found.append(np.unique(np.concatenate([inside, space[:, i]])))
+    return found
+
+
+def _middles(edges: list[Array]) -> list[Array]:
+    return [(axis[:-1] + axis[1:]) / 2 for axis in edges]
+
+
+def _way(edges: list[Array], free: npt.NDArray[np.bool_], goal: Array, start: Array) -> Array | None:
+    """A polyline through free cells from `start` into `goal`."""
+    n, middles = len(start), _middles(edges)
     wanted = np.zeros(free.shape, dtype=bool)
     wanted[_between(middles, goal[0], goal[1])] = True
     first = tuple(

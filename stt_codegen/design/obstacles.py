@@ -7,7 +7,6 @@ may be more of space where a face is missing elsewhere.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,9 @@ import numpy.typing as npt
 from stt_codegen.design.arena import Arena, Array
 
 TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
+GRAZES = (
+    1e-12  # what a half-space is less by, so that a line along its face, as near as rounding lets it be, is no line behind it
+)
 
 
 @dataclass(frozen=True)
@@ -90,23 +92,22 @@ def obstacles_of(arena: Arena, reach: Array) -> Obstacles:
     """The arena's unsafe sets grown by `reach` (n,), by component."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     n, faces = arena.dimension, arena.faces
-    box = np.array([v is None for v in faces.vertices], dtype=bool)
+    box = np.array([b is None for b in faces.bends], dtype=bool)
+    further = faces.length(reach)
     axes = np.concatenate([-np.eye(n), np.eye(n)])
     normals, offsets, first, corners = [], [], [0], [np.empty((0, n))]
     for j in np.nonzero(~box)[0]:
-        own = faces.of(int(j))
+        own, bends = faces.of(int(j)), faces.bends[int(j)]
+        assert bends is not None
         normals += [axes, faces.normal[own]]
-        offsets += [-lower[j], upper[j], faces.bound[own] + faces.length(own, reach)]
+        offsets += [-lower[j], upper[j], faces.bound[own] + further[own]]
         first.append(first[-1] + 2 * n + len(own))
-        signs = np.array(list(itertools.product(*((-r, r) for r in reach.tolist()))))
-        vertices = faces.vertices[int(j)]
-        assert vertices is not None
-        corners.append((vertices[:, None] + signs[None]).reshape(-1, n))
+        corners.append(bends[0] + bends[1] * reach)
     return Obstacles(
         lower[box],
         upper[box],
         np.concatenate([np.empty((0, n)), *normals]),
-        np.concatenate([np.empty(0), *offsets]),
+        np.concatenate([np.empty(0), *offsets]) - GRAZES,
         np.array(first[:-1], dtype=np.int64),
         np.concatenate(corners),
         (lower, upper),

@@ -20,7 +20,7 @@ import numpy as np
 
 from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena, Array
-from stt_codegen.design.cells import decides, way_through_cells
+from stt_codegen.design.cells import FINE, decides, way_through_cells, way_through_grid
 from stt_codegen.design.obstacles import Obstacles, obstacles_of
 from stt_codegen.errors import NotCertified
 
@@ -49,7 +49,7 @@ def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
     """
     centre = (start[0] + start[1]) / 2
     route = find_route(arena, start, width)
-    for find in (_cell_route, _leg_route):
+    for find in (_cell_route, _grid_route, _leg_route):
         if route is None:
             route = find(arena, centre, arena.clearance + width / 2, width / 2)
     if route is None:
@@ -64,6 +64,14 @@ def _cell_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Rout
         return None
     obstacles, space, goal = _grown(arena, reach, inset)
     return _shortened(arena, way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
+
+
+def _grid_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
+    """A route through fine cells, where some unsafe sets are no boxes and corners have found no way."""
+    if arena.boxes_only or arena.dimension not in FINE:
+        return None
+    obstacles, space, goal = _grown(arena, reach, inset)
+    return _shortened(arena, way_through_grid(obstacles, space, goal, centre), obstacles, reach)
 
 
 def _leg_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
@@ -116,7 +124,7 @@ def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, 
 
 def _corners_decide(arena: Arena) -> bool:
     """Whether a search among corners finds every way: in the plane, when it looks at all of them."""
-    corners = sum(4 if v is None else 4 * len(v) for v in arena.faces.vertices)
+    corners = sum(4 if b is None else b.shape[1] for b in arena.faces.bends)
     return arena.dimension == 2 and corners + 6 <= NEAR
 
 
@@ -140,7 +148,7 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
         inset = np.full(arena.dimension, width / 2)
         keep = [j for j in range(len(arena.names)) if j != without]
         rest = arena.only(keep)
-        ways = (_search, _cell_route, _leg_route)
+        ways = (_search, _cell_route, _grid_route, _leg_route)
         return any(find(rest, centre, clearance + inset, inset) is not None for find in ways)
 
     def largest(holds: Callable[[float], bool], limit: float) -> str:
@@ -243,7 +251,11 @@ def _nodes(obstacles: Obstacles, space: Array, goal: Array, centre: Array) -> Ar
                         step = anchor.copy()
                         step[i] = v
                         found.append(step)
-    found += [corner for corner in obstacles.corners if ((space[0] <= corner) & (corner <= space[1])).all()]
+    for anchor in (
+        (centre, middle) if len(obstacles.corners) else ()
+    ):  # of a set that leaves a dimension free, or ends beyond a wall
+        outside = (obstacles.corners < space[0]) | (obstacles.corners > space[1])
+        found += list(np.unique(np.where(outside, anchor, obstacles.corners), axis=0))
     found.append(middle)
     if n <= CORNERS:
         found += [np.array(corner) for corner in itertools.product(*zip(goal[0], goal[1], strict=True))]

@@ -101,13 +101,14 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
                 else route.points[:, i] - arena.unsafe[j, 1, i] - route.reach[i]
             )
             spans += [(a, b, float(gap.min()), i, side) for a, b in _where_positive(gap)]
-    for x in faces.of(j):
-        gap = faces.beyond(x, np.stack([route.points.T, route.points.T])) - faces.length(x, route.reach) / faces.size[x]
+    own = faces.of(j)
+    beyond = faces.beyond(np.stack([route.points.T, route.points.T]), own.start, own.stop)
+    for x, gap in zip(own, beyond - faces.length(route.reach)[own][:, None], strict=True):
         spans += [(a, b, float(gap.min()), x, BEYOND) for a, b in _where_positive(gap)]
 
     def separates_start(i: int, side: int) -> bool:
         if side == BEYOND:
-            return bool(faces.beyond(i, start) >= arena.clearance - TOLERANCE)
+            return bool(faces.beyond(start, i, i + 1)[0] >= arena.clearance - TOLERANCE)
         if side == BELOW:
             return bool(start[1, i] <= arena.unsafe[j, 0, i] - arena.clearance + TOLERANCE)
         return bool(start[0, i] >= arena.unsafe[j, 1, i] + arena.clearance - TOLERANCE)
@@ -214,10 +215,10 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
         gaps[..., 0] = np.where(here >= arena.clearance - TOLERANCE, gaps[..., 0], -np.inf)
     flat = gaps.reshape(len(arena.names), 2 * n, count)
     choice, most = flat.argmax(axis=1), flat.max(axis=1)
-    for x, j in enumerate(arena.faces.owner.tolist()):
-        room = arena.faces.beyond(x, bezier).min(axis=-1)
-        if start is not None and arena.faces.beyond(x, start) < arena.clearance - TOLERANCE:
-            room[0] = -np.inf
+    rooms = arena.faces.beyond(bezier).min(axis=-1)
+    if start is not None:
+        rooms[arena.faces.beyond(start) < arena.clearance - TOLERANCE, 0] = -np.inf
+    for x, (j, room) in enumerate(zip(arena.faces.owner.tolist(), rooms, strict=True)):
         better = room > most[j]
         choice[j], most[j] = np.where(better, 2 * n + x, choice[j]), np.where(better, room, most[j])
     for side in (BELOW, ABOVE):

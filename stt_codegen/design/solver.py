@@ -163,4 +163,4 @@ def face_terms(arena: Arena, x: int, edge: Columns) -> tuple[list[int], list[flo
 
 def face_bound(arena: Arena, x: int) -> float:
     """What low_n must be at least: h(n) and the clearance."""
-    return float(arena.faces.bound[x] + arena.faces.size[x] * arena.clearance)
+    return float(arena.faces.bound[x] + arena.clearance)

@@ -47,6 +47,7 @@ class Setting(ctypes.Structure):
         ("target", ctypes.c_void_p),
         ("first", ctypes.c_void_p),
         ("faces", ctypes.c_void_p),
+        ("radius", ctypes.c_void_p),
     )
 
 

@@ -149,6 +149,7 @@ class Loop:
             target=field_.target.ctypes.data,
             first=field_.first.ctypes.data,
             faces=field_.faces.ctypes.data,
+            radius=field_.radius.ctypes.data,
         )
         rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
         judged = Judged()
@@ -188,7 +189,8 @@ class Loop:
 
 class _Field:
     """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body. faces: unit normal and
-    offset of every half-space of every unsafe set, one row each; first: where each set's begin, and their number at the end."""
+    offset of every half-space of every unsafe set's core, one row each; first: where each set's begin, and their number at the
+    end; radius: of the set about its core."""
 
     def __init__(self, task: Task) -> None:
         self.space, self.target = (
@@ -197,13 +199,15 @@ class _Field:
         )
         sets = task.obstacles
         self.names = [s.name or f"U{j + 1}" for j, s in enumerate(sets)]
-        rows = np.array([[*map(float, normal), float(offset)] for s in sets for normal, offset in s.faces])
+        cores = [s.core.faces for s in sets]
+        self.radius = np.array([float(s.radius) for s in sets])
+        rows = np.array([[*map(float, normal), float(offset)] for faces in cores for normal, offset in faces])
         rows = rows.reshape(-1, task.dimension + 1)
         self.faces = rows / np.sqrt((rows[:, :-1] ** 2).sum(axis=1, keepdims=True))
-        for s in sets:
-            if len(s.faces) > MOST_FACES:
-                raise BadInput(f"unsafe set {s.name}: has {len(s.faces)} faces; a loop takes at most {MOST_FACES}")
-        self.first = np.cumsum([0, *(len(s.faces) for s in sets)]).astype(np.int32)
+        for s, faces in zip(sets, cores, strict=True):
+            if len(faces) > MOST_FACES:
+                raise BadInput(f"unsafe set {s.name}: has {len(faces)} faces; a loop takes at most {MOST_FACES}")
+        self.first = np.cumsum([0, *map(len, cores)]).astype(np.int32)
 
 
 def of_task(task: Task) -> dict[str, Any]:

@@ -149,7 +149,7 @@ def save(figure: Any, path: Path) -> None:
 
 def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
     """The corners of a set's shadow on two dimensions, in order around it: (V, 2)."""
-    return hull_of(np.array([[float(p[i]) for i in plane] for p in convex.vertices]))
+    return hull_of(np.array(convex.shadow(*plane)))
 
 
 def hull_of(points: Array) -> Array:

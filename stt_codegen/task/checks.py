@@ -7,7 +7,7 @@ import keyword
 from stt_codegen.decimals import decimal
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.shapes import PLANE, Box, UnsafePolygon
+from stt_codegen.task.shapes import Box, Unsafe, UnsafeSet
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -32,12 +32,11 @@ def _name_problem(name: str) -> str | None:
 
 
 def _shape_problem(task: TaskTables, n: int) -> str | None:
-    tables: list[tuple[str, Box | UnsafePolygon]] = [
+    tables: list[tuple[str, Box]] = [
         ("state_space", task.state_space),
         ("initial_set", task.initial_set),
         ("target_set", task.target_set),
     ]
-    tables += [(f"unsafe[{j}]", unsafe) for j, unsafe in enumerate(task.unsafe)]
     vectors = [("initial_state", task.initial_state)]
     vectors += [(f"{field}.{name}", vector) for field, table in tables for name, vector in table.vectors()]
     if task.body is not None:
@@ -54,20 +53,26 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
-    for j, unsafe in enumerate(task.unsafe):
-        if isinstance(unsafe, UnsafePolygon) and (problem := _plane_problem(task, unsafe)):
-            return f"unsafe[{j}].axes: {problem}"
     found = (table.problem() for _, table in tables)
-    return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None)
+    return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None) or next(
+        (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := _set_problem(task, unsafe))), None
+    )
 
 
-def _plane_problem(task: TaskTables, polygon: UnsafePolygon) -> str | None:
-    names = ", ".join(task.axis_names)
-    if polygon.axes is None:
-        return None if task.dimension == PLANE else f"are missing; a polygon is in two dimensions, name two of {names}"
-    if len(polygon.axes) != PLANE or polygon.axes[0] == polygon.axes[1] or not set(polygon.axes) <= set(task.axis_names):
-        return f"are {', '.join(polygon.axes) or 'none'}; two different ones of {names} are needed"
-    return None
+def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
+    """An unsafe set that is in other dimensions than it says, or is none."""
+    names, own = task.axis_names, unsafe.axes
+    if own is not None and (not own or len(set(own)) < len(own) or not set(own) <= set(names)):
+        return f"axes: are {', '.join(own) or 'none'}; different ones of {', '.join(names)} are needed"
+    for field, vector in unsafe.vectors():
+        if own is not None and len(vector) != len(own):
+            return f"{field}: has {len(vector)} entries; its axes are {len(own)}: {', '.join(own)}"
+        if own is None and len(vector) != len(names):
+            told = f"has {len(vector)} entries; state_space.lower has {len(names)}, and all must agree"
+            return f"{field}: {told}" + (
+                f", unless axes names those of {', '.join(names)} that it is in" if len(vector) < len(names) else ""
+            )
+    return unsafe.problem()
 
 
 def _labels_problem(task: TaskTables) -> str | None:
@@ -111,6 +116,9 @@ def _limits_problem(task: TaskTables) -> str | None:
                 return f"{field}: is {decimal(bound)}; it must be greater than 0, or left out for no bound"
     if tube.design != "refined" and tube.max_acceleration is not None:
         return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; use the refined design, or leave it out"
+    shaped = next((j for j, s in enumerate(task.unsafe) if not isinstance(s, UnsafeSet)), None)
+    if tube.design != "refined" and shaped is not None:
+        return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
     if tube.design != "refined" and tube.prefer != "balanced":
         return f"tube.prefer: is for the refined design; the {tube.design} design has no widths to choose from; leave it out"
     return None
@@ -179,6 +187,10 @@ def unsafe_problem(task: TaskTables) -> str | None:
         if name in seen:
             return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
         seen[name] = j
+        try:
+            unsafe.within(task.state_space, task.own_axes(unsafe))
+        except ValueError as error:
+            return f"unsafe[{j}].{error}"
     start, target, body = task.start, task.target, any(task.half_extents)
     for j, grown in enumerate(task.obstacles):
         label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")

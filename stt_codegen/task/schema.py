@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.shapes import AnyUnsafe, Box, Table, UnsafePolygon
+from stt_codegen.task.shapes import AnyUnsafe, Box, Table, Unsafe
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
@@ -222,20 +222,16 @@ class TaskTables(Table):
     @property
     def bare(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets as they are, in the order of the file."""
-        return tuple(
-            s.within(self.state_space, self.plane_of(s)) if isinstance(s, UnsafePolygon) else s.convex() for s in self.unsafe
-        )
+        return tuple(s.within(self.state_space, self.own_axes(s)) for s in self.unsafe)
 
     @property
     def hulls(self) -> tuple[str, ...]:
-        """The polygons whose points are not all corners: what is avoided is their hull."""
-        polygons = (s for s in self.unsafe if isinstance(s, UnsafePolygon))
-        return tuple(s.name for s in polygons if len(s.corners) < len(s.vertices))
+        """The unsafe sets whose points are not all corners: what is avoided is their hull."""
+        return tuple(s.name for s in self.unsafe if s.thinned)
 
-    def plane_of(self, polygon: UnsafePolygon) -> tuple[int, int]:
-        """The dimensions that a polygon is in; its axes are known to be two of the task's."""
-        i, j = (self.axis_names.index(name) for name in polygon.axes or self.axis_names)
-        return i, j
+    def own_axes(self, unsafe: Unsafe) -> tuple[int, ...]:
+        """The dimensions that an unsafe set is in; its axes are known to be of the task's."""
+        return tuple(self.axis_names.index(name) for name in unsafe.axes or self.axis_names)
 
     @property
     def obstacles(self) -> tuple[ConvexSet, ...]:

@@ -17,10 +17,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import product
-from math import gcd, lcm
 
 Vector = tuple[Fraction, ...]
 Normal = tuple[int, ...]  # whole numbers: any rational normal has a multiple of these
+Bend = tuple[Vector, tuple[int, ...]]  # a point, and the signs of a corner of the box by which a set is grown
+Shadow = list[tuple[float, float]]
 ZERO = Fraction(0)
 
 
@@ -56,9 +57,29 @@ class ConvexSet(ABC):
     @property
     @abstractmethod
     def vertices(self) -> tuple[Vector, ...]:
-        """Points whose hull is the set."""
+        """Points whose hull is the set; of a round one, whose hull holds it."""
 
-    # ---- what follows from these
+    # ---- what follows from these, where nothing better is known
+
+    @property
+    def bends(self) -> tuple[Bend, ...]:
+        """Where a shortest way around the set, grown by a box, may bend: point + sign * half extent, by dimension."""
+        signs = tuple(product((-1, 1), repeat=self.dimension))
+        return tuple((p, s) for p in self.vertices for s in signs)
+
+    @property
+    def core(self) -> ConvexSet:
+        """The polytope, by all of its faces, whose points and all within `radius` of them are the set."""
+        return self
+
+    @property
+    def radius(self) -> Fraction:
+        """0 where the set is its core."""
+        return ZERO
+
+    def shadow(self, i: int, j: int) -> Shadow:
+        """Points whose hull is what is seen of the set in dimensions i and j, for a picture."""
+        return [(float(p[i]), float(p[j])) for p in self.vertices]
 
     @cached_property
     def faces(self) -> tuple[tuple[Normal, Fraction], ...]:
@@ -127,33 +148,12 @@ class BoxSet(ConvexSet):
         return BoxSet(lower, tuple(b + h for b, h in zip(self.upper, half, strict=True)), self.name)
 
 
-Point = tuple[Fraction, Fraction]
-
-
-def hull_of_points(points: Sequence[Point]) -> tuple[Point, ...]:
-    """The corners of the hull of points in the plane, by turns to the left (Andrew's monotone chain); exact."""
-
-    def turn(a: Point, b: Point, c: Point) -> Fraction:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    ordered, sides = sorted(set(points)), []
-    for way in (ordered, ordered[::-1]):
-        side: list[Point] = []
-        for p in way:
-            while len(side) > 1 and turn(side[-2], side[-1], p) <= 0:
-                side.pop()
-            side.append(p)
-        sides.append(side[:-1])
-    return (*sides[0], *sides[1])
-
-
 @dataclass(frozen=True)
 class Prism(ConvexSet):
-    """A convex polygon, by its corners in order around it to the left, in the dimensions of `plane`; in all others what `lower`
-    and `upper` say, whose entries in the plane are not read."""
+    """A set in the dimensions of `axes`; in all others what `lower` and `upper` say, whose entries in `axes` are not read."""
 
-    corners: tuple[Point, ...]
-    plane: tuple[int, int]
+    base: ConvexSet
+    axes: tuple[int, ...]
     lower: Vector
     upper: Vector
     name: str = ""
@@ -162,34 +162,64 @@ class Prism(ConvexSet):
     def dimension(self) -> int:
         return len(self.lower)
 
+    def _full(self, own: Sequence[int]) -> tuple[int, ...]:
+        """A vector of the base's dimensions in all of them, 0 elsewhere."""
+        place = dict(zip(self.axes, own, strict=True))
+        return tuple(place.get(k, 0) for k in range(self.dimension))
+
+    def _ends(self) -> list[tuple[Fraction, ...]]:
+        """By dimension the ends of the others, one 0 in the base's."""
+        pairs = zip(self.lower, self.upper, strict=True)
+        return [(ZERO,) if k in self.axes else pair for k, pair in enumerate(pairs)]
+
+    def _points(self, own: Vector) -> list[Vector]:
+        """A point of the base with all ends of the others."""
+        place = dict(zip(self.axes, own, strict=True))
+        return [tuple(place.get(k, v) for k, v in enumerate(ends)) for ends in product(*self._ends())]
+
     @cached_property
     def normals(self) -> tuple[Normal, ...]:
-        found = dict.fromkeys(axes(self.dimension))
-        for (a, b), (c, d) in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
-            outward = (d - b, a - c)
-            whole = [int(v * lcm(*(w.denominator for w in outward))) for v in outward]
-            full = [0] * self.dimension
-            for i, v in zip(self.plane, whole, strict=True):
-                full[i] = v // gcd(*whole)
-            found[tuple(full)] = None
-        return tuple(found)
+        return tuple(dict.fromkeys([*axes(self.dimension), *(self._full(n) for n in self.base.normals)]))
 
     def support(self, normal: Normal) -> Fraction:
-        i, j = self.plane
-        ends = [c * (b if c > 0 else a) for c, a, b in zip(normal, self.lower, self.upper, strict=True)]
-        rest = sum((v for k, v in enumerate(ends) if k not in (i, j)), ZERO)
-        return max(normal[i] * x + normal[j] * y for x, y in self.corners) + rest
+        rest = (c * (ends[-1] if c > 0 else ends[0]) for c, ends in zip(normal, self._ends(), strict=True) if c)
+        return self.base.support(tuple(normal[k] for k in self.axes)) + sum(rest, ZERO)
 
     @cached_property
     def vertices(self) -> tuple[Vector, ...]:
-        i, j = self.plane
-        ends = [(ZERO,) if k in (i, j) else pair for k, pair in enumerate(zip(self.lower, self.upper, strict=True))]
-        found = []
-        for corner, rest in product(self.corners, product(*ends)):
-            point = list(rest)
-            point[i], point[j] = corner
-            found.append(tuple(point))
-        return tuple(found)
+        return tuple(p for v in self.base.vertices for p in self._points(v))
+
+    @cached_property
+    def bends(self) -> tuple[Bend, ...]:
+        return tuple((p, self._full(signs)) for v, signs in self.base.bends for p in self._points(v)[:1])
+
+    @property
+    def core(self) -> ConvexSet:
+        return Prism(self.base.core, self.axes, self.lower, self.upper, self.name)
+
+    @property
+    def radius(self) -> Fraction:
+        return self.base.radius
+
+    def shadow(self, i: int, j: int) -> Shadow:
+        spans = [[float(v) for v in self.span(k)] for k in (i, j)]
+        if i in self.axes and j in self.axes:
+            return self.base.shadow(self.axes.index(i), self.axes.index(j))
+        return [(x, y) for x in spans[0] for y in spans[1]]
+
+    def _within_others(self, lower: Vector, upper: Vector) -> bool:
+        others = [k for k in range(self.dimension) if k not in self.axes]
+        return all(self.lower[k] <= lower[k] and upper[k] <= self.upper[k] for k in others)
+
+    def apart(self, lower: Vector, upper: Vector) -> bool:
+        others = (k for k in range(self.dimension) if k not in self.axes)
+        if any(upper[k] < self.lower[k] or lower[k] > self.upper[k] for k in others):
+            return True
+        return self.base.apart(tuple(lower[k] for k in self.axes), tuple(upper[k] for k in self.axes))
+
+    def covers(self, lower: Vector, upper: Vector) -> bool:
+        own = (tuple(edge[k] for k in self.axes) for edge in (lower, upper))
+        return self._within_others(lower, upper) and self.base.covers(*own)
 
 
 class Grown(ConvexSet):
@@ -204,7 +234,7 @@ class Grown(ConvexSet):
 
     @property
     def normals(self) -> tuple[Normal, ...]:
-        return self.inner.normals  # in the plane the sum has no other faces; elsewhere a missing one costs room, not soundness
+        return self.inner.normals  # to be apart from a box is already asked of these; elsewhere a missing one costs room
 
     def support(self, normal: Normal) -> Fraction:
         return self.inner.support(normal) + sum((abs(c) * h for c, h in zip(normal, self.half, strict=True)), ZERO)
@@ -213,3 +243,25 @@ class Grown(ConvexSet):
     def vertices(self) -> tuple[Vector, ...]:
         corners = tuple(product(*((-h, h) for h in self.half)))
         return tuple(tuple(v + c for v, c in zip(p, corner, strict=True)) for p in self.inner.vertices for corner in corners)
+
+    @cached_property
+    def bends(self) -> tuple[Bend, ...]:
+        half = self.half
+        return tuple((tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)), signs) for p, signs in self.inner.bends)
+
+    @property
+    def core(self) -> ConvexSet:
+        return Grown(self.inner.core, self.half)
+
+    @property
+    def radius(self) -> Fraction:
+        return self.inner.radius
+
+    def shadow(self, i: int, j: int) -> Shadow:
+        a, b = float(self.half[i]), float(self.half[j])
+        return [(x + s * a, y + t * b) for x, y in self.inner.shadow(i, j) for s in (-1, 1) for t in (-1, 1)]
+
+    def apart(self, lower: Vector, upper: Vector) -> bool:
+        half = self.half  # the box may be grown in the set's stead
+        wider = tuple(a - h for a, h in zip(lower, half, strict=True)), tuple(b + h for b, h in zip(upper, half, strict=True))
+        return self.inner.apart(*wider)

@@ -1,16 +1,20 @@
-"""The tables of a task that say a set: boxes, and polygons in the plane of two axes."""
+"""The tables of a task that say a set: boxes, polytopes by points or half-spaces, balls and capsules. An unsafe one may be in
+some of the dimensions alone; then it is unsafe whatever the others are."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from abc import abstractmethod
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from stt_codegen.decimals import decimal
-from stt_codegen.task.sets import BoxSet, Point, Prism, hull_of_points
-from stt_codegen.task.values import MAX_LABEL, Vector, labels, points
-
-PLANE = 2  # dimensions of a polygon
+from stt_codegen.task.polytopes import SOLID, HalfSpace, Hull, Polytope, cut_box, spanned, whole
+from stt_codegen.task.rounds import Round
+from stt_codegen.task.sets import BoxSet, ConvexSet, Prism
+from stt_codegen.task.values import MAX_LABEL, MAX_NORMALS, MAX_POINTS, MAX_POINTS_BEYOND, Positive, Vector, labels, points
 
 
 class Table(BaseModel):
@@ -39,54 +43,195 @@ class Box(Table):
         return BoxSet(self.lower, self.upper)
 
 
-class UnsafeSet(Box):
-    """One unsafe set U_j; unnamed sets are called U1, U2, ... in the order of the file."""
+class Unsafe(Table):
+    """What all unsafe sets U_j have; unnamed ones are called U1, U2, ... in the order of the file."""
 
     name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
-
-    def convex(self) -> BoxSet:
-        return BoxSet(self.lower, self.upper, self.name)
-
-
-class UnsafePolygon(Table):
-    """One unsafe set U_j: the hull of points in the plane of two axes, whatever the others are."""
-
-    name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
-    vertices: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="points in any order; their hull counts")
     axes: Annotated[tuple[str, ...], BeforeValidator(labels)] | None = Field(
-        default=None, description="the two dimensions, by name; absent: those of a task in the plane"
+        default=None, description="the dimensions that the set is in, by name: all others may be anything; absent: all"
     )
 
+    @abstractmethod
     def vectors(self) -> list[tuple[str, Vector]]:
-        """Nothing here has one entry for each dimension of the task."""
-        return []
+        """What must have one entry for each of the set's dimensions, by name."""
+
+    @abstractmethod
+    def problem(self) -> str | None:
+        """What makes these numbers no set, in words; None where they are one."""
+
+    @abstractmethod
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        """The set in its dimensions, of which the state space has these edges."""
+
+    @property
+    def thinned(self) -> bool:
+        """Whether points were given that are not corners of the set."""
+        return False
+
+    def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
+        """The set in a state space, its dimensions by number: in those that are not its own as long as that, all that counts."""
+        base = self.own(*(tuple(edges[k] for k in own) for edges in (space.lower, space.upper)))
+        if tuple(own) == tuple(range(len(space.lower))):
+            return base
+        return Prism(base, tuple(own), space.lower, space.upper, self.name)
+
+
+class UnsafeSet(Unsafe):
+    """A box: `lower` and `upper` edges by dimension."""
+
+    lower: Vector
+    upper: Vector
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [("lower", self.lower), ("upper", self.upper)]
 
     def problem(self) -> str | None:
-        """What makes these points no set, in words; None where they are one."""
-        for k, point in enumerate(self.vertices):
-            if len(point) != PLANE:
-                return f"vertices[{k}]: has {len(point)} entries; two are needed, one for each of its axes"
-        if len(self.corners) <= PLANE:
-            return "vertices: have no interior; at least three points that are not on one line are needed"
+        return Box(lower=self.lower, upper=self.upper).problem()
+
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        return BoxSet(self.lower, self.upper, self.name)
+
+    def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
+        """In all dimensions it is a box too."""
+        given = dict(zip(own, zip(self.lower, self.upper, strict=True), strict=True))
+        ends = [given.get(k, pair) for k, pair in enumerate(zip(space.lower, space.upper, strict=True))]
+        return BoxSet(tuple(a for a, _ in ends), tuple(b for _, b in ends), self.name)
+
+
+class UnsafePolytope(Unsafe):
+    """The hull of points."""
+
+    vertices: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="points in any order; their hull counts")
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [(f"vertices[{k}]", p) for k, p in enumerate(self.vertices)]
+
+    def problem(self) -> str | None:
+        n, count = len(self.vertices[0]), len(self.vertices)
+        most = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
+        if count > most:
+            return f"vertices: has {count} points; at most {most} are taken in {n} dimensions"
+        if spanned(self.vertices) < n:
+            flat = {1: "in one place", 2: "on one line", 3: "in one plane"}.get(n, "in one hyperplane")
+            return f"vertices: have no interior; at least {n + 1} points that are not all {flat} are needed"
         return None
 
     @property
-    def corners(self) -> tuple[Point, ...]:
-        """Of the hull, in order around it."""
-        return hull_of_points([(p[0], p[1]) for p in self.vertices])
+    def thinned(self) -> bool:
+        return len(Hull.of(self.vertices).corners) < len(self.vertices)
 
-    def within(self, space: Box, plane: tuple[int, int]) -> Prism:
-        """The set in a state space: in the dimensions that are not its own as long as that, which is all that is asked for."""
-        return Prism(self.corners, plane, space.lower, space.upper, self.name)
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        return Polytope(self.vertices, self.name)
 
 
-def _kind_of_set(value: object) -> str:
-    """Which of the two a table [[unsafe]] is to be read as."""
-    if isinstance(value, UnsafePolygon) or (isinstance(value, dict) and "vertices" in value):
-        return "<polygon>"
-    return "<box>"
+class UnsafeHalfSpaces(Unsafe):
+    """All points of the state space with normals[k].x <= offsets[k] for every k."""
+
+    normals: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(
+        description="of half-spaces, normals[k].x <= offsets[k]"
+    )
+    offsets: Vector = Field(description="one for each of the normals")
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [(f"normals[{k}]", p) for k, p in enumerate(self.normals)]
+
+    def problem(self) -> str | None:
+        if len(self.normals[0]) > SOLID:
+            return (
+                f"normals: have {len(self.normals[0])} entries; half-spaces are for at most {SOLID} dimensions, name them in axes"
+            )
+        if len(self.normals) > MAX_NORMALS:
+            return f"normals: has {len(self.normals)} entries; at most {MAX_NORMALS} are taken"
+        return half_space_problem(self.normals, self.offsets)
+
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        """Raises `ValueError` where nothing of the state space is in all half-spaces."""
+        found = [v.point for v in cut_box(lower, upper, half_spaces(self.normals, self.offsets))]
+        if not found or spanned(found) < len(lower):
+            raise ValueError(
+                "normals: nothing of the state space lies in all of the half-spaces; turn the signs, or leave the set out"
+            )
+        return Polytope(found, self.name)
+
+
+class UnsafeBall(Unsafe):
+    """All points within a radius of a centre: a ball, in some of the dimensions alone a cylinder."""
+
+    centre: Vector
+    radius: Positive
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [("centre", self.centre)]
+
+    def problem(self) -> str | None:
+        return None
+
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        return Round((self.centre,), self.radius, self.name)
+
+
+class UnsafeCapsule(Unsafe):
+    """All points within a radius of a segment."""
+
+    segment: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="its two ends")
+    radius: Positive
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [(f"segment[{k}]", p) for k, p in enumerate(self.segment)]
+
+    def problem(self) -> str | None:
+        if len(self.segment) != 2:
+            return f"segment: has {len(self.segment)} points; two are needed, its ends"
+        if self.segment[0] == self.segment[1]:
+            return "segment: its ends are the same; use centre"
+        return None
+
+    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+        return Round(self.segment, self.radius, self.name)
+
+
+def half_spaces(normals: Sequence[Vector], offsets: Vector) -> list[HalfSpace]:
+    """With normals in whole numbers."""
+    found = []
+    for vector, offset in zip(normals, offsets, strict=True):
+        normal, factor = whole(vector)
+        found.append((normal, offset * factor))
+    return found
+
+
+def half_space_problem(normals: Sequence[Vector], offsets: Sequence[Fraction]) -> str | None:
+    """What makes these no half-spaces, in words."""
+    if len(offsets) != len(normals):
+        return f"offsets: has {len(offsets)} entries; normals has {len(normals)}, and both must agree"
+    for k, normal in enumerate(normals):
+        if not any(normal):
+            return f"normals[{k}]: is 0 in every entry; give the direction that leads out of the set"
+    return None
+
+
+KINDS: tuple[tuple[str, type[Unsafe]], ...] = (  # the field that tells which, and its table
+    ("vertices", UnsafePolytope),
+    ("normals", UnsafeHalfSpaces),
+    ("offsets", UnsafeHalfSpaces),
+    ("segment", UnsafeCapsule),
+    ("centre", UnsafeBall),
+    ("radius", UnsafeBall),
+)
+
+
+def _kind_of_set(value: Any) -> str:
+    """What a table [[unsafe]] is to be read as."""
+    if isinstance(value, Unsafe):
+        return f"<{type(value).__name__}>"
+    given = value if isinstance(value, dict) else {}
+    return next((f"<{kind.__name__}>" for field, kind in KINDS if field in given), "<UnsafeSet>")
 
 
 AnyUnsafe = Annotated[
-    Annotated[UnsafeSet, Tag("<box>")] | Annotated[UnsafePolygon, Tag("<polygon>")], Discriminator(_kind_of_set)
+    Annotated[UnsafeSet, Tag("<UnsafeSet>")]
+    | Annotated[UnsafePolytope, Tag("<UnsafePolytope>")]
+    | Annotated[UnsafeHalfSpaces, Tag("<UnsafeHalfSpaces>")]
+    | Annotated[UnsafeBall, Tag("<UnsafeBall>")]
+    | Annotated[UnsafeCapsule, Tag("<UnsafeCapsule>")],
+    Discriminator(_kind_of_set),
 ]

@@ -80,10 +80,11 @@ static void nearest(const loop_setting *s, const double *x, double *w)
     const int n = s->n;
     double best = HUGE_VAL, way[MOST];
     for (int j = 0; j < s->sets; j++) {
-        const double distance = toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, n);
+        const double core = toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, n);
+        const double distance = core - s->radius[j];
         if (distance > 0.0 && distance < best) {
             best = distance;
-            for (int i = 0; i < n; i++) w[i] = way[i] / distance;
+            for (int i = 0; i < n; i++) w[i] = way[i] / core;
         }
     }
     for (int i = 0; i < n; i++) { /* walls */
@@ -174,8 +175,12 @@ static int inside(const double *box, const double *x, int n)
 }
 
 /* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
-static int within(const double *faces, int count, const double *x, int n)
+static int within(const double *faces, int count, double radius, const double *x, int n)
 {
+    double way[MOST];
+    for (int f = 0; radius > 0.0 && f < count; f++)
+        if (!(beyond(faces + (n + 1) * f, x, n) < radius)) return 0; /* no need to look closer */
+    if (radius > 0.0) return toward(faces, count, x, way, n) < radius;
     for (int f = 0; f < count; f++)
         if (!(beyond(faces + (n + 1) * f, x, n) < 0.0)) return 0;
     return 1;
@@ -186,7 +191,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
     const int n = s->n;
     double lower[MOST], upper[MOST];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
-        if (within(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, n)) r->hit = j, r->hit_at = t;
+        if (within(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], s->radius[j], x, n)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);

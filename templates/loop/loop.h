@@ -31,7 +31,8 @@ typedef struct {
     const double *space;   /* lower, upper by dimension */
     const double *target;
     const int32_t *first;  /* sets + 1: where the faces of each begin, and how many there are */
-    const double *faces;   /* each n + 1 numbers, a unit normal and an offset: a set is where normal.x <= offset for all of its own */
+    const double *faces;   /* each n + 1 numbers, a unit normal and an offset: the core of a set is where normal.x <= offset for all of its own */
+    const double *radius;  /* sets: a set is what is that near to its core */
 } loop_setting;
 
 typedef struct {
