@@ -23,12 +23,14 @@ from stt_codegen.bench.families import FAMILIES, arena_task
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
-from stt_codegen.task import Task, UnsafeSet, load_task
+from stt_codegen.task import Task, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet, load_task
 
 TASKS = Path(__file__).parent.parent / "tasks"
 ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
+SHAPES = {"discs": 6, "balls": 2, "polygons": 4, "solids": 1}
 EXAMPLES = sorted(p.stem for p in TASKS.glob("*.toml") if p.stem != "omni_board")  # that one is omni_s2 with ticks
 BASES = (*EXAMPLES, *(f"{name} {seed}" for name, n in ARENAS.items() for seed in range(n)))
+SHAPED = (*BASES, *(f"{name} {seed}" for name, n in SHAPES.items() for seed in range(n)))
 
 Mutant = tuple[Task, RefinedDesign]
 Sides = Sequence[tuple[int, int]]  # (dimension, LOWER or UPPER)
@@ -161,6 +163,8 @@ def end(dice: Random, table: Any, rows: Sequence[int]) -> None:
 def obstacle_changed(dice: Random, b: Base) -> Mutant:
     """One unsafe set moved, or a pair of its faces moved out."""
     j, i, by = dice.randrange(len(b.task.unsafe)), dice.randrange(b.task.dimension), amount(dice, 20) * b.design.unit
+    if not isinstance(b.task.unsafe[j], UnsafeSet):
+        return with_task(b, unsafe=(*b.task.unsafe[:j], changed(dice, b.task.unsafe[j], i, by), *b.task.unsafe[j + 1 :]))
     low, high = signed_faces(b.task.unsafe[j])[i]
     faces = (low - abs(by), high - abs(by)) if dice.random() < 0.5 else (low + by, high - by)
     box = with_face(with_face(b.task.unsafe[j], i, LOWER, faces[LOWER]), i, UPPER, faces[UPPER])
@@ -180,6 +184,71 @@ def beside(dice: Random, b: Base, k: int, s: Fraction, sides: Sides, extent: int
         faces.append(pair)
     lower, upper = zip(*faces, strict=True)
     return with_task(b, unsafe=(*b.task.unsafe, UnsafeSet(name="added", lower=lower, upper=upper)))
+
+
+def changed(dice: Random, unsafe: Any, i: int, by: Fraction) -> Any:
+    """A set of another shape moved in one dimension, or made larger."""
+    if isinstance(unsafe, UnsafePolytope):
+        moved = [dice.random() < 0.5 for _ in unsafe.vertices]
+        points = tuple(entry(p, i, p[i] + by) if m else p for m, p in zip(moved, unsafe.vertices, strict=True))
+        return unsafe.model_copy(update={"vertices": points})
+    if dice.random() < 0.5:
+        return unsafe.model_copy(update={"radius": unsafe.radius + abs(by)})
+    return unsafe.model_copy(update={"centre": entry(unsafe.centre, i, unsafe.centre[i] + by)})
+
+
+def shape_beside(dice: Random, b: Base, kind: str) -> Mutant:
+    """One more unsafe set of a kind, that all but touches the tube's box, grown by body and clearance, in one of its corners: all
+    of it is beyond a plane through that corner, and one point of it is in the plane, but for the slack that is drawn."""
+    n, k, s = b.task.dimension, dice.randrange(b.design.segments), Fraction(dice.randint(0, 8), 8)
+    d = min(n, dice.choice((2, 2, 3)))
+    own = sorted(dice.sample(range(n), d))
+    signs, normal = [dice.choice((-1, 1)) for _ in own], [dice.randint(0, 9) for _ in own]
+    normal[dice.randrange(d)] = dice.randint(1, 9)
+    out, keep = [v * w for v, w in zip(signs, normal, strict=True)], b.task.tube.clearance - slack(dice, b)
+    ahead = [(i, UPPER if sign > 0 else LOWER) for i, sign in zip(own, signs, strict=True)]
+    edges = signed_edges(b.design)
+    if dice.random() < 0.8:  # where the tube is farthest out along the normal, so that it meets the set nowhere else
+        k, s = deepest(
+            [sum(v * edges[:, i, side] for v, (i, side) in zip(normal, ahead, strict=True))[j] for j in range(len(edges))]
+        )[:2]
+        s = Fraction(round(s * 64), 64)
+    corner = []
+    for (i, side), sign in zip(ahead, signs, strict=True):
+        at = short(sum(int(a) * s**p for p, a in enumerate(edges[k, i, side])) * b.design.unit)
+        corner.append((-at if side == UPPER else at) + sign * (b.body[i] + keep))
+    axes = None if d == n else tuple((b.task.axes or tuple(f"x{i + 1}" for i in range(n)))[i] for i in own)
+    length = math.sqrt(sum(v * v for v in out))
+
+    def away(reach: float) -> tuple[Fraction, ...]:
+        """From the corner along the plane and a little beyond it."""
+        step = [dice.uniform(-reach, reach) for _ in out]
+        along = sum(v * w for v, w in zip(step, out, strict=True)) / length**2
+        wanted = dice.choice((0.0, abs(along)))
+        return tuple(short(c + Fraction(v + (wanted - along) * w)) for c, v, w in zip(corner, step, out, strict=True))
+
+    size = dice.choice((0.01, 0.3, 2.0))
+    radius = short(Fraction(dice.uniform(0.1, 1) * size)) + Fraction(1, 1 << 32)
+    centre = tuple(short(c + Fraction(float(radius) * v / length)) for c, v in zip(corner, out, strict=True))
+    added: Any
+    if kind == "ball":
+        added = UnsafeBall(name="added", axes=axes, centre=centre, radius=radius)
+    elif kind == "capsule":
+        far = tuple(c + v - w for c, v, w in zip(centre, away(size), corner, strict=True))
+        added = UnsafeCapsule(name="added", axes=axes, segment=(centre, far), radius=radius)
+    elif kind == "polytope":
+        points = (tuple(corner), *(away(size) for _ in range(dice.randint(d, 6))))
+        added = UnsafePolytope(name="added", axes=axes, vertices=points)
+    else:
+        offset = -sum((v * c for v, c in zip(out, corner, strict=True)), Fraction(0))
+        cuts = [(tuple(Fraction(-v) for v in out), offset)]
+        for _ in range(dice.randint(0, 3)):
+            other = tuple(Fraction(dice.randint(-5, 5)) for _ in out)
+            cuts.append(
+                (other, sum((v * c for v, c in zip(other, corner, strict=True)), Fraction(0)) + short(Fraction(dice.random())))
+            )
+        added = UnsafeHalfSpaces(name="added", axes=axes, normals=tuple(v for v, _ in cuts), offsets=tuple(v for _, v in cuts))
+    return with_task(b, unsafe=(*b.task.unsafe, added))
 
 
 def before_face(dice: Random, b: Base) -> Mutant:
@@ -285,6 +354,10 @@ KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
     "body": body_raised,
     "speed bound": speed_bounded,
     "acceleration bound": acceleration_bounded,
+    "ball beside": partial(shape_beside, kind="ball"),
+    "capsule beside": partial(shape_beside, kind="capsule"),
+    "polytope beside": partial(shape_beside, kind="polytope"),
+    "half-spaces beside": partial(shape_beside, kind="half-spaces"),
 }
 
 
@@ -301,6 +374,11 @@ def draw(dice: Random, names: Sequence[str]) -> tuple[str, str, Base, Mutant]:
 
 
 def well_formed(task: Task) -> bool:
-    boxes = (task.state_space, task.initial_set, task.target_set, *task.unsafe)
+    boxes = [task.state_space, task.initial_set, task.target_set]
+    boxes += [s for s in task.unsafe if isinstance(s, UnsafeSet)]
+    for s in task.unsafe:
+        if s.problem():
+            return False
+        s.within(task.state_space, task.own_axes(s))  # raises ValueError where there is nothing of it
     sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), *(task.max_speed or (1,)))
     return min(sizes) > 0 and min(task.tube.clearance, task.tube.min_width, *(task.body or ())) >= 0

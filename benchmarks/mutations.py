@@ -26,8 +26,9 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from random import Random
+from typing import Any
 
-from mutants import BASES, KINDS, draw
+from mutants import KINDS, SHAPED, draw
 from truth import Fault, Undecided, first_fault
 
 from stt_codegen.bench.report import command, machine, record
@@ -64,7 +65,7 @@ class Verdict:
     answers: tuple[Answer, ...]
 
 
-def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = BASES) -> Verdict:
+def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED) -> Verdict:
     """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
     kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names)
     try:
@@ -137,15 +138,26 @@ def toml(task: Task) -> str:
     def box(head: str, b: Box) -> str:
         return f"{head}\nlower = {vector(b.lower)}\nupper = {vector(b.upper)}\n"
 
+    def told(unsafe: Any) -> str:
+        """What a table says, in the order of its fields."""
+        lines = [f"axes = {json.dumps(unsafe.axes)}\n"] if unsafe.axes else []
+        for field in ("lower", "upper", "centre", "offsets"):
+            lines += [f"{field} = {vector(getattr(unsafe, field))}\n"] if hasattr(unsafe, field) else []
+        for field in ("vertices", "normals", "segment"):
+            if hasattr(unsafe, field):
+                lines.append(f"{field} = [{', '.join(vector(p) for p in getattr(unsafe, field))}]\n")
+        return "".join(lines) + (f"radius = {number_text(unsafe.radius)}\n" if hasattr(unsafe, "radius") else "")
+
     limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
     limited = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))
     speed = "".join(f"{name} = {vector(most)}\n" for name, most in limited if most is not None)
     return "".join(
         (
             f'name = "{task.name}"\nprescribed_time = {number_text(task.prescribed_time)}\n',
+            f"axes = {json.dumps(task.axes)}\n" if task.axes else "",
             f"initial_state = {vector(task.initial_state)}\n" + (f"body = {vector(task.body)}\n" if task.body else ""),
             *(box(f"[{name}]", getattr(task, name)) for name in ("state_space", "initial_set", "target_set")),
-            *(box("[[unsafe]]", s) + f'name = "{s.name}"\n' for s in task.unsafe),
+            *(f'[[unsafe]]\nname = "{s.name}"\n{told(s)}' for s in task.unsafe),
             f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n{speed}",
             f'[control]\ngain = {vector(task.gain)}\ne_max = {vector(task.e_max)}\n{limits}[emit]\nmath = "{task.emit.math}"\n',
         )

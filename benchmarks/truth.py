@@ -18,9 +18,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from flint import fmpq, fmpz_poly
+from truth_shapes import bounds_of, is_round, round_places
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
-from stt_codegen.task import Box, Task
+from stt_codegen.task import Box, Task, UnsafeSet
 
 Integers = npt.NDArray[np.int64]
 LEAST_WIDTH = Fraction(1, 1 << 20)  # the emitted law is another one in a narrower tube
@@ -87,9 +88,31 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
 
     keep = task.tube.clearance + room
     # outside a set: the lower edge above its upper face, or the upper edge below its lower face
-    walls = [[-face + body[i] + keep for i in range(n) for face in reversed(signed_faces(s)[i])] for s in task.unsafe]
+    boxes = [j for j, s in enumerate(task.unsafe) if isinstance(s, UnsafeSet) and s.axes is None]
+    walls = [[-face + body[i] + keep for i in range(n) for face in reversed(signed_faces(task.unsafe[j])[i])] for j in boxes]
     for j, u in open_places(edges.reshape(segments, 2 * n, 4), walls, unit):
-        yield Fault("P4", u * scale, unsafe=j)
+        yield Fault("P4", u * scale, unsafe=boxes[j])
+    for j, s in enumerate(task.unsafe):
+        if j in boxes:
+            continue
+        places: Iterable[Fraction]
+        if is_round(s):
+            places = round_places(task, s, edges, unit, [body[i] + keep for i in range(n)])
+        else:
+            bounds = bounds_of(task, s)
+            beyond = np.stack([beyond_of(normal, edges) for normal, _ in bounds], axis=1)
+            needed = [h + sum(abs(c) * (body[i] + keep) for i, c in enumerate(normal)) for normal, h in bounds]
+            places = (u for _, u in open_places(beyond, [needed], unit))
+        for u in places:
+            yield Fault("P4", u * scale, unsafe=j)
+
+
+def beyond_of(normal: Sequence[int], edges: Integers) -> Any:
+    """The least of normal.x over the tube's box, as cubics (K, 4)."""
+    total: Any = 0
+    for i, c in enumerate(normal):
+        total = total + abs(c) * edges[:, i, LOWER if c > 0 else UPPER].astype(object)
+    return total
 
 
 def derivative(polynomials: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
@@ -98,7 +121,7 @@ def derivative(polynomials: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     return np.concatenate([found[..., 1:], np.zeros_like(found[..., :1])], axis=-1)
 
 
-def signed_faces(box: Box) -> list[tuple[Fraction, Fraction]]:
+def signed_faces(box: Box | UnsafeSet) -> list[tuple[Fraction, Fraction]]:
     """By dimension the lower face and minus the upper one: `signed_edges` of what lies within are not below them."""
     return [(a, -b) for a, b in zip(box.lower, box.upper, strict=True)]
 
@@ -115,7 +138,8 @@ def open_places(cubics: Integers, bounds: Sequence[Sequence[Fraction]], unit: Fr
     [k, k + 1] at which each of the m cubics is below its bound, where there is one."""
     least = eightfold_range(*np.moveaxis(cubics, -1, 0))[0]
     for j, row in enumerate(bounds):
-        needed = np.array([max(-FAR, min(FAR, math.ceil(8 * b / unit))) for b in row])
+        far = FAR if cubics.dtype != object else FAR**4
+        needed = np.array([max(-far, min(far, math.ceil(8 * b / unit))) for b in row], dtype=cubics.dtype)
         for k in np.flatnonzero(~(least >= needed).any(axis=1)):
             s = uncovered([above(c, b / unit) for c, b in zip(cubics[k], row, strict=True)])
             if s is not None:

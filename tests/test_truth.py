@@ -17,6 +17,7 @@ from stt_codegen.certify import checker
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import Box, Task, UnsafeSet, parse_task
+from stt_codegen.task.rounds import size
 
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from mutants import KINDS, draw
@@ -244,7 +245,12 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
     for number in range(40):
         _, _, _, (task, design) = draw(Random(f"files {number}"), BASES)
         read = checker.Task(toml(task).encode())
-        assert read.unsafe == [(s.name, (list(s.lower), list(s.upper), [], [])) for s in task.obstacles]
+        for (name, (points, half, own, radius)), s in zip(read.unsafe, task.obstacles, strict=True):
+            assert (name, radius) == (s.name, s.radius)
+            for normal in s.normals:
+                told = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in points)
+                told += sum(abs(c) * h for c, h in zip(normal, half, strict=True))
+                assert told + radius * size([normal[i] for i in own]) == s.support(normal)
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
         for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
             assert theirs == (list(ours.lower), list(ours.upper))

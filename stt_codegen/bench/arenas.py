@@ -227,8 +227,9 @@ class Part:
     def name(self) -> str:
         family = FAMILIES[self.family]
         options = "" if (self.clearance, self.min_width) == (0.03, 0.05) else f", {self.clearance}/{self.min_width}"
-        boxes = f"{family.count} of {family.size:g}" + (f", {family.length:g} long" if family.length else "")
-        return f"{self.family} ({family.dimension}-D, {boxes}{options})"
+        shape = "" if family.shape == "cube" else f" {family.shape}s"
+        sets = f"{family.count}{shape} of {family.size:g}" + (f", {family.length:g} long" if family.length else "")
+        return f"{self.family} ({family.dimension}-D, {sets}{options})"
 
 
 EVERYTHING = (
@@ -239,6 +240,10 @@ EVERYTHING = (
     Part("space3", "refined", 200),
     Part("space6", "refined", 100),
     Part("corridor", "refined", 3),
+    Part("discs", "refined", 200),
+    Part("balls", "refined", 100),
+    Part("polygons", "refined", 200),
+    Part("solids", "refined", 100),
     Part("paper", "adaptive", 500),
     Part("paper", "literal", 300),
 )

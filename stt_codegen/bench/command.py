@@ -97,7 +97,7 @@ def parts_of(wanted: Arenas) -> list[Part]:
             Part(f, d, usual[f], 0.03 if clearance is None else clearance, 0.05 if min_width is None else min_width)
             for f in family or FAMILIES
             for d in design or DESIGNS
-            if FAMILIES[f].length is None or d == "refined"
+            if (FAMILIES[f].length is None and FAMILIES[f].shape == "cube") or d == "refined"
         ]
     return [Part(p.family, p.design, min(p.count, count or p.count), p.clearance, p.min_width) for p in parts]
 

@@ -1,4 +1,5 @@
-"""Random reach-avoid arenas, the same for every test and benchmark: a seed gives axis-aligned cubes in [0, side]^n.
+"""Random reach-avoid arenas, the same for every test and benchmark: a seed gives axis-aligned cubes in [0, side]^n, or balls and
+polytopes within such cubes.
 
 Start [0, 0.5]^n, target [side - 0.5, side]^n, 9 s. Unsafe cubes touch neither and may overlap one another. Four unit
 squares in [0, 5]^2 is the paper's benchmark. A corridor is long in its first dimension and has upright slabs one behind the
@@ -8,6 +9,7 @@ other, with gaps between.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +17,8 @@ import numpy.typing as npt
 from stt_codegen.task import Task, parse_task
 
 BOX = 0.5
+CORNERS = 6  # points of a polytope
+FINE = {2: 0.02, 3: 0.05}  # cells of the search that tells whether shapes leave a way
 Array = npt.NDArray[np.float64]
 
 
@@ -30,6 +34,7 @@ class Family:
     side: float = 5.0
     reach: float = 0.1
     length: float | None = None
+    shape: Literal["cube", "ball", "polytope"] = "cube"
 
     @property
     def upper(self) -> tuple[float, ...]:
@@ -51,6 +56,10 @@ FAMILIES = {
         Family("space3", count=20, dimension=3, reach=0.13),
         Family("space6", count=10, dimension=6, reach=0.13),
         Family("corridor", count=1000, length=500.0, reach=0.06),
+        Family("discs", count=8, reach=0.13, shape="ball"),
+        Family("balls", count=8, size=2.0, dimension=3, reach=0.13, shape="ball"),
+        Family("polygons", count=20, size=0.8, reach=0.13, shape="polytope"),
+        Family("solids", count=20, size=1.4, dimension=3, reach=0.13, shape="polytope"),
     )
 }
 
@@ -75,6 +84,21 @@ def cubes(family: Family, seed: int) -> Array:
     return np.array(found)
 
 
+def tables(family: Family, seed: int) -> list[str]:
+    """The unsafe sets of one arena as lines of a task file: the cubes, the balls in them, or hulls of points in them."""
+    random, found = np.random.default_rng((seed, 1)), []
+    for cube in cubes(family, seed):
+        low, high = cube[:, 0], cube[:, 1]
+        if family.shape == "ball":
+            found.append(f"centre = {((low + high) / 2).tolist()}\nradius = {family.size / 2}")
+        elif family.shape == "polytope":
+            points = np.round(random.uniform(low, high, (CORNERS, family.dimension)), 3)
+            found.append(f"vertices = {points.tolist()}")
+        else:
+            found.append(f"lower = {low.tolist()}\nupper = {high.tolist()}")
+    return found
+
+
 def arena_text(family: Family, seed: int, clearance: float = 0.03, min_width: float = 0.05) -> str:
     """One arena as the text of a task file."""
     n, upper = family.dimension, list(family.upper)
@@ -89,8 +113,8 @@ def arena_text(family: Family, seed: int, clearance: float = 0.03, min_width: fl
         "[target_set]\n" + box([v - BOX for v in upper], upper),
         f"[tube]\nclearance = {clearance}\nmin_width = {min_width}\n",
     ]
-    for k, cube in enumerate(cubes(family, seed), 1):
-        parts.append(f'[[unsafe]]\nname = "U{k}"\nlower = {cube[:, 0].tolist()}\nupper = {cube[:, 1].tolist()}\n')
+    for k, table in enumerate(tables(family, seed), 1):
+        parts.append(f'[[unsafe]]\nname = "U{k}"\n{table}\n')
     return "\n".join(parts)
 
 
@@ -101,7 +125,10 @@ def arena_task(family: Family, seed: int, clearance: float = 0.03, min_width: fl
 
 def feasible(family: Family, seed: int, reach: float | None = None) -> bool:
     """Whether a point can go from the start's centre to the target's centre when every cube grows, and the space
-    shrinks, by `reach` < 0.25 (the family's when None). Exact: flood fill of the cells between the cubes' edges."""
+    shrinks, by `reach` < 0.25 (the family's when None). Exact: flood fill of the cells between the cubes' edges. Of other shapes
+    fine cells count by their middles."""
+    if family.shape != "cube":
+        return _fine(family, seed, family.reach if reach is None else reach)
     boxes, n = cubes(family, seed), family.dimension
     reach = family.reach if reach is None else reach
     edges = []
@@ -117,6 +144,36 @@ def feasible(family: Family, seed: int, reach: float | None = None) -> bool:
             middles = (axis[:-1] + axis[1:]) / 2
             spans.append(slice(*np.searchsorted(middles, (box[i, 0] - reach, box[i, 1] + reach))))
         free[tuple(spans)] = False
+
+    return _joined(family, edges, free)
+
+
+def _fine(family: Family, seed: int, reach: float) -> bool:
+    """Cells of FINE: free where the middle keeps `reach`, in the largest component, from every true set and from the walls."""
+    n, step = family.dimension, FINE[family.dimension]
+    edges = [np.linspace(reach, v - reach, round((v - 2 * reach) / step) + 1) for v in family.upper]
+    middles = [(axis[:-1] + axis[1:]) / 2 for axis in edges]
+    points = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1)
+    free = np.ones(points.shape[:-1], dtype=bool)
+    for one in arena_task(family, seed).bare:
+        if family.shape == "ball":
+            core = [[float(v) for v in one.core.span(i)] for i in range(n)]
+            gaps = [
+                np.maximum(np.maximum(a - reach - points[..., i], points[..., i] - b - reach), 0) for i, (a, b) in enumerate(core)
+            ]
+            free &= np.sum(np.square(gaps), axis=0) >= float(one.radius) ** 2
+        else:
+            beyond = [
+                points @ np.array(normal, dtype=float) >= float(offset) + reach * sum(map(abs, normal))
+                for normal, offset in one.faces
+            ]
+            free &= np.any(beyond, axis=0)
+    return _joined(family, edges, free)
+
+
+def _joined(family: Family, edges: list[Array], free: npt.NDArray[np.bool_]) -> bool:
+    """Whether free cells lead from the start's centre to the target's."""
+    n = family.dimension
 
     def cell(point: list[float]) -> tuple[int, ...]:
         return tuple(int(np.searchsorted(axis, v, side="right")) - 1 for axis, v in zip(edges, point, strict=True))
