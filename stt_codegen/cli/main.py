@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stt_codegen.cli import bench, certify, check, compare, design, generate, pil, prove, schema, simulate
+from stt_codegen.cli import bench, certify, check, compare, design, generate, maps, pil, prove, schema, simulate
 from stt_codegen.cli.options import print_json, say
 from stt_codegen.errors import SttError
 
@@ -31,6 +31,7 @@ for _command in (
     schema.schema,
 ):  # fmt: skip
     app.command()(_command)
+app.command("map")(maps.map_)
 
 
 def _version(wanted: bool) -> None:

@@ -68,6 +68,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
+    if task.written is not None:
+        encoded[f"{task.name}.task.toml"] = task.written.encode()
     encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
     return encoded
 

@@ -20,6 +20,7 @@ from stt_codegen.pipeline import Controller
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.rows import Row, avoid_rows
 from stt_codegen.task import Task
+from stt_codegen.task.polytopes import around
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
@@ -154,21 +155,7 @@ def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
 
 def hull_of(points: Array) -> Array:
     """The corners of the hull of points (P, 2), in order around it: (V, 2)."""
-    points = np.unique(points, axis=0)
-    hulls: list[list[Array]] = []
-    for ordered in (points, points[::-1]):  # Andrew's monotone chain: the lower side, then the upper one
-        hull: list[Array] = []
-        for p in ordered:
-            while len(hull) > 1 and _turn(hull[-2], hull[-1], p) <= 0:
-                hull.pop()
-            hull.append(p)
-        hulls.append(hull[:-1])
-    return np.array(hulls[0] + hulls[1])
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    """Above 0 where a, b, c turn to the left."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+    return np.array(around([(float(x), float(y)) for x, y in points]))
 
 
 def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:

@@ -23,11 +23,11 @@ def load_task(path: str | Path) -> Task:
         raise BadInput(f"{path}: cannot be read ({error.strerror}); give the path of a task file") from None
     except UnicodeDecodeError as error:
         raise BadInput(f"{path}: byte {error.start} is not UTF-8; save the file as UTF-8") from None
-    return parse_task(text, str(path))
+    return parse_task(text, str(path), path.parent)
 
 
-def parse_task(text: str, source: str = "task") -> Task:
-    """As `load_task`, from the text of a task file; `source` names it in messages."""
+def parse_task(text: str, source: str = "task", folder: Path | None = None) -> Task:
+    """As `load_task`, from the text of a task file; `source` names it in messages, a map is looked for in `folder`."""
     # TOML allows CRLF; a lone carriage return or a byte-order mark it does not, and tomllib says so.
     try:
         document = tomllib.loads(text, parse_float=Decimal)
@@ -38,12 +38,28 @@ def parse_task(text: str, source: str = "task") -> Task:
     except (ValueError, ArithmeticError, RecursionError):
         raise BadInput(f"{source}: not valid TOML: a number is too long or the nesting is too deep") from None
     with about(source):
-        return Task.model_validate(document, context={FILE: True})
+        if "map" not in document:
+            return Task.model_validate(document, context={FILE: True})
+        from stt_codegen.task.maps import expanded, written
+
+        bare = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
+        document = expanded(document, bare, folder or Path())
+        task = Task.model_validate(document, context={FILE: True})
+        task._written = written(document)
+        return task
 
 
 def json_schema() -> str:
     """The JSON Schema of a task file, for editors that complete and check TOML."""
     schema = Task.model_json_schema()
+    texts = {"type": "array", "items": {"type": "string"}}
+    schema["properties"]["map"] = {
+        "type": "object",
+        "description": "an occupancy map of a map server, taken as unsafe sets",
+        "properties": {"file": {"type": "string"}, "axes": texts, "as": {"enum": ["boxes", "polygons"]}},
+        "required": ["file"],
+        "additionalProperties": False,
+    }
     schema["title"] = "stt_codegen task"
     schema["description"] = schema["description"].partition("\n")[0]
     return json.dumps(schema, indent=2, sort_keys=True) + "\n"

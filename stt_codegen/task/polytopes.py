@@ -15,11 +15,13 @@ from fractions import Fraction
 from functools import cache, cached_property, cmp_to_key
 from itertools import pairwise, product
 from math import gcd, lcm
+from typing import TypeVar
 
 from stt_codegen.task.sets import ZERO, Bend, ConvexSet, Normal, Vector, axes, low_of
 
 HalfSpace = tuple[Normal, Fraction]  # all x with normal.x <= offset
 PLANE, SOLID = 2, 3
+Number = TypeVar("Number", int, float, Fraction)
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,25 @@ def cut_box(lower: Vector, upper: Vector, half_spaces: Sequence[HalfSpace]) -> l
             found[point] = Vertex(point, shared | bit | (before.on if before else 0))
         vertices = list(found.values())
     return vertices
+
+
+def around(points: Iterable[tuple[Number, Number]]) -> list[tuple[Number, Number]]:
+    """The corners of the hull of points in the plane, in order around it to the left (Andrew's monotone chain)."""
+    ordered = sorted(set(points))
+    sides: list[list[tuple[Number, Number]]] = []
+    for way in (ordered, ordered[::-1]):
+        side: list[tuple[Number, Number]] = []
+        for p in way:
+            while len(side) > 1 and _turn(side[-2], side[-1], p) <= 0:
+                side.pop()
+            side.append(p)
+        sides.append(side[:-1])
+    return sides[0] + sides[1]
+
+
+def _turn(a: tuple[Number, Number], b: tuple[Number, Number], c: tuple[Number, Number]) -> Number:
+    """Above 0 where a, b, c turn to the left."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def spanned(points: Sequence[Vector]) -> int:

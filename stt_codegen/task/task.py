@@ -27,6 +27,7 @@ class Task(TaskTables):
     """
 
     _digest: str = PrivateAttr(default="")
+    _written: str | None = PrivateAttr(default=None)
 
     @model_validator(mode="wrap")
     @classmethod
@@ -46,6 +47,11 @@ class Task(TaskTables):
     def digest(self) -> str:
         """SHA-256 of the file's data (comments, spacing and the order of keys do not count)."""
         return self._digest
+
+    @property
+    def written(self) -> str | None:
+        """The task as the text of a file with the sets of its map spelled out; None for a task without a map."""
+        return self._written
 
     def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
         """The same task with the options that the command line may override. Raises `BadInput` where its other options are not

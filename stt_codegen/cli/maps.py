@@ -1,0 +1,44 @@
+"""`map`: what an occupancy map is taken as."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from stt_codegen.cli.options import Json, counted, patience, print_json
+from stt_codegen.errors import BadInput
+
+
+def map_(
+    file: Annotated[Path, typer.Argument(metavar="MAP", help="the .yaml of a map server, with its image beside it")],
+    kind: Annotated[Literal["boxes", "polygons"], typer.Option("--as", help="the sets that it is taken as")] = "boxes",
+    picture: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="folder for <name>_map.png, or a file .png, .svg, .pdf; default: here")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Show what a task with [map] takes an occupancy map as: how many sets, what they cover, a picture."""
+    with patience(f"reading {file}"):
+        from stt_codegen.report.map import draw_map, map_report
+        from stt_codegen.report.picture import picture_path
+        from stt_codegen.task.occupancy import read_map
+
+        report = map_report(read_map(file), kind)
+        path = picture_path(picture or Path(), f"{file.stem}_map")
+        if path.resolve() == report.found.image.resolve():
+            raise BadInput(f"{path}: is the map's own image; give another --picture")
+        draw_map(report, path)
+    if json:
+        print_json({**report.document(), "picture": str(path)})
+        return
+    counts, found = report.counts, report.found
+    width, height = found.occupied.shape
+    print(f"{file}: {width} x {height} cells of {float(found.resolution):g}")
+    print(f"  from {', '.join(f'{float(v):g}' for v in found.origin)} to {', '.join(f'{float(v):g}' for v in found.upper)}")
+    print(f"  {counts['occupied']} occupied, {counts['unknown']} unknown, {counts['free']} free; occupied and unknown are unsafe")
+    unsafe = counts["occupied"] + counts["unknown"]
+    more = f"{report.gained / unsafe:.1%} of that" if unsafe else "none"
+    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, which take {report.gained} free cells too, {more}")
+    print(f"  picture: {path}")
