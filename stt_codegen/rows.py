@@ -18,6 +18,7 @@ from functools import cache
 
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
 from stt_codegen.task import Task
+from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
@@ -85,12 +86,12 @@ def start_rows(task: Task) -> tuple[Row, ...]:
 
 def stay_rows(task: Task) -> tuple[Row, ...]:
     """P3, for all t: the tube within the state space less the body."""
-    return within(task.free_space)
+    return (*within(task.free_space), *behind_rows(task.space_cuts))
 
 
 def reach_rows(task: Task) -> tuple[Row, ...]:
     """P5, at t_c: the tube within the target set."""
-    return within(task.target)
+    return (*within(task.target), *behind_rows(task.target_cuts))
 
 
 def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
@@ -116,6 +117,16 @@ def _rates(most: Sequence[Fraction] | None, order: int) -> tuple[Row, ...]:
 def within(box: BoxSet) -> tuple[Row, ...]:
     """The tube inside a box: L_i >= lower_i and -R_i >= -upper_i, both sides by dimension."""
     return _between([(a, -b) for a, b in zip(box.lower, box.upper, strict=True)], 1)
+
+
+def behind_rows(half_spaces: Iterable[HalfSpace]) -> tuple[Row, ...]:
+    """The tube in half-spaces normal.x <= offset: low of -normal is at least -offset. The slack over |n|_1 is by how much the
+    tube may grow."""
+    found = []
+    for normal, offset in half_spaces:
+        terms, size = _terms(tuple(-c for c in normal))
+        found.append(Row(terms, -offset, per=size))
+    return tuple(found)
 
 
 def _between(bounds: Iterable[tuple[Fraction, Fraction]], sign: int) -> tuple[Row, ...]:

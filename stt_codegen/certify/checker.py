@@ -49,7 +49,8 @@ LAW = {
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
     "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
-    "state_space": "lower upper", "initial_set": "lower upper share", "target_set": "lower upper",
+    "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share",
+    "target_set": "lower upper axes vertices normals offsets",
     "unsafe": "name axes lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",
@@ -102,6 +103,8 @@ class Task:
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
         names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
+        walls, self.goals = (_cuts(document[k], names) for k in ("state_space", "target_set"))
+        self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
         tube = document.get("tube", {})
@@ -151,13 +154,11 @@ def _each(value: Any, n: int) -> list[Fraction]:
 
 def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> Unsafe:
     """An unsafe set as all that is within a radius, in its own dimensions, and half extents of the hull of points."""
-    axes = table.get("axes", names)
-    if not isinstance(axes, list) or not axes or not set(axes) <= set(names) or len({*axes}) < len(axes):
-        raise Unusable("the task has an unsafe set whose axes are none of the task's")
+    own = _own(table, names)
     form = " ".join(k for k in KNOWN["unsafe"].split() if k in table and k not in ("name", "axes"))
     if form not in FORMS:
         raise Unusable("the task has an unsafe set that is said in no way that is known here")
-    own, d, radius = [names.index(a) for a in axes], len(axes), _number(table.get("radius", 0))
+    d, radius = len(own), _number(table.get("radius", 0))
     middle, half = [(a + b) / 2 for a, b in zip(*space)], [(b - a) / 2 + h for a, b, h in zip(*space, body)]
     extents = [Fraction(0)] * d
     if form == "lower upper":
@@ -177,6 +178,54 @@ def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> U
     for i, extent in zip(own, extents):
         half[i] = extent + body[i]
     return [[dict(zip(own, p)).get(i, v) for i, v in enumerate(middle)] for p in points], half, own, radius
+
+
+def _own(table: Any, names: list[str]) -> list[int]:
+    """The dimensions that a set is in."""
+    axes = table.get("axes", names)
+    if not isinstance(axes, list) or not axes or not set(axes) <= set(names) or len({*axes}) < len(axes):
+        raise Unusable("the task has a set whose axes are none of the task's")
+    return [names.index(a) for a in axes]
+
+
+def _cuts(table: Any, names: list[str]) -> list[tuple[list[int], Fraction]]:
+    """The half-spaces normal.x <= offset that cut the box of a table, with whole normals; of points, all planes
+    through as many of them as there are dimensions that have the others on one side."""
+    own, n, found = _own(table, names), len(names), []
+    d = len(own)
+    if "normals" in table or "offsets" in table:
+        normals = _vectors(table["normals"], d)
+        found = list(zip(normals, _each(table["offsets"], len(normals))))
+    if "vertices" in table:
+        points = _vectors(table["vertices"], d)
+        if d > 3 or len(points) > 64 or found:
+            raise Unusable("the task has a set of more points than can be checked in good time")
+        for first, *others in itertools.combinations(points, d):
+            rows = [[v - w for v, w in zip(p, first)] for p in others]
+            normal = [(-1) ** k * _minor([[*r[:k], *r[k + 1 :]] for r in rows]) for k in range(d)]
+            ends = [sum(map(operator.mul, normal, p), Fraction(0)) for p in points]
+            here = sum(map(operator.mul, normal, first), Fraction(0))
+            for sign in (1, -1):
+                if any(normal) and here == sign * max(sign * e for e in ends):
+                    found.append(([sign * c for c in normal], sign * here))
+        if not found:
+            raise Unusable("the task has a set whose vertices have no interior")
+    whole = []
+    for normal, offset in found:
+        scale = math.lcm(*(c.denominator for c in normal))
+        common = math.gcd(*(int(c * scale) for c in normal))
+        if not common:
+            raise Unusable("the task has a half-space whose normal is 0")
+        place = dict(zip(own, normal))
+        whole.append(([int(place.get(i, 0) * scale / common) for i in range(n)], offset * scale / common))
+    return whole
+
+
+def _minor(rows: list[list[Fraction]]) -> Fraction:
+    """The determinant, of no rows 1."""
+    if not rows:
+        return Fraction(1)
+    return sum(((-1) ** k * c * _minor([[*r[:k], *r[k + 1 :]] for r in rows[1:]]) for k, c in enumerate(rows[0])), Fraction(0))
 
 
 def _vectors(value: Any, d: int) -> list[list[Fraction]]:
@@ -1121,8 +1170,16 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
     state = min(min(-above(-x, unit) - a, b - above(x, unit)) for (a, b), x in zip(first, task.state))
     claim("P2", [0, 0], min(state, box(first, *task.start)), error)
 
+    def behind(piece: Piece, cuts: list[tuple[list[int], Fraction]]) -> list[Any]:
+        """By how much a piece is within half-spaces, in the largest component."""
+        rooms = []
+        for normal, offset in cuts:
+            values = [sum(-c * piece[i][c > 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
+            rooms.append(math.floor((min(values) - above(-offset, unit)) / Fraction(sum(map(abs, normal)))))
+        return rooms
+
     def stay(piece: Piece) -> Any:
-        return box([(min(low), max(high)) for low, high in piece], *task.space)
+        return min([box([(min(low), max(high)) for low, high in piece], *task.space), *behind(piece, task.walls)])
 
     claim("P3", [0, end], least("P3", stay), error)
     for name, (points, half, own, radius) in task.unsafe:
@@ -1144,7 +1201,8 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
             slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
         claim("P4", [0, end], min(slacks), error, set=name)
     last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
-    claim("P5", [end, end], box(last, *task.target), error)
+    held: Piece = [([low[3]] * 4, [high[3]] * 4) for low, high in tube.pieces[-1]]
+    claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)
     need(tube.table[-1] == tube.table[-3], "P6: the tube has a kink at t_c")
     for order, most in enumerate(task.limits, 1):
         scale = (task.t_c / tube.segments) ** order / unit

@@ -23,6 +23,7 @@ from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
+TIGHT = 1e-12  # what a point may lack of a half-space for its rounding
 
 
 @dataclass(frozen=True)
@@ -72,10 +73,36 @@ class Faces:
 
 
 @dataclass(frozen=True)
+class Cuts:
+    """Half-spaces that the tube must be in, normal.x >= bound: normal (M, n) over its |n|_1, bound (M,)."""
+
+    normal: Array
+    bound: Array
+
+    def scaled(self, unit: float) -> Cuts:
+        """The same with lengths measured in `unit`."""
+        return Cuts(self.normal, self.bound / unit)
+
+    def length(self, inset: Array) -> Array:
+        """What a box of these half widths (n,) takes of every bound: (M,)."""
+        total = np.zeros(len(self.bound))
+        for i, r in enumerate(inset.tolist()):
+            total = total + np.abs(self.normal[:, i]) * r
+        return total
+
+    def hold(self, points: Array, inset: Array) -> npt.NDArray[np.bool_]:
+        """Whether boxes of these half widths (n,) about points (P, n) lie in all of them."""
+        room = np.tile(-self.bound - self.length(inset), (len(points), 1))
+        for i in range(points.shape[1]):
+            room = room + points[:, i, None] * self.normal[:, i]
+        return np.asarray((room >= -TIGHT).all(axis=1))
+
+
+@dataclass(frozen=True)
 class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
     index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what an unsafe set
-    has beside its span.
+    has beside its span. walls, goals: what cuts the boxes of space and target.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
     search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
@@ -91,6 +118,8 @@ class Arena:
     target: Array
     unsafe: Array
     faces: Faces
+    walls: Cuts
+    goals: Cuts
     initial_state: Array
     prescribed_time: float
     clearance: float
@@ -114,8 +143,8 @@ class Arena:
 
     @property
     def boxes_only(self) -> bool:
-        """Whether every unsafe set is a box, so that its span says all of it."""
-        return not len(self.faces.owner)
+        """Whether every set is a box, so that its span says all of it."""
+        return not (len(self.faces.owner) or len(self.walls.bound) or len(self.goals.bound))
 
     def only(self, keep: Sequence[int]) -> Arena:
         """The arena with the unsafe sets whose numbers are in `keep` alone."""
@@ -160,6 +189,8 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         target=_bounds(reach_rows(task), allowance, origin),
         unsafe=_spans(sets, origin),
         faces=_faces(sets, shapes, origin),
+        walls=_cuts(stay_rows(task), allowance, origin),
+        goals=_cuts(reach_rows(task), allowance, origin),
         initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
@@ -175,11 +206,23 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
 
 def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Array:
     """The box that rows of single edges leave, less `room`, seen from the origin: shape (2, n)."""
-    box = np.empty((2, len(origin)))
+    box = np.stack([np.full(len(origin), -np.inf), np.full(len(origin), np.inf)])
     for row in rows:
-        ((i, side, sign),) = row.terms
-        box[side, i] = float((row.seen_from(origin) + room) / sign)
+        if row.dimension is not None:
+            ((i, side, c),) = row.terms
+            edge = float((row.seen_from(origin) + row.per * room) / c)
+            box[side, i] = max(box[side, i], edge) if c > 0 else min(box[side, i], edge)
     return box
+
+
+def _cuts(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Cuts:
+    """What rows of several edges say, with `room` to spare."""
+    found = [row for row in rows if row.dimension is None]
+    normal = np.zeros((len(found), len(origin)))
+    for x, row in enumerate(found):
+        for i, _, c in row.terms:
+            normal[x, i] = float(Fraction(c, row.per))
+    return Cuts(normal, np.array([float(row.seen_from(origin) / row.per + room) for row in found]))
 
 
 def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
@@ -226,6 +269,8 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         target=arena.target / unit,
         unsafe=arena.unsafe / unit,
         faces=arena.faces.scaled(unit),
+        walls=arena.walls.scaled(unit),
+        goals=arena.goals.scaled(unit),
         initial_state=arena.initial_state / unit,
         prescribed_time=1.0,
         clearance=arena.clearance / unit,

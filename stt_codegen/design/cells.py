@@ -15,6 +15,7 @@ from stt_codegen.design.arena import Array
 from stt_codegen.design.obstacles import Obstacles
 
 LARGEST = 5_000_000  # cells; above, the flood is not tried
+ROUNDING = 1e-12
 FINE = {1: 1024, 2: 256, 3: 64}  # equal parts of every dimension, where sets are no boxes
 
 
@@ -34,9 +35,10 @@ def way_through_cells(lower: Array, upper: Array, space: Array, goal: Array, sta
     return _way(edges, free, goal, start)
 
 
-def way_through_grid(obstacles: Obstacles, space: Array, goal: Array, start: Array) -> Array | None:
+def way_through_grid(obstacles: Obstacles, space: Array, goal: Array, start: Array, within: tuple[Array, Array]) -> Array | None:
     """The same where some sets are no boxes: every dimension is cut into FINE equal parts too, and a cell is free of a set that
-    one of its half-spaces shows to be apart. None may mean that the cells are too coarse."""
+    one of its half-spaces shows to be apart. within: half-spaces normal.x >= bound that a cell must be in, (M, n) and (M,). None
+    may mean that the cells are too coarse."""
     n = len(start)
     even = [np.linspace(space[0, i], space[1, i], FINE[n] + 1) for i in range(n)]
     edges = _edges(np.concatenate([obstacles.lower, obstacles.upper, goal, np.stack(even, axis=1)]), space)
@@ -44,6 +46,9 @@ def way_through_grid(obstacles: Obstacles, space: Array, goal: Array, start: Arr
     free = np.ones([len(m) for m in middles], dtype=bool)
     for low, high in zip(obstacles.lower, obstacles.upper, strict=True):
         free[_between(middles, low, high)] = False
+    everywhere = (slice(None),) * n
+    for normal, bound in zip(*within, strict=True):
+        free &= _least(normal, edges, everywhere) >= bound - ROUNDING
     ends = [*obstacles.first.tolist(), len(obstacles.offset)]
     for first, end in itertools.pairwise(ends):
         normals, offsets = obstacles.normal[first:end], obstacles.offset[first:end]  # the first 2n are -+e_i
@@ -53,12 +58,17 @@ def way_through_grid(obstacles: Obstacles, space: Array, goal: Array, start: Arr
         )
         meets = np.ones([len(m[part]) for m, part in zip(middles, near, strict=True)], dtype=bool)
         for normal, offset in zip(normals[2 * n :], offsets[2 * n :], strict=True):
-            least: Array = np.zeros(())
-            for c, axis, part in zip(normal, edges, near, strict=True):
-                least = least[..., None] + np.minimum(c * axis[:-1], c * axis[1:])[part]
-            meets &= least < offset
+            meets &= _least(normal, edges, near) < offset
         free[near] &= ~meets
     return _way(edges, free, goal, start)
+
+
+def _least(normal: Array, edges: list[Array], near: tuple[slice, ...]) -> Array:
+    """The least of normal.x over every cell of a part of the grid."""
+    least: Array = np.zeros(())
+    for c, axis, part in zip(normal, edges, near, strict=True):
+        least = least[..., None] + np.minimum(c * axis[:-1], c * axis[1:])[part]
+    return least
 
 
 def _edges(inner: Array, space: Array) -> list[Array]:

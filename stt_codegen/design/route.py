@@ -22,6 +22,7 @@ from stt_codegen.decimals import below
 from stt_codegen.design.arena import Arena, Array
 from stt_codegen.design.cells import FINE, decides, way_through_cells, way_through_grid
 from stt_codegen.design.obstacles import Obstacles, obstacles_of
+from stt_codegen.design.solver import Rows, least
 from stt_codegen.errors import NotCertified
 
 STRAIGHT = 1e-4  # weight of the sum of components: breaks the many ties of the largest-component metric
@@ -60,27 +61,31 @@ def shortest_route(arena: Arena, start: Array, width: Array) -> Route:
 def _cell_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
     """A route through the cells between the grown sets' edges, shortened where the line of sight is free; None where the
     corners have already found every way, or where there are too many cells."""
-    if _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
+    found = _grown(arena, reach, inset)
+    if found is None or len(arena.walls.bound) or _corners_decide(arena) or not decides(len(arena.names), arena.dimension):
         return None
-    obstacles, space, goal = _grown(arena, reach, inset)
+    obstacles, space, goal = found
     return _shortened(arena, way_through_cells(*obstacles.spans, space, goal, centre), obstacles, reach)
 
 
 def _grid_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
     """A route through fine cells, where some unsafe sets are no boxes and corners have found no way."""
-    if arena.boxes_only or arena.dimension not in FINE:
+    found = None if arena.boxes_only or arena.dimension not in FINE else _grown(arena, reach, inset)
+    if found is None:
         return None
-    obstacles, space, goal = _grown(arena, reach, inset)
-    return _shortened(arena, way_through_grid(obstacles, space, goal, centre), obstacles, reach)
+    obstacles, space, goal = found
+    within = (arena.walls.normal, arena.walls.bound + arena.walls.length(inset))
+    return _shortened(arena, way_through_grid(obstacles, space, goal, centre, within), obstacles, reach)
 
 
 def _leg_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Route | None:
     """A route in legs, where there are too many dimensions for one flood: in each leg some LEG dimensions go all the way to the
     target and the others stand still, so that the cells of a slice decide. Every choice of the first leg is tried."""
     n = arena.dimension
-    if decides(len(arena.names), n) or not decides(len(arena.names), LEG):
+    found = _grown(arena, reach, inset)
+    if found is None or len(arena.walls.bound) or decides(len(arena.names), n) or not decides(len(arena.names), LEG):
         return None
-    obstacles, space, goal = _grown(arena, reach, inset)
+    obstacles, space, goal = found
     lower, upper = obstacles.spans
     for first in itertools.combinations(range(n), LEG):
         rest = [i for i in range(n) if i not in first]
@@ -116,10 +121,45 @@ def _shortened(arena: Arena, points: Array | None, obstacles: Obstacles, reach: 
     return Route(polyline, float(np.cumsum(arena.distance(polyline[1:] - polyline[:-1]))[-1]), reach)
 
 
-def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, Array]:
-    """For the tube's centre: unsafe sets grown by `reach`, and state space and target shrunk by `inset` (shape (2, n))."""
+def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, Array] | None:
+    """For the tube's centre: unsafe sets grown by `reach`, and state space and target shrunk by `inset` (shape (2, n)); of a
+    target that is cut a box in it, None where there is none."""
     space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
+    if len(arena.goals.bound) or len(arena.walls.bound):
+        inner = inner_box(arena, goal, inset)
+        if inner is None:
+            return None
+        goal = inner
     return obstacles_of(arena, reach), space, goal
+
+
+def inner_box(arena: Arena, goal: Array, inset: Array) -> Array | None:
+    """The largest box of the target's proportions, `goal` (2, n), for the centres of boxes of these half widths that lie in all
+    that cuts space and target; None where there is none."""
+    n, half = arena.dimension, (goal[1] - goal[0]) / 2
+    if (half < 0).any():
+        return None
+    normal = np.concatenate([arena.walls.normal, arena.goals.normal])
+    low = np.concatenate([arena.walls.bound, arena.goals.bound])
+    rows: list[tuple[list[int], list[float]]] = []
+    for row in normal.tolist():
+        size = 0.0
+        for c, h in zip(row, half.tolist(), strict=True):
+            size += abs(c) * h
+        rows.append(([*range(n), n], [*row, -size]))
+    for i, r in enumerate(inset.tolist()):
+        low = low + np.abs(normal[:, i]) * r
+    for i in range(n):
+        rows += [([i, n], [1.0, -float(half[i])]), ([i, n], [1.0, float(half[i])])]
+    ends = np.array([v for i in range(n) for v in (goal[0, i], goal[1, i])])
+    lower = np.concatenate([low, np.where(np.arange(2 * n) % 2 == 0, ends, -np.inf)])
+    upper = np.concatenate([np.full(len(low), np.inf), np.where(np.arange(2 * n) % 2 == 1, ends, np.inf)])
+    free = np.append(np.full(n, -np.inf), 0.0), np.append(np.full(n, np.inf), 1.0)
+    solution = least(np.append(np.zeros(n), -1.0), *free, Rows.of(rows), lower, upper)
+    if solution is None:
+        return None
+    centre, share = solution[:n], float(solution[n])
+    return np.stack([centre - share * half, centre + share * half])
 
 
 def _corners_decide(arena: Arena) -> bool:
@@ -181,12 +221,17 @@ def _why_blocked(arena: Arena, centre: Array) -> str:
 def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: float = np.inf, near: int = NEAR) -> Route | None:
     """The shortest route with these distances from unsafe sets and walls, up to `longest`; from a node only the `near` nearest
     nodes are looked at, which is quick with a thousand unsafe sets and may then miss a way."""
-    obstacles, space, goal = _grown(arena, reach, inset)
+    found = _grown(arena, reach, inset)
+    if found is None:
+        return None
+    obstacles, space, goal = found
     nodes = _nodes(obstacles, space, goal, centre)
     buried = obstacles.inside(nodes)
     if buried[0]:
         return None
     nodes = nodes[~buried]
+    if len(arena.walls.bound):
+        nodes = nodes[arena.walls.hold(nodes, inset) | (np.arange(len(nodes)) == 0)]
 
     ends = np.clip(nodes, goal[0], goal[1])  # the nearest point of the target to each node
     end_free = ~obstacles.inside(ends)

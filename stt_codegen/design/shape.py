@@ -10,6 +10,7 @@ taken: least sum of |second differences| of control points, by one more program 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -112,11 +113,40 @@ def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
     return replace(shape, points=points)
 
 
+@dataclass(frozen=True)
+class _Coupling:
+    """normal.x over the tube's box must be at least `bound` on these segments: all of their Bezier coefficients, or by `weights`
+    the last alone."""
+
+    normal: tuple[float, ...]
+    bound: float
+    segments: tuple[int, ...]
+    weights: tuple[tuple[float, ...], ...] = BEZIER
+
+    @property
+    def first(self) -> int:
+        """The first dimension that it is about."""
+        return next(i for i, c in enumerate(self.normal) if c)
+
+
+def _couplings(arena: Arena, limits: Limits) -> list[_Coupling]:
+    """What must hold of several dimensions together: beyond the faces in use, within what cuts the space and the target."""
+    faces, count = arena.faces, len(limits.edges)
+    found = [
+        _Coupling(tuple(faces.normal[x].tolist()), face_bound(arena, x), tuple(np.nonzero(limits.beyond[:, x])[0].tolist()))
+        for x in limits.faces
+    ]
+    for cuts, where, weights in ((arena.walls, tuple(range(count)), BEZIER), (arena.goals, (count - 1,), BEZIER[-1:])):
+        for normal, bound in zip(cuts.normal.tolist(), cuts.bound.tolist(), strict=True):
+            found.append(_Coupling(tuple(normal), bound, where, weights))
+    return found
+
+
 def _groups(arena: Arena, limits: Limits) -> list[list[int]]:
     """The dimensions that the faces in use couple, together; mostly every one by itself."""
     group = list(range(arena.dimension))
-    for x in limits.faces:
-        joined = {group[i] for i in np.nonzero(arena.faces.normal[x])[0]}
+    for coupling in _couplings(arena, limits):
+        joined = {group[i] for i, c in enumerate(coupling.normal) if c}
         group = [min(joined) if g in joined else g for g in group]
     return [[i for i, g in enumerate(group) if g == first] for first in sorted(set(group))]
 
@@ -140,9 +170,9 @@ def _group(
         own = template.rows.moved(k * each, each, last)
         parts.append(own if arena.swiftness[i] == 1 else own.times(last, float(arena.swiftness[i])))
         bounds.append(_bounds(arena, start[:, i], limits.edges[:, :, i], float(width[i]), template, i))
-    faces = [x for x in limits.faces if int(np.nonzero(arena.faces.normal[x])[0][0]) in members]
-    if faces:
-        rows, low = _faces(arena, limits, faces, width, members, each, segments)
+    couplings = [c for c in _couplings(arena, limits) if c.first in members]
+    if couplings:
+        rows, low = _coupled(couplings, width, members, each, segments)
         parts.append(rows)
         bounds.append((low, np.full(len(low), np.inf)))
     lower, upper, cost = np.full(last + 1, -np.inf), np.full(last + 1, np.inf), np.zeros(last + 1)
@@ -158,7 +188,7 @@ def _group(
         upper[bends] = _bend(arena, segments, i)
     row_lower, row_upper = (np.concatenate([b[e] for b in bounds]) for e in (0, 1))
     rows = Rows.joined(parts)
-    if faces or solvers is None:
+    if couplings or solvers is None:
         solution = least(cost, lower, upper, rows, row_lower, row_upper)
     else:
         solution = solvers.solve((segments, *members), cost, lower, upper, rows, row_lower, row_upper)
@@ -212,29 +242,25 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     return lower, upper
 
 
-def _faces(
-    arena: Arena, limits: Limits, faces: list[int], width: Array, members: list[int], each: int, segments: int
-) -> tuple[Rows, Array]:
-    """Rows that keep the Bezier coefficients of some segments beyond faces, and what they are at least."""
+def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each: int, segments: int) -> tuple[Rows, Array]:
+    """The rows of couplings, and what they are at least."""
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
     bound: list[float] = []
     widened = min(WIDENED, segments)
     place = {i: k for k, i in enumerate(members)}
-    for x in faces:
-        normal = arena.faces.normal[x].tolist()
-        constant = sum(c * float(width[i]) for i, c in enumerate(normal) if c < 0)
-        for s in np.nonzero(limits.beyond[:, x])[0].tolist():
-            for weights in BEZIER:
-                terms: dict[int, float] = {}
-                for i, c in enumerate(normal):
-                    if not c:
-                        continue
-                    first = place[i] * each
-                    for point, w in zip(range(s, s + 4), weights, strict=True):
-                        own = first + (segments if point == segments + 2 else point)  # the last control points are one column
-                        terms[own] = terms.get(own, 0.0) + c * w
-                        if c < 0 and point < widened:
-                            terms[first + segments + 2 + point] = c * w
-                rows.append((tuple(terms), tuple(terms.values())))
-                bound.append(face_bound(arena, x) - constant)
+    for one in couplings:
+        constant = sum(c * float(width[i]) for i, c in enumerate(one.normal) if c < 0)
+        for s, weights in itertools.product(one.segments, one.weights):
+            terms: dict[int, float] = {}
+            for i, c in enumerate(one.normal):
+                if not c:
+                    continue
+                first = place[i] * each
+                for point, w in zip(range(s, s + 4), weights, strict=True):
+                    own = first + (segments if point == segments + 2 else point)  # the last control points are one column
+                    terms[own] = terms.get(own, 0.0) + c * w
+                    if c < 0 and point < widened:
+                        terms[first + segments + 2 + point] = c * w
+            rows.append((tuple(terms), tuple(terms.values())))
+            bound.append(one.bound - constant)
     return Rows.of(rows), np.array(bound)

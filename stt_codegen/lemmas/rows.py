@@ -51,7 +51,7 @@ def _plain() -> Outcome:
     start, space, target = (_box(name) for name in ("start", "space", "target"))
     x = tuple(sp.Symbol(f"x{i + 1}", real=True) for i in range(N))
     tube = SimpleNamespace(min_width=Formula(width, 0.25))
-    bounds = {"max_speed": fast, "max_acceleration": bend}
+    bounds = {"max_speed": fast, "max_acceleration": bend, "space_cuts": (), "target_cuts": ()}
     task: Any = SimpleNamespace(dimension=N, tube=tube, initial_state=x, start=start, free_space=space, target=target, **bounds)
     low, high = EDGE[:, LOWER], EDGE[:, UPPER]
 

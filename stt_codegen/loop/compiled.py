@@ -43,6 +43,8 @@ class Setting(ctypes.Structure):
         ("noise", ctypes.c_double),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
+        ("walls", ctypes.c_int32),
+        ("goals", ctypes.c_int32),
         ("space", ctypes.c_void_p),
         ("target", ctypes.c_void_p),
         ("first", ctypes.c_void_p),

@@ -22,6 +22,7 @@ from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant,
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
+from stt_codegen.task.polytopes import HalfSpace
 
 Array = npt.NDArray[Any]
 KINDS = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
@@ -145,6 +146,8 @@ class Loop:
             noise=scenario.noise,
             latency=scenario.latency,
             start=start.ctypes.data,
+            walls=len(field_.space),
+            goals=len(field_.target),
             space=field_.space.ctypes.data,
             target=field_.target.ctypes.data,
             first=field_.first.ctypes.data,
@@ -188,26 +191,28 @@ class Loop:
 
 
 class _Field:
-    """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body. faces: unit normal and
-    offset of every half-space of every unsafe set's core, one row each; first: where each set's begin, and their number at the
-    end; radius: of the set about its core."""
+    """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body: unit normals and offsets of
+    half-spaces. faces: of every unsafe set's core; first: where each set's begin, and their number at the end; radius: of the set
+    about its core."""
 
     def __init__(self, task: Task) -> None:
-        self.space, self.target = (
-            np.array([[float(v) for v in pair] for pair in zip(box.lower, box.upper, strict=True)])
-            for box in (task.free_space, task.target)
-        )
+        self.space = _unit([*task.free_space.faces, *task.space_cuts], task.dimension)
+        self.target = _unit([*task.target.faces, *task.target_cuts], task.dimension)
         sets = task.obstacles
         self.names = [s.name or f"U{j + 1}" for j, s in enumerate(sets)]
         cores = [s.core.faces for s in sets]
         self.radius = np.array([float(s.radius) for s in sets])
-        rows = np.array([[*map(float, normal), float(offset)] for faces in cores for normal, offset in faces])
-        rows = rows.reshape(-1, task.dimension + 1)
-        self.faces = rows / np.sqrt((rows[:, :-1] ** 2).sum(axis=1, keepdims=True))
+        self.faces = _unit([face for faces in cores for face in faces], task.dimension)
         for s, faces in zip(sets, cores, strict=True):
             if len(faces) > MOST_FACES:
                 raise BadInput(f"unsafe set {s.name}: has {len(faces)} faces; a loop takes at most {MOST_FACES}")
         self.first = np.cumsum([0, *map(len, cores)]).astype(np.int32)
+
+
+def _unit(half_spaces: Sequence[HalfSpace], n: int) -> Array:
+    """Half-spaces as rows of a unit normal and an offset, (F, n + 1)."""
+    rows = np.array([[*map(float, normal), float(offset)] for normal, offset in half_spaces]).reshape(-1, n + 1)
+    return np.asarray(rows / np.sqrt((rows[:, :-1] ** 2).sum(axis=1, keepdims=True)))
 
 
 def of_task(task: Task) -> dict[str, Any]:

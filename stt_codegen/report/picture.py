@@ -20,7 +20,7 @@ from stt_codegen.pipeline import Controller
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.rows import Row, avoid_rows
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import around
+from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
@@ -210,7 +210,25 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
         axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
         if named:
             _named(axis, task, s, s.name, plane, "white")
-    axis.add_patch(patch(task.target, COLOURS["target"], plane, fill=False, linewidth=1.8))
+    target = cut_box(task.target.lower, task.target.upper, task.target_cuts)
+    corners: Array = np.array([[float(v.point[i]) for i in plane] for v in target])
+    axis.add_patch(Polygon(hull_of(corners), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
+    _walls(axis, task, plane)
+
+
+def _walls(axis: Any, task: Task, plane: Plane) -> None:
+    """What cuts the state space, grey beyond it; of a cut in other dimensions nothing is seen."""
+    space = task.state_space
+    ends = [(space.lower[i], space.upper[i]) for i in plane]
+    lower, upper = (tuple(e[k] for e in ends) for k in (0, 1))
+    for normal, offset in space.cuts(task.own_axes(space)):
+        own = tuple(normal[i] for i in plane)
+        if sum(1 for c in normal if c) != sum(1 for c in own if c):
+            continue
+        beyond = cut_box(lower, upper, [(tuple(-c for c in own), -offset)])
+        corners = around([(float(v.point[0]), float(v.point[1])) for v in beyond])
+        if len(corners) > 2:
+            axis.add_patch(Polygon(np.array(corners), closed=True, color="0.8", linewidth=0))
 
 
 def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane = (0, 1)) -> None:

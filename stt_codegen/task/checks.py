@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import keyword
+from fractions import Fraction
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.sets import Normal, Vector
 from stt_codegen.task.shapes import Box, Unsafe, UnsafeSet
 
 
@@ -53,6 +55,10 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
+    for field, region in (("state_space", task.state_space), ("target_set", task.target_set)):
+        problem = _axes_problem(task, region.axes) or _entries_problem(task, region.axes, *region.points)
+        if problem:
+            return f"{field}.{problem}"
     found = (table.problem() for _, table in tables)
     return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None) or next(
         (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := _set_problem(task, unsafe))), None
@@ -61,9 +67,9 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
 
 def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
     """An unsafe set that is in other dimensions than it says, or is none."""
+    if problem := _axes_problem(task, unsafe.axes):
+        return problem
     names, own = task.axis_names, unsafe.axes
-    if own is not None and (not own or len(set(own)) < len(own) or not set(own) <= set(names)):
-        return f"axes: are {', '.join(own) or 'none'}; different ones of {', '.join(names)} are needed"
     for field, vector in unsafe.vectors():
         if own is not None and len(vector) != len(own):
             return f"{field}: has {len(vector)} entries; its axes are {len(own)}: {', '.join(own)}"
@@ -73,6 +79,22 @@ def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
                 f", unless axes names those of {', '.join(names)} that it is in" if len(vector) < len(names) else ""
             )
     return unsafe.problem()
+
+
+def _axes_problem(task: TaskTables, own: tuple[str, ...] | None) -> str | None:
+    names = task.axis_names
+    if own is not None and (not own or len(set(own)) < len(own) or not set(own) <= set(names)):
+        return f"axes: are {', '.join(own) or 'none'}; different ones of {', '.join(names)} are needed"
+    return None
+
+
+def _entries_problem(task: TaskTables, own: tuple[str, ...] | None, field: str, found: tuple[Vector, ...]) -> str | None:
+    wanted = task.dimension if own is None else len(own)
+    for k, vector in enumerate(found):
+        if len(vector) != wanted:
+            more = " of its axes" if own is not None else ", or axes that name fewer"
+            return f"{field}[{k}]: has {len(vector)} entries; {wanted} are needed, one for each dimension{more}"
+    return None
 
 
 def _labels_problem(task: TaskTables) -> str | None:
@@ -117,6 +139,9 @@ def _limits_problem(task: TaskTables) -> str | None:
     if tube.design != "refined" and tube.max_acceleration is not None:
         return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; use the refined design, or leave it out"
     shaped = next((j for j, s in enumerate(task.unsafe) if not isinstance(s, UnsafeSet)), None)
+    if tube.design != "refined" and (task.space_cuts or task.target_cuts):
+        field = "state_space" if task.space_cuts else "target_set"
+        return f"{field}: is no box; the {tube.design} design knows boxes alone, use the refined design"
     if tube.design != "refined" and shaped is not None:
         return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
     if tube.design != "refined" and tube.prefer != "balanced":
@@ -169,6 +194,11 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                     f"{field}: upper[{i}] = {decimal(box.upper[i])} lies outside the state space{body}; "
                     f"use at most {decimal(space.upper[i])}"
                 )
+    for k, (normal, offset) in enumerate(task.space_cuts):
+        if task.start.support(normal) > offset:
+            return (
+                f"initial_set: lies outside the state space{body}, beyond its face {k + 1}, {_half_space(task, normal, offset)}"
+            )
     for i, x in enumerate(task.initial_state):
         a, b = task.initial_set.lower[i], task.initial_set.upper[i]
         if not a < x < b:
@@ -177,6 +207,12 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                 f"use a value between {decimal(a)} and {decimal(b)}"
             )
     return None
+
+
+def _half_space(task: TaskTables, normal: Normal, offset: Fraction) -> str:
+    """As a formula."""
+    terms = [f"{c} {name}" for c, name in zip(normal, task.axis_names, strict=True) if c]
+    return f"{' + '.join(terms)} <= {decimal(offset)}"
 
 
 def unsafe_problem(task: TaskTables) -> str | None:

@@ -11,8 +11,9 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
+from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.shapes import AnyUnsafe, Box, Table, Unsafe
+from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Unsafe
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
@@ -128,9 +129,9 @@ class TaskTables(Table):
     units: Labels | None = Field(default=None, description="unit of each dimension there; an empty text for none")
     prescribed_time: Positive = Field(description="t_c, seconds")
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
-    state_space: Box
+    state_space: Annotated[Region, BeforeValidator(_from_box)]
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
-    target_set: Box
+    target_set: Annotated[Region, BeforeValidator(_from_box)]
     body: Vector | None = Field(default=None, description="half extents of the robot")
     unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
     tube: TubeOptions = TubeOptions()
@@ -220,6 +221,18 @@ class TaskTables(Table):
         return self.target_set.convex()
 
     @property
+    def space_cuts(self) -> tuple[HalfSpace, ...]:
+        """The half-spaces that cut the state space, moved in by `body`."""
+        half = self.half_extents
+        given = self.state_space.cuts(self.own_axes(self.state_space))
+        return tuple((n, h - sum((abs(c) * v for c, v in zip(n, half, strict=True)), Fraction(0))) for n, h in given)
+
+    @property
+    def target_cuts(self) -> tuple[HalfSpace, ...]:
+        """The half-spaces that cut the target set."""
+        return self.target_set.cuts(self.own_axes(self.target_set))
+
+    @property
     def bare(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets as they are, in the order of the file."""
         return tuple(s.within(self.state_space, self.own_axes(s)) for s in self.unsafe)
@@ -229,9 +242,9 @@ class TaskTables(Table):
         """The unsafe sets whose points are not all corners: what is avoided is their hull."""
         return tuple(s.name for s in self.unsafe if s.thinned)
 
-    def own_axes(self, unsafe: Unsafe) -> tuple[int, ...]:
-        """The dimensions that an unsafe set is in; its axes are known to be of the task's."""
-        return tuple(self.axis_names.index(name) for name in unsafe.axes or self.axis_names)
+    def own_axes(self, table: Unsafe | Region) -> tuple[int, ...]:
+        """The dimensions that a set is in; its axes are known to be of the task's."""
+        return tuple(self.axis_names.index(name) for name in table.axes or self.axis_names)
 
     @property
     def obstacles(self) -> tuple[ConvexSet, ...]:

@@ -16,6 +16,9 @@ from stt_codegen.task.rounds import Round
 from stt_codegen.task.sets import BoxSet, ConvexSet, Prism
 from stt_codegen.task.values import MAX_LABEL, MAX_NORMALS, MAX_POINTS, MAX_POINTS_BEYOND, Positive, Vector, labels, points
 
+Axes = Annotated[tuple[str, ...], BeforeValidator(labels)]
+Points = Annotated[tuple[Vector, ...], BeforeValidator(points)]
+
 
 class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -43,11 +46,51 @@ class Box(Table):
         return BoxSet(self.lower, self.upper)
 
 
+class Region(Box):
+    """A box, or what half-spaces or the hull of points leave of it: where something must be."""
+
+    axes: Axes | None = Field(default=None, description="the dimensions of vertices or normals, by name; absent: all")
+    vertices: Points | None = Field(default=None, description="points whose hull cuts the box")
+    normals: Points | None = Field(default=None, description="of half-spaces that cut the box, normals[k].x <= offsets[k]")
+    offsets: Vector | None = Field(default=None, description="one for each of the normals")
+
+    @property
+    def points(self) -> tuple[str, tuple[Vector, ...]]:
+        """The field that cuts the box, and its points or normals."""
+        return ("vertices", self.vertices) if self.vertices is not None else ("normals", self.normals or ())
+
+    def problem(self) -> str | None:
+        field, found = self.points
+        if self.vertices is not None and (self.normals is not None or self.offsets is not None):
+            return "vertices: stand beside normals and offsets; give the one or the others"
+        if (self.normals is None) != (self.offsets is None):
+            return f"{'offsets' if self.offsets is None else 'normals'}: are missing; both are needed"
+        if self.axes is not None and not found:
+            return "axes: are those of vertices or normals; give these, or leave the axes out"
+        if not found:
+            return super().problem()
+        if len(found[0]) > SOLID:
+            return f"{field}: are in {len(found[0])} dimensions; at most {SOLID} are taken, name them in axes"
+        if self.offsets is not None:
+            return super().problem() or half_space_problem(found, self.offsets)
+        return super().problem() or hull_problem(found)
+
+    def cuts(self, own: Sequence[int]) -> tuple[HalfSpace, ...]:
+        """The half-spaces that cut the box, in all dimensions; `own`: those of the points or normals, by number."""
+        if self.vertices is not None:
+            found = list(Hull.of(self.vertices).faces)
+        else:
+            found = half_spaces(self.normals or (), self.offsets or ())
+        places = [dict(zip(own, normal, strict=True)) for normal, _ in found]
+        full = [tuple(place.get(i, 0) for i in range(len(self.lower))) for place in places]
+        return tuple((normal, offset) for normal, (_, offset) in zip(full, found, strict=True))
+
+
 class Unsafe(Table):
     """What all unsafe sets U_j have; unnamed ones are called U1, U2, ... in the order of the file."""
 
     name: str = Field(default="", pattern=r"^[A-Za-z0-9_ .()#+-]*$", max_length=MAX_LABEL)
-    axes: Annotated[tuple[str, ...], BeforeValidator(labels)] | None = Field(
+    axes: Axes | None = Field(
         default=None, description="the dimensions that the set is in, by name: all others may be anything; absent: all"
     )
 
@@ -101,20 +144,13 @@ class UnsafeSet(Unsafe):
 class UnsafePolytope(Unsafe):
     """The hull of points."""
 
-    vertices: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="points in any order; their hull counts")
+    vertices: Points = Field(description="points in any order; their hull counts")
 
     def vectors(self) -> list[tuple[str, Vector]]:
         return [(f"vertices[{k}]", p) for k, p in enumerate(self.vertices)]
 
     def problem(self) -> str | None:
-        n, count = len(self.vertices[0]), len(self.vertices)
-        most = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
-        if count > most:
-            return f"vertices: has {count} points; at most {most} are taken in {n} dimensions"
-        if spanned(self.vertices) < n:
-            flat = {1: "in one place", 2: "on one line", 3: "in one plane"}.get(n, "in one hyperplane")
-            return f"vertices: have no interior; at least {n + 1} points that are not all {flat} are needed"
-        return None
+        return hull_problem(self.vertices)
 
     @property
     def thinned(self) -> bool:
@@ -127,9 +163,7 @@ class UnsafePolytope(Unsafe):
 class UnsafeHalfSpaces(Unsafe):
     """All points of the state space with normals[k].x <= offsets[k] for every k."""
 
-    normals: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(
-        description="of half-spaces, normals[k].x <= offsets[k]"
-    )
+    normals: Points = Field(description="of half-spaces, normals[k].x <= offsets[k]")
     offsets: Vector = Field(description="one for each of the normals")
 
     def vectors(self) -> list[tuple[str, Vector]]:
@@ -140,8 +174,6 @@ class UnsafeHalfSpaces(Unsafe):
             return (
                 f"normals: have {len(self.normals[0])} entries; half-spaces are for at most {SOLID} dimensions, name them in axes"
             )
-        if len(self.normals) > MAX_NORMALS:
-            return f"normals: has {len(self.normals)} entries; at most {MAX_NORMALS} are taken"
         return half_space_problem(self.normals, self.offsets)
 
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
@@ -173,7 +205,7 @@ class UnsafeBall(Unsafe):
 class UnsafeCapsule(Unsafe):
     """All points within a radius of a segment."""
 
-    segment: Annotated[tuple[Vector, ...], BeforeValidator(points)] = Field(description="its two ends")
+    segment: Points = Field(description="its two ends")
     radius: Positive
 
     def vectors(self) -> list[tuple[str, Vector]]:
@@ -199,8 +231,22 @@ def half_spaces(normals: Sequence[Vector], offsets: Vector) -> list[HalfSpace]:
     return found
 
 
+def hull_problem(found: Sequence[Vector]) -> str | None:
+    """What makes these points no vertices of a polytope, in words."""
+    n, count = len(found[0]), len(found)
+    most = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
+    if count > most:
+        return f"vertices: has {count} points; at most {most} are taken in {n} dimensions"
+    if spanned(found) < n:
+        flat = {1: "in one place", 2: "on one line", 3: "in one plane"}.get(n, "in one hyperplane")
+        return f"vertices: have no interior; at least {n + 1} points that are not all {flat} are needed"
+    return None
+
+
 def half_space_problem(normals: Sequence[Vector], offsets: Sequence[Fraction]) -> str | None:
     """What makes these no half-spaces, in words."""
+    if len(normals) > MAX_NORMALS:
+        return f"normals: has {len(normals)} entries; at most {MAX_NORMALS} are taken"
     if len(offsets) != len(normals):
         return f"offsets: has {len(offsets)} entries; normals has {len(normals)}, and both must agree"
     for k, normal in enumerate(normals):

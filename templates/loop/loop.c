@@ -87,13 +87,11 @@ static void nearest(const loop_setting *s, const double *x, double *w)
             for (int i = 0; i < n; i++) w[i] = way[i] / core;
         }
     }
-    for (int i = 0; i < n; i++) { /* walls */
-        const double down = x[i] - s->space[2 * i], up = s->space[2 * i + 1] - x[i];
-        const double distance = fmin(down, up);
+    for (int f = 0; f < s->walls; f++) {
+        const double *wall = s->space + (n + 1) * f, distance = -beyond(wall, x, n);
         if (distance < best) {
             best = distance;
-            memset(w, 0, (size_t)n * sizeof *w);
-            w[i] = down < up ? -1.0 : 1.0;
+            memcpy(w, wall, (size_t)n * sizeof *w);
         }
     }
 }
@@ -167,10 +165,10 @@ static void integrate(const wind *v, double t, double h, const double *u, double
     integrate(v, t + 0.5 * h, 0.5 * h, u, x, depth - 1);
 }
 
-static int inside(const double *box, const double *x, int n)
+static int inside(const double *faces, int count, const double *x, int n)
 {
-    for (int i = 0; i < n; i++)
-        if (!(box[2 * i] <= x[i] && x[i] <= box[2 * i + 1])) return 0;
+    for (int f = 0; f < count; f++)
+        if (!(beyond(faces + (n + 1) * f, x, n) <= 0.0)) return 0;
     return 1;
 }
 
@@ -192,7 +190,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
     double lower[MOST], upper[MOST];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
         if (within(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], s->radius[j], x, n)) r->hit = j, r->hit_at = t;
-    if (!r->left && !inside(s->space, x, n)) r->left = 1, r->left_at = t;
+    if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);
     for (int i = 0; i < n; i++) {
@@ -267,6 +265,6 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         memcpy(before, u, (size_t)n * sizeof *u);
     }
     if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n);
-    r->reached = inside(s->target, x, n);
+    r->reached = inside(s->target, s->goals, x, n);
     memcpy(r->last, x, (size_t)n * sizeof *x);
 }

@@ -28,7 +28,8 @@ typedef struct {
     double noise;          /* of every measured component, at most */
     double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
     const double *start;   /* n */
-    const double *space;   /* lower, upper by dimension */
+    int32_t walls, goals;  /* half-spaces of the state space and of the target */
+    const double *space;   /* each n + 1 numbers, as in faces */
     const double *target;
     const int32_t *first;  /* sets + 1: where the faces of each begin, and how many there are */
     const double *faces;   /* each n + 1 numbers, a unit normal and an offset: the core of a set is where normal.x <= offset for all of its own */

@@ -1,0 +1,196 @@
+"""State spaces and targets that are polytopes: a box cut by half-spaces or by the hull of points, from the task to the checker."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.optimize import linprog
+from scipy.spatial import ConvexHull
+from test_shapes import checked
+
+from stt_codegen.design.arena import arena_of, starting_box
+from stt_codegen.design.route import inner_box
+from stt_codegen.designs.grid import tube_at
+from stt_codegen.emit.render import render
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.loop.simulate import Loop, Scenario
+from stt_codegen.pipeline import build_program, build_task, certify
+from stt_codegen.plants import PLANTS
+from stt_codegen.program.cost import cost_of
+from stt_codegen.report.picture import draw
+from stt_codegen.task import Task, parse_task
+
+ROOM = """name = "room"
+prescribed_time = 9
+initial_state = [0.45, 0.45]
+{body}
+[state_space]
+lower = [0, 0]
+upper = [5, 5]
+vertices = [[0, 0.5], [0.5, 0], [5, 1.5], [5, 5], [3.5, 5], [0, 2]]
+[initial_set]
+lower = [0.35, 0.35]
+upper = [0.7, 0.7]
+[target_set]
+lower = [4, 4]
+upper = [4.9, 4.9]
+normals = [[-1, -1], [1, 1]]
+offsets = [-8.8, 9.5]
+[[unsafe]]
+name = "pillar"
+centre = [2.6, 2.2]
+radius = 0.6
+"""
+SPACE = """name = "space"
+axes = ["x", "y", "z"]
+prescribed_time = 9
+initial_state = [0.5, 0.5, 0.5]
+{body}
+[state_space]
+lower = [0, 0, 0]
+upper = [5, 5, 2]
+axes = ["y", "x"]
+normals = [[1, -1], [-1, 1], [1, 0]]
+offsets = [1.5, 3.5, 4.95]
+[initial_set]
+lower = [0.4, 0.4, 0.2]
+upper = [0.7, 0.7, 0.7]
+[target_set]
+lower = [4, 4, 0.5]
+upper = [4.9, 4.9, 1.5]
+vertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]
+"""
+TEXTS = {
+    "room": ROOM.format(body=""),
+    "room, body": ROOM.format(body="body = [0.05, 0.1]"),
+    "space": SPACE.format(body=""),
+    "space, body": SPACE.format(body="body = [0.05, 0.05, 0.1]"),
+}
+
+
+def outside(task: Task, region, low: np.ndarray, high: np.ndarray, body: bool) -> float:
+    """By how much a corner of boxes (T, n), the body added, is beyond what cuts a region at most, in doubles: of points by qhull."""
+    own = list(task.own_axes(region))
+    half = np.array([float(v) for v in task.half_extents]) if body else np.zeros(task.dimension)
+    if region.vertices is not None:
+        found = ConvexHull(np.array(region.vertices, dtype=float)).equations
+        normals, offsets = found[:, :-1], -found[:, -1]
+    else:
+        normals, offsets = np.array(region.normals, dtype=float), np.array(region.offsets, dtype=float)
+    a, b = (low - half)[:, own], (high + half)[:, own]
+    reach = np.maximum(normals[:, None] * a, normals[:, None] * b).sum(axis=2) - offsets[:, None]
+    return float((reach / np.abs(normals).sum(axis=1)[:, None]).max())
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_tube_in_polytopes_is_found_proved_checked_and_drawn(name: str, tmp_path: Path) -> None:
+    task = parse_task(TEXTS[name])
+    made = build_task(task)
+    assert made.certificate.holds
+    assert checked(TEXTS[name], made.files, tmp_path) == 0
+    low, high = tube_at(made.design, np.linspace(0, 9, 901))
+    assert outside(task, task.state_space, low, high, body=True) <= 1e-12
+    assert outside(task, task.target_set, low[-1:], high[-1:], body=False) <= 1e-12
+    plain = task.changed(state_space={"vertices": None, "normals": None, "offsets": None, "axes": None})
+    assert cost_of(made.program, "control") == cost_of(build_task(plain).program, "control")
+    draw(made, tmp_path / "drawn.png")
+
+
+@pytest.mark.parametrize("region", ["state_space", "target_set"])
+def test_a_face_that_comes_nearer_is_refused_where_the_tube_is_beyond(region: str, tmp_path: Path) -> None:
+    made = build_task(parse_task(TEXTS["room"]))
+    low, high = tube_at(made.design, np.linspace(0, 9, 8 * made.design.segments + 1))
+    verdicts = []
+    for k in range(12):
+        old = {"state_space": "[3.5, 5], [0, 2]", "target_set": "offsets = [-8.8, 9.5]"}[region]
+        new = {
+            "state_space": f"[{3.5 + 0.1 * k:.2f}, 5], [0, {2 - 0.1 * k:.2f}]",
+            "target_set": f"offsets = [{-8.7 - 0.03 * k:.2f}, 9.5]",
+        }
+        text = TEXTS["room"].replace(old, new[region])
+        try:
+            task = parse_task(text)
+        except BadInput as told:
+            assert "initial_set: lies outside the state space" in str(told)
+            continue
+        found = certify(task, made.design, build_program(task, made.design))
+        verdicts.append(found.tube_holds)
+        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
+        last = slice(-1, None) if region == "target_set" else slice(None)
+        beyond = outside(task, getattr(task, region), low[last], high[last], body=region == "state_space")
+        assert beyond <= 1e-12 if found.holds else beyond > -2 * float(max(made.certificate.edge_error)) - 1e-3
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert len(set(verdicts)) == 2
+
+
+def test_the_loop_judges_by_the_true_room() -> None:
+    loop = Loop(build_task(parse_task(TEXTS["room"])), PLANTS["integrator"])
+    assert loop.run(Scenario(rate=500.0)).good
+    corner = loop.run(Scenario(start=(4.5, 1.2)))  # in the box, beyond the slanted wall
+    assert corner.left_at == 0
+    assert loop.run(Scenario(start=(4.5, 1.45))).left_at != 0
+    push = loop.run(Scenario(disturbance="nearest", strength=0.1, start=(4.5, 1.5)), trace=True).trace[0, 9:11]
+    assert push == pytest.approx(0.1 * np.array([1.5, -4.5]) / np.hypot(1.5, 4.5), rel=1e-6)
+
+
+def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_proportions() -> None:
+    arena = arena_of(parse_task(TEXTS["room"]))
+    inset = np.array([0.1, 0.1])
+    goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
+    box = inner_box(arena, goal, inset)
+    assert box is not None
+    half = (goal[1] - goal[0]) / 2
+    rows, ends = [], []
+    for normal, bound in zip(
+        *(np.concatenate([getattr(c, f) for c in (arena.walls, arena.goals)]) for f in ("normal", "bound")), strict=True
+    ):
+        rows.append([*-normal, float(np.abs(normal) @ half)])
+        ends.append(-bound - float(np.abs(normal) @ inset))
+    for i in (0, 1):
+        rows += [[*np.eye(2)[i], half[i]], [*-np.eye(2)[i], half[i]]]
+        ends += [goal[1, i], -goal[0, i]]
+    found = linprog([0, 0, -1], np.array(rows), ends, bounds=[(None, None)] * 2 + [(0, 1)])
+    assert ((box[1] - box[0]) / 2 / half) == pytest.approx([-found.fun] * 2, rel=1e-6)
+    assert starting_box(arena).shape == (2, 2)
+
+
+def test_a_target_that_holds_no_tube_is_refused() -> None:
+    with pytest.raises(NotCertified, match="a way opens at tube.min_width = 0.02"):
+        build_task(parse_task(TEXTS["room"].replace("offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.85]")))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("vertices = [[0, 0.5], [0.5, 0],", "vertices = [[0, 0.5], [0.5],", ["state_space.vertices[1]", "1 entries", "2 are needed"]),
+        ("vertices = [[0, 0.5], [0.5, 0], [5, 1.5], [5, 5], [3.5, 5], [0, 2]]", "vertices = [[0, 0], [1, 1]]", ["state_space", "3 points"]),
+        ("offsets = [-8.8, 9.5]", "offsets = [-8.8]", ["target_set", "offsets", "1 entries"]),
+        ("offsets = [-8.8, 9.5]", "", ["target_set", "offsets", "missing"]),
+        ("normals = [[-1, -1], [1, 1]]", "normals = [[0, 0], [1, 1]]", ["target_set", "normals[0]", "is 0"]),
+        ("normals = [[-1, -1], [1, 1]]", 'normals = [[-1, -1], [1, 1]]\naxes = ["x1", "y"]', ["target_set.axes", "x1, x2"]),
+        ("normals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", 'axes = ["x1"]', ["target_set", "axes", "leave the axes out"]),
+        ("[0.5, 0], [5, 1.5]", "[0.9, 0.8], [5, 1.5]", ["initial_set", "outside the state space", "<="]),
+        ('name = "room"', 'name = "room"\ntube = { design = "adaptive" }', ["state_space", "refined"]),
+    ],
+)  # fmt: skip
+def test_what_is_no_region_is_refused(old: str, new: str, words: list[str]) -> None:
+    with pytest.raises(BadInput) as caught:
+        parse_task(TEXTS["room"].replace(old, new))
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_half_spaces_along_axes_are_edges() -> None:
+    """A cut across one dimension is the tighter of both bounds, and couples nothing."""
+    plain = parse_task(
+        TEXTS["space"].replace(
+            "normals = [[1, -1], [-1, 1], [1, 0]]\noffsets = [1.5, 3.5, 4.95]",
+            "normals = [[1, 0], [-2, 0]]\noffsets = [4.9, -0.2]",
+        )
+    )
+    arena = arena_of(plain)
+    assert arena.walls.bound.size == 0
+    assert arena.space[:, 1] + float(arena.origin[1]) == pytest.approx([0.1, 4.9], abs=1e-4)
+    assert plain.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
