@@ -50,7 +50,9 @@ def build(path: str | Path, design: str | None = None, scalar: str | None = None
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
     """
-    task = load_task(path).with_options(design, scalar)
+    task = load_task(path)
+    with about(path):
+        task = task.with_options(design, scalar)
     with about(path):
         return build_task(task, uncertified)
 

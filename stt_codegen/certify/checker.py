@@ -88,6 +88,10 @@ class Task:
     def __init__(self, data: bytes) -> None:
         document = tomllib.loads(data.decode("utf-8-sig"), parse_float=_decimal)
         self.digest = hashlib.sha256(json.dumps(_plain(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
+        if "map" in document:
+            raise Unusable(
+                "the task has a map; give the .task.toml that was written beside the C, where its sets are spelled out"
+            )
         tables = [(name, entry) for name, v in document.items() for entry in (v if name == "unsafe" else [v]) if name in KNOWN]
         for name, entry in [("", document), *tables]:
             unknown = set(entry) - set(KNOWN[name].split())

@@ -320,7 +320,9 @@ def starting_box(arena: Arena) -> Array:
         nearest = max([float(gap[i]), *(room for room, _ in slanted)])
         if nearest >= arena.clearance:
             continue
+        along = f"in {arena.axes[i]}"
         if slanted and max(slanted)[0] > gap[i]:
+            along = "across a face, by component"
             box, i = _cut_beyond(arena, box, *max(slanted))
         elif below[i] >= above[i]:
             box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
@@ -329,10 +331,11 @@ def starting_box(arena: Arena) -> Array:
         x = arena.initial_state[i]
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
             size = arena.length_unit
+            kept, place = (arena.clearance - arena.allowance) * size, arena.place(i, x)
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set in {arena.axes[i]}, nearer "
-                f"than the clearance {(arena.clearance - arena.allowance) * size:.6g}, and x(0) = {arena.place(i, x):.6g} there "
-                "leaves no room to start elsewhere; lower tube.clearance, or move the initial set or x(0) away from it"
+                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set {along}, nearer than the "
+                f"clearance {kept:.6g}, and x(0) = {place:.6g} in {arena.axes[i]} leaves no room to start elsewhere; "
+                "lower tube.clearance, or move the initial set or x(0) away from it"
             )
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:

@@ -54,11 +54,12 @@ def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess:
             told.append(f"raise tube.{name} to {_shown(_times(given, factor))}")
     longer = _least(lambda f: is_found(task.changed(prescribed_time=_times(task.prescribed_time, f))), guess)
     if longer is not None:
-        told.append(f"prescribed_time to {_shown(_times(task.prescribed_time, longer))} s")
+        told.append(f"raise prescribed_time to {_shown(_times(task.prescribed_time, longer))} s")
     words = {"max_speed": "speed", "max_acceleration": "acceleration"}
     bounds = " and ".join(f"tube.{name} {_shown(value)}" for name, value in limits.items())
     found = ", or ".join(told) or "no value of one alone would do; leave both out"
-    return f"P6 {' and '.join(words[name] for name in limits)}: no tube was found within {bounds}; {found}"
+    more = "; whether control.period is proved then shows in the next run" if told and task.control.period is not None else ""
+    return f"P6 {' and '.join(words[name] for name in limits)}: no tube was found within {bounds}; {found}{more}"
 
 
 def _least(holds: Callable[[float], bool], guess: float) -> float | None:

@@ -11,8 +11,10 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
+from matplotlib.patheffects import withStroke
 
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
@@ -28,7 +30,9 @@ COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube":
 BOXES = 46  # tube boxes drawn over the arena
 NAMED = 40  # up to so many unsafe sets have their names in the picture
 FEW = 3  # up to so many dimensions the arena is drawn in two of them alone
-EDGE = 0.06  # a label so near to the frame, as a part of its width, begins or ends there
+OTHERS = (".bmp", ".eps", ".gif", ".jpeg", ".jpg", ".tif", ".tiff", ".webp")
+ROOM = 3  # pixels between a label and the frame
+LABEL = "label "  # what the names of labels begin with, then 0 for those that come first
 Plane = tuple[int, int]  # two dimensions, from 0
 
 
@@ -38,7 +42,10 @@ def draw(controller: Controller, path: Path, planes: Sequence[Plane] = ()) -> No
 
 
 def picture_path(where: Path, name: str) -> Path:
-    """`where` itself when it ends in png, svg or pdf, else <name>.png in that folder."""
+    """`where` itself when it ends in png, svg or pdf, else <name>.png in that folder. Raises `BadInput` for another kind of
+    picture."""
+    if where.suffix.lower() in OTHERS:
+        raise BadInput(f"{where}: pictures are made as .png, .svg or .pdf; end the name so, or give a folder")
     return where if where.suffix in (".png", ".svg", ".pdf") else where / f"{name}.png"
 
 
@@ -86,6 +93,7 @@ def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
     over[-1].set_xlabel("t [s]")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
+    place_labels(figure)
     return figure
 
 
@@ -140,6 +148,7 @@ def slack_at(row: Row, low: Array, high: Array) -> Array:
 def save(figure: Any, path: Path) -> None:
     """Write a figure as its name ends: png, svg or pdf, without a date. Raises `BadInput` where it cannot be written."""
     dated = {".svg": "Date", ".pdf": "CreationDate"}.get(path.suffix, "Software")
+    place_labels(figure)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with mpl.rc_context({"svg.hashsalt": "stt"}):
@@ -179,15 +188,38 @@ def _frame(axis: Any, task: Task, plane: Plane) -> None:
     axis.set(xlabel=label(task, a), ylabel=label(task, b), aspect="equal" if alike else "auto")
 
 
-def _named(axis: Any, task: Task, convex: ConvexSet, text: str, plane: Plane, colour: str) -> None:
-    """A label in the middle of what is seen of a set, on the side of the frame that has room for it."""
-    points = outline(convex, plane)
-    ends = np.array([[float(v[i]) for i in plane] for v in (task.state_space.lower, task.state_space.upper)])
-    x, y = (np.maximum(points.min(axis=0), ends[0]) + np.minimum(points.max(axis=0), ends[1])) / 2
-    from_left = (x - ends[0, 0]) / (ends[1, 0] - ends[0, 0])
-    side = "left" if from_left < EDGE else "right" if from_left > 1 - EDGE else "center"
-    x = {"left": ends[0, 0], "right": ends[1, 0]}.get(side, x)
-    axis.text(x, y, text, ha=side, va="center", color=colour, clip_on=True, fontsize=8)
+def _named(axis: Any, convex: ConvexSet, text: str, plane: Plane, colour: str, priority: int) -> None:
+    """A label in the middle of a set, put in its place by `place_labels`."""
+    x, y = outline(convex, plane).mean(axis=0)
+    around = "white" if colour == "black" else "black"
+    label = axis.text(x, y, text, ha="center", va="center", color=colour, fontsize=8, clip_on=True)
+    label.set_path_effects([withStroke(linewidth=1.2, foreground=around, alpha=0.5)])
+    label.set_gid(f"{LABEL}{priority}")
+
+
+def place_labels(figure: Figure) -> None:
+    """Every label of a set inside its axes, and none over another: of two the later one goes. Asks for the layout, so it comes
+    last before a figure is saved."""
+    found = [(axis, [t for t in axis.texts if (t.get_gid() or "").startswith(LABEL)]) for axis in figure.axes]
+    if not any(texts for _, texts in found):
+        return
+    FigureCanvasAgg(figure)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")  # what is measured stays where it is
+    for axis, texts in found:
+        frame, kept = axis.get_window_extent(), list[Any]()
+        for text in sorted(texts, key=lambda t: str(t.get_gid())):
+            box = text.get_window_extent()
+            x = max(frame.x0 + ROOM - box.x0, 0) + min(frame.x1 - ROOM - box.x1, 0)
+            y = max(frame.y0 + ROOM - box.y0, 0) + min(frame.y1 - ROOM - box.y1, 0)
+            box = box.translated(x, y)
+            if any(box.overlaps(other) for other in kept):
+                text.remove()
+                continue
+            kept.append(box)
+            if x or y:
+                (a, b) = axis.transData.transform(text.get_position())
+                text.set_position(tuple(axis.transData.inverted().transform((a + x, b + y))))
 
 
 def _bounded(task: Task, convex: ConvexSet, i: int) -> bool:
@@ -209,7 +241,7 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
             axis.add_patch(patch(grown, COLOURS["unsafe"], plane, fill=False, hatch="////", alpha=0.35, linewidth=0))
         axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
         if named:
-            _named(axis, task, s, s.name, plane, "white")
+            _named(axis, s, s.name, plane, "white", 1)
     target = cut_box(task.target.lower, task.target.upper, task.target_cuts)
     corners: Array = np.array([[float(v.point[i]) for i in plane] for v in target])
     axis.add_patch(Polygon(hull_of(corners), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
@@ -245,7 +277,7 @@ def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane
     draw_sets(axis, task, plane)
     axis.add_patch(patch(task.start, COLOURS["start"], plane, fill=False, linewidth=1.8))
     for box, name in ((task.start, "start"), (task.target, "target")):
-        _named(axis, task, box, name, plane, "black")
+        _named(axis, box, name, plane, "black", 0)
     middle = (low + high) / 2
     axis.plot(middle[:, a], middle[:, b], color="black", linewidth=0.8, linestyle=":")
 

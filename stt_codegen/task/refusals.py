@@ -10,6 +10,10 @@ from pydantic import BaseModel, ValidationError
 
 from stt_codegen.task.values import MAX_LABEL, MAX_NAME, kind_of
 
+SHAPES = "lower and upper, vertices, normals and offsets, centre and radius, or segment and radius"
+FORMS = [set(form.removeprefix("or ").split(" and ")) for form in SHAPES.split(", ")]
+SHAPE_FIELDS = set().union(*FORMS)
+
 
 def explain(error: ValidationError, model: type[BaseModel]) -> str:
     """The first of pydantic's findings about such a table, in this project's words."""
@@ -23,7 +27,13 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     kind = first["type"]
     value = first.get("input")
     if kind == "missing":
-        return f"{where}: is missing; add it (see the task files in tasks/)"
+        given = SHAPE_FIELDS & set(first["input"]) if first["loc"][0] == "unsafe" else set()
+        if first["loc"][0] == "unsafe" and not any(given & form and given <= form for form in FORMS):
+            told = f"says two shapes ({', '.join(sorted(given))})" if given else "says no shape"
+            return f"{where.rpartition('.')[0]}: {told}; give one of {SHAPES}"
+        return f"{where}: is missing; add it (docs/task.md has an example of every field)"
+    if kind == "extra_forbidden" and first["loc"][0] == "unsafe" and first["loc"][-1] in SHAPE_FIELDS:
+        return f"{where}: stands beside fields of another shape; a set has one, {SHAPES}"
     if kind == "extra_forbidden":
         close = _close(first["loc"], model)
         hint = f"did you mean {close[0]!r}?" if close else f"known keys here are {', '.join(_known_keys(first['loc'], model))}"
@@ -81,9 +91,13 @@ def _field(location: tuple[int | str, ...]) -> str:
 
 def _known_keys(location: tuple[int | str, ...], model: type[BaseModel]) -> list[str]:
     """The keys of the table that a field of the model is in, from the models themselves."""
+    tables: list[type[BaseModel]] = []
     for part in location[:-1]:
         field = model.model_fields.get(str(part))
-        model = next(iter(_tables_in(field.annotation)), model) if field is not None else model
+        if field is not None:
+            tables = list(_tables_in(field.annotation))
+        named = [table for table in tables if f"<{table.__name__}>" == part]  # which of several it was read as
+        model = next(iter(named or tables), model) if field is not None or named else model
     return list(model.model_fields)
 
 

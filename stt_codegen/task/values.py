@@ -148,8 +148,11 @@ Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return
 
 
 def labels(value: object) -> object:
-    if not isinstance(value, list | tuple) or not all(isinstance(v, str) for v in value):
+    if not isinstance(value, list | tuple):
         raise ValueError(f"is {kind_of(value)}; a list of texts is needed")
+    for v in value:
+        if not isinstance(v, str):
+            raise ValueError(f"has {kind_of(v)} in it; a list of texts is needed, in quotes")
     for v in value:
         if len(v) > MAX_LABEL or not re.fullmatch(r"[A-Za-z0-9 ._/^%()+-]*", v):
             raise ValueError(
@@ -161,7 +164,8 @@ def labels(value: object) -> object:
 def points(value: object) -> object:
     given = value.tolist() if hasattr(value, "tolist") else value
     if not isinstance(given, list | tuple) or not given:
-        raise ValueError(f"is {kind_of(value)}; a list of points is needed, [[x, y], ..]")
+        told = "an empty list" if isinstance(given, list | tuple) else kind_of(value)
+        raise ValueError(f"is {told}; a list of points is needed, [[x, y], ..]")
     return given
 
 
