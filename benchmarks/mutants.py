@@ -361,9 +361,12 @@ KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
 }
 
 
-def draw(dice: Random, names: Sequence[str]) -> tuple[str, str, Base, Mutant]:
+BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside"))  # a set of another shape than a box
+
+
+def draw(dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> tuple[str, str, Base, Mutant]:
     """A kind, the base's name, the base, and a mutant that is well formed (a box may turn over, a coefficient grow too long)."""
-    kind = dice.choice(list(KINDS))
+    kind = dice.choice(list(kinds))
     for _ in range(1000):
         name, scalar = dice.choice(names), dice.choice(("float", "double"))
         b = base(name, scalar)

@@ -1,6 +1,7 @@
 """Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by the roots of `truth.py`.
 
-    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--first 0] [--record FILE.md]
+    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--shapes] [--first 0]
+                                   [--record FILE.md]
 
 The mutants are those of `mutants.py`. The tool's certificate is asked, and the stand-alone checker, which gets files whose
 certificate claims success, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe
@@ -28,7 +29,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from mutants import KINDS, SHAPED, draw
+from mutants import BESIDE, KINDS, SHAPED, draw
 from truth import Fault, Undecided, first_fault
 
 from stt_codegen.bench.report import command, machine, record
@@ -65,9 +66,9 @@ class Verdict:
     answers: tuple[Answer, ...]
 
 
-def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED) -> Verdict:
+def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED, shapes: bool = False) -> Verdict:
     """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
-    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names)
+    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, BESIDE if shapes else tuple(KINDS))
     try:
         fault = first_fault(task, design)
         near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
@@ -201,13 +202,16 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--shapes", action="store_true", help="only unsafe sets of other shapes, put beside a tube")
     parser.add_argument("--checker", action=argparse.BooleanOptionalAction, default=True)
     parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
     options = parser.parse_args()
     begin, verdicts = time.perf_counter(), []
     with multiprocessing.Pool(options.processes) as pool:
         numbers = range(options.first, options.first + options.count)
-        for v in pool.imap(partial(judge, seed=options.seed, with_checker=options.checker), numbers, chunksize=20):
+        for v in pool.imap(
+            partial(judge, seed=options.seed, with_checker=options.checker, shapes=options.shapes), numbers, chunksize=20
+        ):
             verdicts.append(v)
             if len(verdicts) % 100 == 0:
                 print(f"\r{len(verdicts)}/{options.count}", end="", file=sys.stderr, flush=True)
@@ -215,8 +219,9 @@ def main() -> int:
     found = table(verdicts, ("tool", "checker") if options.checker else ("tool",))
     print(found)
     passed = [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
+    again = " --shapes" if options.shapes else ""
     for v in passed:
-        print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1: {v.kind} of {v.base}: {v.fault}")
+        print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1{again}: {v.kind} of {v.base}: {v.fault}")
     took = f"{len(verdicts)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"
     print(took)
     if options.record:

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 
 from stt_codegen.bench.families import FAMILIES, arena_task, cubes, feasible
 from stt_codegen.design import route
-from stt_codegen.design.arena import Arena, Array, arena_of, starting_box
+from stt_codegen.design.arena import Arena, arena_of, starting_box
 from stt_codegen.design.cells import way_through_cells
+from stt_codegen.design.faces import Array
 from stt_codegen.design.refine import refine
 from stt_codegen.design.route import find_route, shortest_route
 from stt_codegen.design.sides import _common_changes

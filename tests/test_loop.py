@@ -26,6 +26,7 @@ from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, 
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
+from stt_codegen.task.sets import BoxSet
 
 PAIRS = [("omni_s2", "integrator"), ("omni_heading", "robot"), ("spacecraft", "spacecraft"), ("omni_s3", "arm")]
 
@@ -99,10 +100,14 @@ def boxes_of(own: Loop) -> list[np.ndarray]:
     return [np.array([[float(v) for v in s.span(i)] for i in range(s.dimension)]) for s in own.controller.task.obstacles]
 
 
+def edges_of(box: BoxSet) -> np.ndarray:
+    return np.array([[float(v) for v in box.span(i)] for i in range(box.dimension)])
+
+
 def test_nearest_points_at_what_is_nearest() -> None:
     own = loop("omni_s2")
     s = signals(own.run(Scenario(100.0, "nearest", 0.2, 1), trace=True), 2)
-    boxes, space = boxes_of(own), own.field.space
+    boxes, space = boxes_of(own), edges_of(own.controller.task.free_space)
     for x, w in zip(s["x"][:-1:40], s["w"][:-1:40], strict=True):
         ways = [np.clip(x, box[:, 0], box[:, 1]) - x for box in boxes]
         ways += [sign * np.eye(2)[i] * abs(space[i, side] - x[i]) for i in range(2) for side, sign in ((0, -1), (1, 1))]
@@ -148,12 +153,13 @@ def test_verdicts_agree_with_the_trace(design: str) -> None:
     hits = [s["t"][np.argmax(v)] for v in inside if v.any()]
     assert (run.hit is not None) or not hits
     assert not hits or (run.hit_at is not None and run.hit_at <= min(hits))
-    out = ((s["x"] < own.field.space[:, 0]) | (s["x"] > own.field.space[:, 1])).any(axis=1)
+    space, target = (edges_of(box) for box in (own.controller.task.free_space, own.controller.task.target))
+    out = ((s["x"] < space[:, 0]) | (s["x"] > space[:, 1])).any(axis=1)
     assert (run.left_at is not None) or not out.any()
     width = s["upper"] - s["lower"]
     share = (np.minimum(s["x"] - s["lower"], s["upper"] - s["x"]) / np.where(width > 0, width, 1)).min()
     assert run.margin <= share + 1e-9 or (width <= 0).any()
-    assert run.reached == bool(((own.field.target[:, 0] <= s["x"][-1]) & (s["x"][-1] <= own.field.target[:, 1])).all())
+    assert run.reached == bool(((target[:, 0] <= s["x"][-1]) & (s["x"][-1] <= target[:, 1])).all())
     assert (np.abs(s["u"][:-1]).max(axis=0) <= np.array(run.u)).all()
     if design == "literal":
         assert run.hit is not None or run.left_at is not None  # the printed rule, in closed loop

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from test_shapes import checked
 
 from stt_codegen.design.arena import arena_of, starting_box
-from stt_codegen.design.route import inner_box
+from stt_codegen.design.inner import inner_box
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified

@@ -302,7 +302,9 @@ def test_a_body_moves_every_face(controller) -> None:
     """A robot of some size gets a narrower corridor, and its tube keeps off the grown triangles."""
     body = (Fraction("0.2"), Fraction("0.1"))
     start = parse_task(PLAIN).initial_set.model_copy(update={"lower": (Fraction("0.2"), Fraction("0.1"))})
-    target = start.model_copy(update={"lower": (Fraction("4.5"),) * 2, "upper": (Fraction("4.8"), Fraction("4.9"))})
+    target = parse_task(PLAIN).target_set.model_copy(
+        update={"lower": (Fraction("4.5"),) * 2, "upper": (Fraction("4.8"), Fraction("4.9"))}
+    )
     task = with_sets(
         RIGHT, LEFT, body=body, initial_set=start, target_set=target, initial_state=(Fraction("0.35"), Fraction("0.3"))
     )

@@ -3,7 +3,10 @@ also in some of the dimensions alone. The truth is told by linear programs and b
 
 from __future__ import annotations
 
+import ctypes
 import math
+import time
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import combinations, product
 from pathlib import Path
@@ -20,7 +23,8 @@ from stt_codegen.certify import checker
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, SttError
-from stt_codegen.loop.simulate import Loop, Scenario
+from stt_codegen.loop.compiled import Judged, Setting, driver
+from stt_codegen.loop.simulate import Loop, Scenario, _Field, doubtful
 from stt_codegen.pipeline import build_program, build_task, certify
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.cost import cost_of
@@ -442,6 +446,7 @@ def test_the_support_of_a_prism_is_the_greatest_over_its_vertices(points: Points
         ("normals = [[1, 1]]\noffsets = [1, 2]", ["offsets", "2 entries", "normals has 1"]),
         ("normals = [[0, 0]]\noffsets = [1]", ["normals[0]", "is 0"]),
         ("normals = [[1, 0], [-1, 0]]\noffsets = [1, -2]", ["normals", "nothing of the state space"]),
+        ("normals = [[1, 0], [-1, 0]]\noffsets = [2, -2]", ["normals", "no interior"]),
         ("normals = [[1, 1]]", ["offsets", "missing"]),
         ("normals = [[1, 1]]\noffsets = [3]", ["initial_set", "meets unsafe[0]"]),
         ("centre = [2, 2]\nradius = 1\ncolour = 3", ["colour", "unknown key"]),
@@ -481,5 +486,143 @@ def test_a_box_with_all_of_its_axes_is_that_box() -> None:
     )
     turned = parse_task(PLAIN + '\n[[unsafe]]\nlower = [2, 1]\nupper = [3, 4]\naxes = ["x2", "x1"]\n')
     assert plain.obstacles == named.obstacles
-    assert turned.obstacles == (BoxSet((Fraction(1), Fraction(2)), (Fraction(4), Fraction(3)), "U1"),)
+    assert [turned.obstacles[0].span(i) for i in (0, 1)] == [(1, 4), (2, 3)]
     assert not clipped(list(outline(turned.obstacles[0]).tolist()), BoxSet((Fraction(5),) * 2, (Fraction(6),) * 2))
+
+
+# ----------------------------------------------------------------------------------------------- found by who tried to break it
+
+
+def judged(task: Task, place: Sequence[float]) -> bool:
+    """Whether the loop's judge calls a place a collision: a run of no samples."""
+    field, n, x = _Field(task), task.dimension, np.array(place, dtype=float)
+    box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
+    setting = Setting(
+        n=n, sets=len(field.names), samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
+        space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
+        radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
+    )  # fmt: skip
+    found = Judged()
+    driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(found), None)
+    return bool(found.hit >= 0)
+
+
+def room(n: int, table: str, body: str = "") -> Task:
+    """A task in n dimensions with one unsafe set far from start and target."""
+
+    def box(low: float, high: float) -> str:
+        return f"{{ lower = {[low] * n}, upper = {[high] * n} }}"
+
+    names = [f"a{i}" for i in range(n)]
+    return parse_task(
+        f'name = "room"\naxes = {names}\nprescribed_time = 4\ninitial_state = {[-8.0] * n}\n{body}\n'
+        f"state_space = {box(-9, 9)}\ninitial_set = {box(-8.2, -7.8)}\ntarget_set = {box(7.8, 8.2)}\n[[unsafe]]\n{table}\n"
+    )
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_the_judge_of_round_sets_is_exact_to_rounding(n: int) -> None:
+    """Also of short and oblique segments, with a body, where projections converge slowly: within 1e-12 of the radius on both sides."""
+    dice = Random(n)
+    for _ in range(60):
+        a = [Fraction(dice.randint(-200, 200), 100) for _ in range(n)]
+        reach = dice.choice((1, 100, 10000))
+        b = [v + Fraction(dice.randint(-200, 200), 100 * reach) for v in a]
+        half = [Fraction(dice.randint(0, 50), 100) for _ in range(n)]
+        if a == b:
+            continue
+        segment = Round((tuple(a), tuple(b)), Fraction(1)).core
+        x = [Fraction(dice.randint(-500, 500), 100) for _ in range(n)]
+        box = tuple(v - h for v, h in zip(x, half, strict=True)), tuple(v + h for v, h in zip(x, half, strict=True))
+        distance = math.sqrt(segment.square_to(*box))
+        if not 0.01 < distance < 5:
+            continue
+        texts = [[f"{float(v):.8f}" for v in end] for end in (a, b)]
+        ends = ", ".join(f"[{', '.join(e)}]" for e in texts)
+        body = f"body = [{', '.join(f'{float(h):.2f}' for h in half)}]"
+        for more, hit in ((1e-12, True), (-1e-12, False)):
+            task = room(n, f"segment = [{ends}]\nradius = {distance + more * 8:.15f}", body)
+            assert judged(task, [float(v) for v in x]) == hit
+
+
+def test_the_judge_knows_polytopes_of_many_digits() -> None:
+    dice = Random(1)
+    digits = ", ".join(f"[{', '.join(f'{1 + (k == i)}.{dice.randrange(10**39):039d}' for k in range(5))}]" for i in range(6))
+    task = room(5, f"vertices = [{digits}]")
+    corners = np.array([[float(v) for v in p] for p in task.unsafe[0].vertices])
+    assert judged(task, corners.mean(axis=0).tolist())
+    assert not judged(task, (corners[0] + 1).tolist())
+
+
+def test_what_the_judge_cannot_tell_exactly_is_said() -> None:
+    simplex = "vertices = [" + ", ".join(str([float(k == i) for k in range(4)]) for i in range(5)) + "]"
+    assert doubtful(room(4, simplex)) == []
+    assert doubtful(room(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
+    assert doubtful(room(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
+    assert doubtful(room(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]")) == []
+
+
+def test_a_set_in_some_axes_has_no_end_in_the_others() -> None:
+    for table in ("lower = [1]\nupper = [2]", "centre = [1.5]\nradius = 0.5"):
+        assert judged(room(2, f'{table}\naxes = ["a0"]'), (1.5, 20.0))
+
+
+def test_between_round_sets_no_way_is_only_not_found() -> None:
+    """A fan of tangent planes may close a gap that the balls leave."""
+    gap = 0.02
+    away = [math.cos(math.radians(95.65)), math.sin(math.radians(95.65))]
+    sets = "".join(
+        f"\n[[unsafe]]\ncentre = [{2.5 + s * (2 + gap / 2) * away[0]:.6f}, {2.5 + s * (2 + gap / 2) * away[1]:.6f}]\nradius = 2\n"
+        for s in (1, -1)
+    )
+    walls = "".join(f"\n[[unsafe]]\nlower = [2.4, {a}]\nupper = [2.6, {b}]\n" for a, b in ((-0.2, 0.6), (4.4, 5.2)))
+    text = FLAT.replace("[0.25, 0.25]", "[0.1, 2.5]").replace(
+        "lower = [0, 0], upper = [0.5, 0.5]", "lower = [0, 2.4], upper = [0.2, 2.6]"
+    )
+    text = text.replace("lower = [4.5, 4.5], upper = [5, 5]", "lower = [4.8, 2.4], upper = [5, 2.6]")
+    with pytest.raises(SttError, match="no way was found"):
+        build_task(parse_task(text + sets + walls))
+
+
+def test_the_start_of_a_robot_at_a_balls_corner_is_judged_by_the_ball() -> None:
+    """The corner of a target that is not in a ball grown by the body, though within all of its tangent planes."""
+    task = room(2, "centre = [0, 0]\nradius = 2", "body = [0.05, 0.05]")
+    (grown,) = task.obstacles
+    angle = math.radians(5.65)
+    for reach, inside in ((2.001, False), (1.999, True)):
+        corner = tuple(Fraction(str(round(reach * v + 0.05, 6))) for v in (math.cos(angle), math.sin(angle)))
+        assert grown.covers(corner, corner) == inside
+
+
+@pytest.mark.parametrize("n", [9, 12, 64])
+def test_balls_in_many_dimensions_are_read_at_once(n: int) -> None:
+    begin = time.process_time()
+    task = room(n, f"centre = {[0] * n}\nradius = 1", f"body = {[0.1] * n}")
+    assert len(task.obstacles[0].bends) == 2 * n
+    assert len(task.obstacles[0].normals) <= 2 * n * n
+    assert time.process_time() - begin < 20  # it took hours
+
+
+def test_polytopes_in_many_dimensions_name_fewer() -> None:
+    points = [[float(k == i) for k in range(8)] for i in range(9)]
+    with pytest.raises(BadInput, match="at most 6 are taken, name them in axes"):
+        room(8, f"vertices = {points}")
+
+
+def test_names_that_nobody_gave_follow_the_order() -> None:
+    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
+    last = made.changed(unsafe=made.unsafe[1:])
+    plain = parse_task(PLAIN + "\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
+    assert (last.digest, [s.name for s in last.unsafe]) == (plain.digest, ["U1"])
+    assert [s.name for s in made.changed(unsafe=made.unsafe[::-1]).unsafe] == ["U1", "U2"]
+    more = made.changed(unsafe=(made.unsafe[1], {"centre": [2.5, 4], "radius": 0.1}))
+    assert [s.name for s in more.unsafe] == ["U1", "U2"]
+
+
+@pytest.mark.parametrize(("radius", "words"), [(-1, "greater than 0"), ("a", "number")])
+def test_a_set_that_was_copied_with_other_values_is_checked_again(radius: object, words: str) -> None:
+    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n")
+    with pytest.raises(BadInput, match=words):
+        made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": radius})])
+    other = made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": 0.25})])
+    assert other.digest == parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.25\n").digest

@@ -157,7 +157,7 @@ def _fine(family: Family, seed: int, reach: float) -> bool:
     free = np.ones(points.shape[:-1], dtype=bool)
     for one in arena_task(family, seed).bare:
         if family.shape == "ball":
-            core = [[float(v) for v in one.core.span(i)] for i in range(n)]
+            core = [(float(one.line[0][i]),) * 2 for i in range(n)]
             gaps = [
                 np.maximum(np.maximum(a - reach - points[..., i], points[..., i] - b - reach), 0) for i, (a, b) in enumerate(core)
             ]

@@ -18,6 +18,7 @@ from stt_codegen.cli.options import (
     Uncertified,
     patience,
     print_json,
+    say,
 )
 
 
@@ -53,13 +54,17 @@ def simulate(
     with patience(f"simulating {task}"):
         from stt_codegen.loop.command import Request
         from stt_codegen.loop.command import simulate as drive
+        from stt_codegen.loop.simulate import doubtful
         from stt_codegen.pipeline import build
 
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
             seed=seed, gain=gain, axes=tuple(axes or ()),
         )  # fmt: skip
-        report = drive(build(task, design, scalar, uncertified), request, out)
+        controller = build(task, design, scalar, uncertified)
+        report = drive(controller, request, out)
+    for name in doubtful(controller.task):
+        say(f"note: {controller.task.name}: {name}, grown by the body, is judged by a set that holds it; a collision may be none")
     if json:
         print_json(report.document())
     else:

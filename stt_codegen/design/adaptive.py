@@ -14,7 +14,8 @@ from functools import cache
 import casadi as ca
 import numpy as np
 
-from stt_codegen.design.arena import Arena, Array, arena_of, starting_box
+from stt_codegen.design.arena import Arena, arena_of, starting_box
+from stt_codegen.design.faces import Array
 from stt_codegen.design.lattice import shared_lattice
 from stt_codegen.design.search import Problem, Push, search
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump

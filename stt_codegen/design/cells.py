@@ -11,7 +11,7 @@ import itertools
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import Array
+from stt_codegen.design.faces import Array
 from stt_codegen.design.obstacles import Obstacles
 
 LARGEST = 5_000_000  # cells; above, the flood is not tried

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
 
 TOUCH = 1e-9  # a line may touch a grown set over this fraction of its length: it passes through the corner
 GRAZES = (
@@ -92,6 +93,7 @@ def obstacles_of(arena: Arena, reach: Array) -> Obstacles:
     """The arena's unsafe sets grown by `reach` (n,), by component."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
     n, faces = arena.dimension, arena.faces
+    reach = np.broadcast_to(reach, (n,))
     box = np.array([b is None for b in faces.bends], dtype=bool)
     further = faces.length(reach)
     axes = np.concatenate([-np.eye(n), np.eye(n)])

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import Array
+from stt_codegen.design.faces import Array
 
 HOLD = 0.06  # of t_c, how much longer a dimension is held at a time
 

@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
 from stt_codegen.design.sides import Limits, limits_of_tube
 from stt_codegen.design.solver import Rows, Solvers, face_bound, least
 from stt_codegen.design.template import INNER, Template, template_of

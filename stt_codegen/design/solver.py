@@ -14,7 +14,8 @@ import highspy
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
 
 Columns = npt.NDArray[np.int64]
 FEASIBILITY = 1e-9  # the least HiGHS accepts is 1e-10; the allowance of the arena is thousands of times larger

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
 from stt_codegen.design.route import Route
 from stt_codegen.design.sides import Stay, limits_by_stretch
 from stt_codegen.design.solver import LinearProgram, face_bound, face_terms

@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena, Array
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
 from stt_codegen.design.route import Route, shortest_route, wide_route
 from stt_codegen.design.shape import CLOSE, Shape, slowest_shape
 from stt_codegen.design.sides import choose_sides, limits_along, limits_by_stretch

@@ -50,6 +50,7 @@ class Setting(ctypes.Structure):
         ("first", ctypes.c_void_p),
         ("faces", ctypes.c_void_p),
         ("radius", ctypes.c_void_p),
+        ("ends", ctypes.c_void_p),
     )
 
 

@@ -22,7 +22,8 @@ from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant,
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import HalfSpace
+from stt_codegen.task.polytopes import SOLID, HalfSpace
+from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[Any]
 KINDS = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
@@ -153,6 +154,7 @@ class Loop:
             first=field_.first.ctypes.data,
             faces=field_.faces.ctypes.data,
             radius=field_.radius.ctypes.data,
+            ends=field_.ends.ctypes.data,
         )
         rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
         judged = Judged()
@@ -192,16 +194,18 @@ class Loop:
 
 class _Field:
     """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body: unit normals and offsets of
-    half-spaces. faces: of every unsafe set's core; first: where each set's begin, and their number at the end; radius: of the set
-    about its core."""
+    half-spaces. faces: of every polytope; first: where each set's begin, and their number at the end; radius, ends: of round
+    sets."""
 
     def __init__(self, task: Task) -> None:
-        self.space = _unit([*task.free_space.faces, *task.space_cuts], task.dimension)
+        walls = sorted(task.free_space.faces, key=lambda face: [-abs(c) for c in face[0]] + [-sum(face[0])])  # of two as near, up
+        self.space = _unit([*walls, *task.space_cuts], task.dimension)
         self.target = _unit([*task.target.faces, *task.target_cuts], task.dimension)
         sets = task.obstacles
         self.names = [s.name or f"U{j + 1}" for j, s in enumerate(sets)]
-        cores = [s.core.faces for s in sets]
+        cores = [_bounding(s) for s in sets]
         self.radius = np.array([float(s.radius) for s in sets])
+        self.ends = np.array([_ends(s, task) for s in sets]).reshape(-1, 3, task.dimension)
         self.faces = _unit([face for faces in cores for face in faces], task.dimension)
         for s, faces in zip(sets, cores, strict=True):
             if len(faces) > MOST_FACES:
@@ -209,10 +213,42 @@ class _Field:
         self.first = np.cumsum([0, *map(len, cores)]).astype(np.int32)
 
 
+def doubtful(task: Task) -> list[str]:
+    """Unsafe sets that are judged by more than they are: grown by a body, polytopes of four and more dimensions have faces that
+    are not known here."""
+    if not any(task.half_extents):
+        return []
+    skew = [any(sum(map(bool, normal)) > 1 for normal in s.normals) for s in task.obstacles]
+    return [s.name for s, one in zip(task.obstacles, skew, strict=True) if one and not s.radius and len(s.own) > SOLID]
+
+
+def _bounding(convex: ConvexSet) -> list[HalfSpace]:
+    """The half-spaces of a polytope in the dimensions that it bounds; none of a round set."""
+    if convex.radius:
+        return []
+    others = [i for i in range(convex.dimension) if i not in convex.own]
+    return [(normal, offset) for normal, offset in convex.faces if not any(normal[i] for i in others)]
+
+
+def _ends(convex: ConvexSet, task: Task) -> Array:
+    """Both ends of a round set's segment, and half the box about every point of it, without end in dimensions that it leaves
+    free."""
+    ends, half = np.zeros((2, task.dimension)), np.full(task.dimension, np.inf)
+    if convex.radius:
+        for i in convex.own:
+            ends[:, i] = [float(end[i]) for end in convex.line]
+            half[i] = float(task.half_extents[i])
+    return np.vstack([ends, half])
+
+
 def _unit(half_spaces: Sequence[HalfSpace], n: int) -> Array:
-    """Half-spaces as rows of a unit normal and an offset, (F, n + 1)."""
-    rows = np.array([[*map(float, normal), float(offset)] for normal, offset in half_spaces]).reshape(-1, n + 1)
-    return np.asarray(rows / np.sqrt((rows[:, :-1] ** 2).sum(axis=1, keepdims=True)))
+    """Half-spaces as rows of a unit normal and an offset, (F, n + 1). Their whole numbers may have any number of digits."""
+    rows = []
+    for normal, offset in half_spaces:
+        largest = max(map(abs, normal))
+        rows.append([*(float(Fraction(c, largest)) for c in normal), float(offset / largest)])
+    found = np.array(rows).reshape(-1, n + 1)
+    return np.asarray(found / np.sqrt((found[:, :-1] ** 2).sum(axis=1, keepdims=True)))
 
 
 def of_task(task: Task) -> dict[str, Any]:

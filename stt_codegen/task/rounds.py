@@ -21,6 +21,7 @@ from stt_codegen.task.sets import ZERO, Bend, ConvexSet, Normal, Shadow, Vector,
 SIZE_BITS = 32  # size(n) is the least multiple of 2**-SIZE_BITS that is not below |n|_2
 FAN = {PLANE: ((1, 0), (5, 1), (5, 2), (3, 2), (1, 1)), SOLID: ((1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 0), (2, 1, 1), (2, 2, 1))}
 COARSE = {PLANE: ((1, 0), (5, 2), (1, 1)), SOLID: ((1, 0, 0), (1, 1, 0), (1, 1, 1))}  # for the corners of a route
+MOST_PAIRED, MOST_SIGNED = 12, 6  # dimensions in which a fan has normals of two, and of all
 DRAWN = 64  # points of a circle in a picture
 
 
@@ -34,13 +35,15 @@ def size(normal: Sequence[int]) -> Fraction:
 @cache
 def fan(dimension: int, coarse: bool = False) -> tuple[Normal, ...]:
     """The normals of a ball: axes first, then all orders and signs of a few."""
-    kinds = (COARSE if coarse else FAN).get(dimension)
-    if kinds is None:
-        kinds = tuple(tuple(int(i < k) for i in range(dimension)) for k in (1, 2, dimension))
-    found = dict.fromkeys(axes(dimension))
-    for kind in kinds:
-        for order in dict.fromkeys(permutations(kind)):
-            found.update(dict.fromkeys(product(*((-v, v) if v else (0,) for v in order))))
+    found, kinds = dict.fromkeys(axes(dimension)), (COARSE if coarse else FAN).get(dimension)
+    if kinds is None:  # every two dimensions, and all, while that is not too many
+        pairs = combinations(range(dimension), 2) if dimension <= MOST_PAIRED else ()
+        orders = [tuple(int(i in pair) for i in range(dimension)) for pair in pairs]
+        orders += [(1,) * dimension] if dimension <= MOST_SIGNED else []
+    else:
+        orders = [order for kind in kinds for order in dict.fromkeys(permutations(kind))]
+    for order in orders:
+        found.update(dict.fromkeys(product(*((-v, v) if v else (0,) for v in order))))
     return tuple(found)
 
 
@@ -48,7 +51,7 @@ def fan(dimension: int, coarse: bool = False) -> tuple[Normal, ...]:
 def _unit(dimension: int) -> tuple[Vector, ...]:
     """The vertices of a polytope about the unit ball."""
     normals = fan(dimension, coarse=True) if dimension <= SOLID else axes(dimension)
-    corner = tuple(Fraction(1) for _ in range(dimension))
+    corner = (Fraction(1),) * dimension
     half_spaces = [(n, size(n)) for n in normals if sum(map(abs, n)) > 1]
     return tuple(v.point for v in cut_box(tuple(-c for c in corner), corner, half_spaces))
 
@@ -122,7 +125,12 @@ class Round(ConvexSet):
 
     @property
     def core(self) -> Segment:
+        """What it is round about."""
         return Segment(self.ends, self.name)
+
+    @property
+    def line(self) -> tuple[Vector, Vector]:
+        return self.ends[0], self.ends[-1]
 
     @property
     def radius(self) -> Fraction:
@@ -143,6 +151,9 @@ class Round(ConvexSet):
 
     @cached_property
     def bends(self) -> tuple[Bend, ...]:
+        if self.dimension > MOST_SIGNED:  # 2^n corners are too many: the ends of the axes, from where one goes around
+            ends = [(p, n) for p in self.ends for n in axes(self.dimension)]
+            return tuple((tuple(v + self.reach * c for v, c in zip(p, n, strict=True)), n) for p, n in ends)
         return bends_of(_Coarse(self))
 
     def shadow(self, i: int, j: int) -> Shadow:

@@ -116,7 +116,8 @@ def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
     named = []
     for j, one in enumerate(sets, 1):
         copy = one.model_copy()
-        copy.__dict__["name"] = one.name or f"U{j}"
+        given = "name" in one.model_fields_set and one.name  # of a set from another task the name may be its number there
+        copy.__dict__["name"] = given or f"U{j}"
         named.append(copy)
     return tuple(named)
 

@@ -12,7 +12,7 @@ All numbers are exact fractions in the task's units.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -23,6 +23,7 @@ Normal = tuple[int, ...]  # whole numbers: any rational normal has a multiple of
 Bend = tuple[Vector, tuple[int, ...]]  # a point, and the signs of a corner of the box by which a set is grown
 Shadow = list[tuple[float, float]]
 ZERO = Fraction(0)
+MOST_CORNERS = 10  # dimensions in which all corners of a box are looked at
 
 
 def axis(dimension: int, i: int, sign: int) -> Normal:
@@ -62,20 +63,25 @@ class ConvexSet(ABC):
     # ---- what follows from these, where nothing better is known
 
     @property
+    def own(self) -> tuple[int, ...]:
+        """The dimensions that it bounds; all others may be anything."""
+        return tuple(range(self.dimension))
+
+    @property
     def bends(self) -> tuple[Bend, ...]:
         """Where a shortest way around the set, grown by a box, may bend: point + sign * half extent, by dimension."""
         signs = tuple(product((-1, 1), repeat=self.dimension))
         return tuple((p, s) for p in self.vertices for s in signs)
 
     @property
-    def core(self) -> ConvexSet:
-        """The polytope, by all of its faces, whose points and all within `radius` of them are the set."""
-        return self
+    def radius(self) -> Fraction:
+        """Of a round set: it is all that is so near to its line, and boxes about that. 0 of a polytope."""
+        return ZERO
 
     @property
-    def radius(self) -> Fraction:
-        """0 where the set is its core."""
-        return ZERO
+    def line(self) -> tuple[Vector, Vector]:
+        """The ends of the segment that a round set is about; 0 in dimensions that are not its own."""
+        raise NotImplementedError(f"{type(self).__name__} is not round")
 
     def shadow(self, i: int, j: int) -> Shadow:
         """Points whose hull is what is seen of the set in dimensions i and j, for a picture."""
@@ -162,6 +168,10 @@ class Prism(ConvexSet):
     def dimension(self) -> int:
         return len(self.lower)
 
+    @property
+    def own(self) -> tuple[int, ...]:
+        return self.axes
+
     def _full(self, own: Sequence[int]) -> tuple[int, ...]:
         """A vector of the base's dimensions in all of them, 0 elsewhere."""
         place = dict(zip(self.axes, own, strict=True))
@@ -194,8 +204,10 @@ class Prism(ConvexSet):
         return tuple((p, self._full(signs)) for v, signs in self.base.bends for p in self._points(v)[:1])
 
     @property
-    def core(self) -> ConvexSet:
-        return Prism(self.base.core, self.axes, self.lower, self.upper, self.name)
+    def line(self) -> tuple[Vector, Vector]:
+        places = [dict(zip(self.axes, end, strict=True)) for end in self.base.line]
+        first, last = (tuple(place.get(k, ZERO) for k in range(self.dimension)) for place in places)
+        return first, last
 
     @property
     def radius(self) -> Fraction:
@@ -250,8 +262,8 @@ class Grown(ConvexSet):
         return tuple((tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)), signs) for p, signs in self.inner.bends)
 
     @property
-    def core(self) -> ConvexSet:
-        return Grown(self.inner.core, self.half)
+    def line(self) -> tuple[Vector, Vector]:
+        return self.inner.line
 
     @property
     def radius(self) -> Fraction:
@@ -265,3 +277,16 @@ class Grown(ConvexSet):
         half = self.half  # the box may be grown in the set's stead
         wider = tuple(a - h for a, h in zip(lower, half, strict=True)), tuple(b + h for b, h in zip(upper, half, strict=True))
         return self.inner.apart(*wider)
+
+    def covers(self, lower: Vector, upper: Vector) -> bool:
+        corners = {tuple(b if high else a for a, b, high in zip(lower, upper, signs, strict=True)) for signs in self._signs()}
+        return super().covers(lower, upper) and not any(self.apart(c, c) for c in corners)
+
+    def _signs(self) -> Iterable[tuple[int, ...]]:
+        """Which corners of a box tell whether it is inside: all; of very many dimensions two, the half-spaces tell the rest."""
+        n = self.dimension
+        return product((0, 1), repeat=n) if n <= MOST_CORNERS else ((0,) * n, (1,) * n)
+
+    @property
+    def own(self) -> tuple[int, ...]:
+        return self.inner.own

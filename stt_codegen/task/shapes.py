@@ -6,6 +6,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
@@ -16,12 +17,14 @@ from stt_codegen.task.rounds import Round
 from stt_codegen.task.sets import BoxSet, ConvexSet, Prism
 from stt_codegen.task.values import MAX_LABEL, MAX_NORMALS, MAX_POINTS, MAX_POINTS_BEYOND, Positive, Vector, labels, points
 
+MOST_SPANNED = 6  # dimensions of a polytope: its faces are found exactly, which takes time
+
 Axes = Annotated[tuple[str, ...], BeforeValidator(labels)]
 Points = Annotated[tuple[Vector, ...], BeforeValidator(points)]
 
 
 class Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, revalidate_instances="always")
 
 
 class Box(Table):
@@ -134,12 +137,6 @@ class UnsafeSet(Unsafe):
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         return BoxSet(self.lower, self.upper, self.name)
 
-    def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
-        """In all dimensions it is a box too."""
-        given = dict(zip(own, zip(self.lower, self.upper, strict=True), strict=True))
-        ends = [given.get(k, pair) for k, pair in enumerate(zip(space.lower, space.upper, strict=True))]
-        return BoxSet(tuple(a for a, _ in ends), tuple(b for _, b in ends), self.name)
-
 
 class UnsafePolytope(Unsafe):
     """The hull of points."""
@@ -178,11 +175,13 @@ class UnsafeHalfSpaces(Unsafe):
 
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         """Raises `ValueError` where nothing of the state space is in all half-spaces."""
-        found = [v.point for v in cut_box(lower, upper, half_spaces(self.normals, self.offsets))]
-        if not found or spanned(found) < len(lower):
+        found = corners_left(lower, upper, tuple(half_spaces(self.normals, self.offsets)))
+        if not found:
             raise ValueError(
                 "normals: nothing of the state space lies in all of the half-spaces; turn the signs, or leave the set out"
             )
+        if spanned(found) < len(lower):
+            raise ValueError("normals: what they leave of the state space has no interior; move two of the offsets apart")
         return Polytope(found, self.name)
 
 
@@ -222,6 +221,12 @@ class UnsafeCapsule(Unsafe):
         return Round(self.segment, self.radius, self.name)
 
 
+@cache
+def corners_left(lower: Vector, upper: Vector, cuts: tuple[HalfSpace, ...]) -> tuple[Vector, ...]:
+    """The corners of what half-spaces leave of a box."""
+    return tuple(v.point for v in cut_box(lower, upper, cuts))
+
+
 def half_spaces(normals: Sequence[Vector], offsets: Vector) -> list[HalfSpace]:
     """With normals in whole numbers."""
     found = []
@@ -235,6 +240,8 @@ def hull_problem(found: Sequence[Vector]) -> str | None:
     """What makes these points no vertices of a polytope, in words."""
     n, count = len(found[0]), len(found)
     most = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
+    if n > MOST_SPANNED:
+        return f"vertices: are in {n} dimensions; at most {MOST_SPANNED} are taken, name them in axes"
     if count > most:
         return f"vertices: has {count} points; at most {most} are taken in {n} dimensions"
     if spanned(found) < n:

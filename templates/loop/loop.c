@@ -75,12 +75,60 @@ static double toward(const double *faces, int count, const double *x, double *wa
     return norm_of(way, n);
 }
 
+/* From x to the nearest point of a segment with a box about every point: along the segment the square of the distance is convex,
+ * made of parabolas that meet where a coordinate comes to the box's edge. Returns the distance, 0 inside. */
+static double to_segment(const double *ends, const double *x, double *way, int n)
+{
+    const double *from = ends, *to = ends + n, *half = ends + 2 * n;
+    double turn[2 * MOST + 2] = {0.0, 1.0}, best = HUGE_VAL;
+    int turns = 2;
+    for (int i = 0; i < n; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            const double t = (x[i] + side * half[i] - from[i]) / (to[i] - from[i]);
+            if (t > 0.0 && t < 1.0) turn[turns++] = t;
+        }
+    for (int k = 1; k < turns; k++)
+        for (int m = k; m > 0 && turn[m] < turn[m - 1]; m--) {
+            const double other = turn[m];
+            turn[m] = turn[m - 1], turn[m - 1] = other;
+        }
+    for (int k = 0; k + 1 < turns; k++) {
+        double slope = 0.0, bend = 0.0, at[3] = {turn[k], turn[k + 1], turn[k]};
+        const double middle = 0.5 * (turn[k] + turn[k + 1]);
+        for (int i = 0; i < n; i++) { /* which side of the box it is on does not change between two turns */
+            const double gap = from[i] + middle * (to[i] - from[i]) - x[i];
+            const double side = gap > half[i] ? 1.0 : gap < -half[i] ? -1.0 : 0.0, step = to[i] - from[i];
+            if (side != 0.0) slope += (gap - side * half[i]) * step, bend += step * step;
+        }
+        if (bend > 0.0) at[2] = fmin(fmax(middle - slope / bend, turn[k]), turn[k + 1]);
+        for (int p = 0; p < 3; p++) {
+            double gaps[MOST];
+            for (int i = 0; i < n; i++) {
+                const double gap = from[i] + at[p] * (to[i] - from[i]) - x[i];
+                gaps[i] = gap > half[i] ? gap - half[i] : gap < -half[i] ? gap + half[i] : 0.0;
+            }
+            const double distance = norm_of(gaps, n);
+            if (distance < best) {
+                best = distance;
+                memcpy(way, gaps, (size_t)n * sizeof *way);
+            }
+        }
+    }
+    return best;
+}
+
+static double to_core(const loop_setting *s, int j, const double *x, double *way)
+{
+    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * s->n * j, x, way, s->n);
+    return toward(s->faces + (s->n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, s->n);
+}
+
 static void nearest(const loop_setting *s, const double *x, double *w)
 {
     const int n = s->n;
     double best = HUGE_VAL, way[MOST];
     for (int j = 0; j < s->sets; j++) {
-        const double core = toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, n);
+        const double core = to_core(s, j, x, way);
         const double distance = core - s->radius[j];
         if (distance > 0.0 && distance < best) {
             best = distance;
@@ -173,14 +221,12 @@ static int inside(const double *faces, int count, const double *x, int n)
 }
 
 /* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
-static int within(const double *faces, int count, double radius, const double *x, int n)
+static int within(const loop_setting *s, int j, const double *x)
 {
     double way[MOST];
-    for (int f = 0; radius > 0.0 && f < count; f++)
-        if (!(beyond(faces + (n + 1) * f, x, n) < radius)) return 0; /* no need to look closer */
-    if (radius > 0.0) return toward(faces, count, x, way, n) < radius;
-    for (int f = 0; f < count; f++)
-        if (!(beyond(faces + (n + 1) * f, x, n) < 0.0)) return 0;
+    if (s->radius[j] > 0.0) return to_core(s, j, x, way) < s->radius[j];
+    for (int f = s->first[j]; f < s->first[j + 1]; f++)
+        if (!(beyond(s->faces + (s->n + 1) * f, x, s->n) < 0.0)) return 0;
     return 1;
 }
 
@@ -189,7 +235,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
     const int n = s->n;
     double lower[MOST], upper[MOST];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
-        if (within(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], s->radius[j], x, n)) r->hit = j, r->hit_at = t;
+        if (within(s, j, x)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);

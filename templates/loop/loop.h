@@ -33,7 +33,9 @@ typedef struct {
     const double *target;
     const int32_t *first;  /* sets + 1: where the faces of each begin, and how many there are */
     const double *faces;   /* each n + 1 numbers, a unit normal and an offset: the core of a set is where normal.x <= offset for all of its own */
-    const double *radius;  /* sets: a set is what is that near to its core */
+    const double *radius;  /* sets: of a round one what is that near to its core, the segment from one end to the other with a box
+                            * about every point; 0 of a polytope */
+    const double *ends;    /* sets, 3 n: both ends, and half the box */
 } loop_setting;
 
 typedef struct {
