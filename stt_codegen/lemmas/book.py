@@ -23,6 +23,7 @@ from stt_codegen.lemmas import (
     sampled_evaluated,
     sampled_exact,
     sampled_windows,
+    shapes,
     smooth,
     theorem,
     transform,
@@ -48,6 +49,7 @@ FAMILIES = {
         tuple(v for m in (first_exit, sampled, sampled_evaluated, sampled_windows, sampled_exact) for v in m.LEMMAS),
     ),
     "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
+    "shapes": ("Shapes: normals, supports, distances", shapes.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),
 }
