@@ -4,7 +4,7 @@ its own. Nothing is shared with `stt_codegen.task.polytopes` or `rounds`.
 Two convex polytopes are apart where one of finitely many normals says so: of faces, and in space of an edge and an axis. Every
 plane through points, and every direction across a line through two points and an axis, is taken; those too many only show what
 is true. They are complete in up to three dimensions. A round set is a fault where a place on its segment is exactly nearer to
-the tube's box than the radius; where that might be is sought in doubles.
+the tube's box than the radius; where that might be is sought in doubles, so a fault may be missed, and none is invented.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ from PIL import Image
 from test_cli import run as run_cli
 
 from stt_codegen.certify import checker
+from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
 from stt_codegen.task import load_task, parse_task
@@ -131,13 +132,15 @@ def test_a_task_with_a_map_goes_to_the_checker(kind: str, tmp_path: Path) -> Non
     spelled = load_task(tmp_path / "hall.task.toml")
     assert (spelled.digest, spelled.obstacles) == (made.task.digest, made.task.obstacles)
     assert "hall.task.toml" not in build(tmp_path / "hall.task.toml").files
-    found = read_map(tmp_path / "hall.yaml")
-    edges, unit = made.design.bezier(), made.design.unit
-    for i, j in np.argwhere(found.unsafe).tolist():  # each cell is apart from each piece of the tube by a normal of some set
-        cell = [o + v * found.resolution for o, v in zip(found.origin, (i, j), strict=True)]
+    found, keep = read_map(tmp_path / "hall.yaml"), float(made.task.tube.clearance)
+    low, high = tube_at(made.design, np.linspace(0, 20, 801))
+    cells = np.argwhere(found.unsafe) * float(found.resolution) + [float(v) for v in found.origin]
+    beyond = np.concatenate([cells[None] - high[:, None], low[:, None] - cells[None] - float(found.resolution)], axis=2)
+    assert beyond.max(axis=2).min() >= keep - 1e-9  # doubles of coordinates below 4
+    for i, j in np.argwhere(found.unsafe).tolist():  # every cell lies in some set
+        cell = [o + v * found.resolution for v, o in zip((i, j), found.origin, strict=True)]
         corners = tuple(cell), tuple(v + found.resolution for v in cell)
         assert any(all(-low_of(tuple(-c for c in n), *corners) <= h for n, h in s.faces) for s in made.task.obstacles)
-    assert int(edges[..., 0].min()) * unit > -1
 
 
 def test_where_cells_may_be_left_out_is_outside_of_the_state_space(tmp_path: Path) -> None:
@@ -182,6 +185,8 @@ WRONG = [
     ("image: {image}", "image: hall.yaml", ["hall.yaml", "is no image"]),
     ("negate: 0", "negate: 0\nmode: raw", ["mode", "trinary"]),
     ("image", "- [", ["is no YAML"]),
+    ("0.196", "0.7", ["free_thresh", "not above the second"]),
+    ("0.65", "1.5", ["occupied_thresh", "0 to 1"]),
 ]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from fractions import Fraction
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull
 from test_shapes import checked
 
-from stt_codegen.design.arena import arena_of, starting_box
+from stt_codegen.design.arena import arena_of
 from stt_codegen.design.inner import inner_box
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.emit.render import render
@@ -142,6 +143,12 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
     goal = np.stack([arena.target[0] + inset, arena.target[1] - inset])
     box = inner_box(arena, goal, inset)
     assert box is not None
+    for cuts in (arena.walls, arena.goals):  # every box of the half widths about a corner of it is behind every cut
+        for corner in itertools.product(*box.T.tolist()):
+            room = cuts.normal @ np.array(corner) - np.abs(cuts.normal) @ inset - cuts.bound
+            assert room.min() >= -1e-9  # ten times what the solver keeps rows to, at the least
+    assert (goal[0] - 1e-9 <= box[0]).all()
+    assert (box[1] <= goal[1] + 1e-9).all()
     half = (goal[1] - goal[0]) / 2
     rows, ends = [], []
     for normal, bound in zip(
@@ -154,7 +161,6 @@ def test_the_box_for_a_routes_end_lies_in_the_target_and_is_the_largest_of_its_p
         ends += [goal[1, i], -goal[0, i]]
     found = linprog([0, 0, -1], np.array(rows), ends, bounds=[(None, None)] * 2 + [(0, 1)])
     assert ((box[1] - box[0]) / 2 / half) == pytest.approx([-found.fun] * 2, rel=1e-6)
-    assert starting_box(arena).shape == (2, 2)
 
 
 def test_a_target_that_holds_no_tube_is_refused() -> None:
@@ -194,3 +200,13 @@ def test_half_spaces_along_axes_are_edges() -> None:
     assert arena.walls.bound.size == 0
     assert arena.space[:, 1] + float(arena.origin[1]) == pytest.approx([0.1, 4.9], abs=1e-4)
     assert plain.space_cuts == (((0, 1, 0), Fraction("4.9")), ((0, -1, 0), Fraction("-0.1")))
+
+
+def test_half_spaces_that_leave_nothing_are_refused() -> None:
+    for region, old, new in (
+        ("target_set", "offsets = [-8.8, 9.5]", "offsets = [-8.8, 8]"),
+        ("target_set", "offsets = [-8.8, 9.5]", "offsets = [-8.8, 8.8]"),
+        ("state_space", "vertices = [[0, 0.5]", "vertices = [[7, 7], [8, 7], [7, 8]]\naxes = ['x1', 'x2']\n#"),
+    ):
+        with pytest.raises(BadInput, match=f"{region}: its .* leave nothing of the box"):
+            parse_task(TEXTS["room"].replace(old, new))

@@ -157,7 +157,8 @@ def _each(value: Any, n: int) -> list[Fraction]:
 
 
 def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> Unsafe:
-    """An unsafe set as all that is within a radius, in its own dimensions, and half extents of the hull of points."""
+    """An unsafe set as points, half extents (n), own dimensions, radius: the hull of the points, and about each of its points a
+    box and in the own dimensions a ball."""
     own = _own(table, names)
     form = " ".join(k for k in KNOWN["unsafe"].split() if k in table and k not in ("name", "axes"))
     if form not in FORMS:
@@ -188,7 +189,7 @@ def _own(table: Any, names: list[str]) -> list[int]:
     """The dimensions that a set is in."""
     axes = table.get("axes", names)
     if not isinstance(axes, list) or not axes or not set(axes) <= set(names) or len({*axes}) < len(axes):
-        raise Unusable("the task has a set whose axes are none of the task's")
+        raise Unusable("the task has a set whose axes are none, twice the same, or not the task's")
     return [names.index(a) for a in axes]
 
 
@@ -203,7 +204,7 @@ def _cuts(table: Any, names: list[str]) -> list[tuple[list[int], Fraction]]:
     if "vertices" in table:
         points = _vectors(table["vertices"], d)
         if d > 3 or len(points) > 64 or found:
-            raise Unusable("the task has a set of more points than can be checked in good time")
+            raise Unusable("the task has a set of too many points or dimensions, or one that is said twice")
         for first, *others in itertools.combinations(points, d):
             rows = [[v - w for v, w in zip(p, first)] for p in others]
             normal = [(-1) ** k * _minor([[*r[:k], *r[k + 1 :]] for r in rows]) for k in range(d)]

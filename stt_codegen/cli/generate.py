@@ -92,7 +92,7 @@ def _tell_what_is_not_proved(controller: Any) -> None:
         say(f"note: {task.name}: the vertices of {name} are not all corners of their hull; the hull is what is avoided")
     for grown in task.obstacles:
         if grown.apart(task.state_space.lower, task.state_space.upper):
-            say(f"note: {task.name}: {grown.name} lies outside the state space; it changes nothing")
+            say(f"note: {task.name}: {grown.name} lies outside the state space")
     if task.control.period is not None or controller.design.stateful or not controller.certificate.holds:
         return
     from stt_codegen.report.analysis import Analysis

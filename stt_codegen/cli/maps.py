@@ -19,7 +19,8 @@ def map_(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Show what a task with [map] takes an occupancy map as: how many sets, what they cover, a picture."""
+    """Show the sets that a whole occupancy map is taken as, how many and what they cover, and draw them. A task with [map] takes
+    those near its state space."""
     with patience(f"reading {file}"):
         from stt_codegen.report.map import draw_map, map_report
         from stt_codegen.report.picture import picture_path
@@ -39,6 +40,6 @@ def map_(
     print(f"  from {', '.join(f'{float(v):g}' for v in found.origin)} to {', '.join(f'{float(v):g}' for v in found.upper)}")
     print(f"  {counts['occupied']} occupied, {counts['unknown']} unknown, {counts['free']} free; occupied and unknown are unsafe")
     unsafe = counts["occupied"] + counts["unknown"]
-    more = f"{report.gained / unsafe:.1%} of that" if unsafe else "none"
-    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, which take {report.gained} free cells too, {more}")
+    more = f", {report.gained / unsafe:.1%} of the unsafe ones" if unsafe else ""
+    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, which cover the middle of {report.gained} free cells{more}")
     print(f"  picture: {path}")

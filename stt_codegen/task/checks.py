@@ -6,10 +6,11 @@ import keyword
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
+from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import Normal, Vector
-from stt_codegen.task.shapes import Box, Unsafe, UnsafeSet
+from stt_codegen.task.shapes import Box, Unsafe, UnsafeSet, corners_left
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -182,6 +183,12 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
     for i in range(n):
         if space.lower[i] >= space.upper[i]:
             return f"body[{i}]: the body does not fit into the state space; make it smaller"
+    for field, region in (("state_space", task.state_space), ("target_set", task.target_set)):
+        own = task.own_axes(region)
+        cuts = tuple((tuple(normal[i] for i in own), offset) for normal, offset in region.cuts(own))
+        left = corners_left(*(tuple(edges[i] for i in own) for edges in (region.lower, region.upper)), cuts) if cuts else None
+        if left is not None and (not left or spanned(left) < len(own)):
+            return f"{field}: its {region.points[0]} leave nothing of the box with an interior; turn the signs or move them"
     for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
         for i in range(n):
             if box.lower[i] < space.lower[i]:
@@ -194,11 +201,9 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                     f"{field}: upper[{i}] = {decimal(box.upper[i])} lies outside the state space{body}; "
                     f"use at most {decimal(space.upper[i])}"
                 )
-    for k, (normal, offset) in enumerate(task.space_cuts):
+    for normal, offset in task.space_cuts:
         if task.start.support(normal) > offset:
-            return (
-                f"initial_set: lies outside the state space{body}, beyond its face {k + 1}, {_half_space(task, normal, offset)}"
-            )
+            return f"initial_set: lies outside the state space{body}, where {_half_space(task, normal, offset)}"
     for i, x in enumerate(task.initial_state):
         a, b = task.initial_set.lower[i], task.initial_set.upper[i]
         if not a < x < b:
@@ -211,8 +216,12 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
 
 def _half_space(task: TaskTables, normal: Normal, offset: Fraction) -> str:
     """As a formula."""
-    terms = [f"{c} {name}" for c, name in zip(normal, task.axis_names, strict=True) if c]
-    return f"{' + '.join(terms)} <= {decimal(offset)}"
+    text = ""
+    for c, name in zip(normal, task.axis_names, strict=True):
+        if c:
+            sign = ("-" if c < 0 else "") if not text else (" - " if c < 0 else " + ")
+            text += sign + (name if abs(c) == 1 else f"{abs(c)} {name}")
+    return f"{text} <= {decimal(offset)}"
 
 
 def unsafe_problem(task: TaskTables) -> str | None:

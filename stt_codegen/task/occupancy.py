@@ -1,8 +1,8 @@
 """An occupancy map: which cells are free, occupied, unknown.
 
-A pixel v of 0 to 255 is occupied with p = (255 - v) / 255, or v / 255 where the map is negated; a cell with p below
-`free_thresh` is free, one above `occupied_thresh` occupied, any other unknown, and so is one that is transparent. This is what
-the map server of ROS does in its modes trinary and scale.
+A pixel v of 0 to 255 is occupied with p = (255 - v) / 255, or v / 255 where the map is negated; v is the mean of the colours. A
+cell with p above `occupied_thresh` is occupied, one with p below `free_thresh` free, any other unknown. So the map server of ROS
+has it in its modes trinary and scale, but that here the mean is exact and what is transparent is unknown.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from stt_codegen.errors import BadInput
 MOST_CELLS = 4096  # of a side
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh")
-FULL = 255
+OPAQUE = 255
+FULL = 3 * 255  # the sum of three colours
 
 Cells = npt.NDArray[np.bool_]
 Kind = Literal["boxes", "polygons"]  # as what a map is taken
@@ -63,6 +64,11 @@ def read_map(path: Path) -> OccupancyMap:
     if any(turned):
         raise BadInput(f"{path}: origin: the map is rotated by {origin[2]}; turn the image, and make the yaw 0")
     occupied_above, free_below = (_number(path, name, found[name]) for name in ("occupied_thresh", "free_thresh"))
+    if not 0 <= free_below <= occupied_above <= 1:
+        told = f"{found['free_thresh']} and {found['occupied_thresh']}"
+        raise BadInput(
+            f"{path}: free_thresh, occupied_thresh: are {told}; both must lie in 0 to 1, the first not above the second"
+        )
     mode, negate = found.get("mode", "trinary"), found.get("negate", 0)
     if mode not in ("trinary", "scale"):
         raise BadInput(f"{path}: mode: is {mode!r}; use trinary or scale")
@@ -70,11 +76,10 @@ def read_map(path: Path) -> OccupancyMap:
         raise BadInput(f"{path}: negate: is {negate!r}; use 0 or 1")
     image = path.parent / str(found["image"])
     value, opaque = _pixels(image, path)
-    level = (value if negate else FULL - value).astype(np.int64)  # p = level / 255
+    level = (value if negate else FULL - value).astype(np.int64)  # p = level / FULL
     # whole numbers on both sides: no rounding decides whether a cell is free
     occupied = opaque & (level * occupied_above.denominator > FULL * occupied_above.numerator)
-    free = opaque & (level * free_below.denominator < FULL * free_below.numerator)
-    occupied &= ~free
+    free = opaque & ~occupied & (level * free_below.denominator < FULL * free_below.numerator)
     known, doubtful = (np.ascontiguousarray(cells[::-1].T) for cells in (occupied, ~occupied & ~free))
     return OccupancyMap(path, image, known, doubtful, (x, y), resolution)
 
@@ -110,8 +115,8 @@ def _number(path: Path, field: str, text: Any) -> Fraction:
     raise BadInput(f"{path}: {field}: {text!r:.40} is no number; use a decimal, for example 0.05")
 
 
-def _pixels(image: Path, path: Path) -> tuple[npt.NDArray[np.uint8], Cells]:
-    """The image's grey and which pixels are opaque, rows from the top."""
+def _pixels(image: Path, path: Path) -> tuple[npt.NDArray[np.int64], Cells]:
+    """The sum of every pixel's colours, and which pixels are opaque, rows from the top."""
     from PIL import Image
 
     Image.MAX_IMAGE_PIXELS = None  # its size is looked at here
@@ -125,7 +130,4 @@ def _pixels(image: Path, path: Path) -> tuple[npt.NDArray[np.uint8], Cells]:
     except OSError as error:
         told = error.strerror or "is no image"
         raise BadInput(f"{image}: cannot be read ({told}); it is the image of {path}") from None
-    grey = pixels[..., :3].astype(np.uint16).sum(axis=-1)
-    if (grey % 3).any():  # the mean of three channels, which a server rounds down
-        grey = grey - grey % 3
-    return (grey // 3).astype(np.uint8), np.asarray(pixels[..., 3] == FULL)
+    return pixels[..., :3].astype(np.int64).sum(axis=-1), np.asarray(pixels[..., 3] == OPAQUE)

@@ -12,7 +12,7 @@ All numbers are exact fractions in the task's units.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -279,13 +279,10 @@ class Grown(ConvexSet):
         return self.inner.apart(*wider)
 
     def covers(self, lower: Vector, upper: Vector) -> bool:
-        corners = {tuple(b if high else a for a, b, high in zip(lower, upper, signs, strict=True)) for signs in self._signs()}
+        if self.dimension > MOST_CORNERS:
+            return False  # not known; whoever asks only refuses what is covered
+        corners = product(*zip(lower, upper, strict=True))
         return super().covers(lower, upper) and not any(self.apart(c, c) for c in corners)
-
-    def _signs(self) -> Iterable[tuple[int, ...]]:
-        """Which corners of a box tell whether it is inside: all; of very many dimensions two, the half-spaces tell the rest."""
-        n = self.dimension
-        return product((0, 1), repeat=n) if n <= MOST_CORNERS else ((0,) * n, (1,) * n)
 
     @property
     def own(self) -> tuple[int, ...]:
