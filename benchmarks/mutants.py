@@ -7,6 +7,7 @@ unsafe sets, clearance, ...) are put where the tube has its exact extreme, less 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -24,6 +25,7 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task import Task, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet, load_task
+from stt_codegen.task.shapes import Target
 
 TASKS = Path(__file__).parent.parent / "tasks"
 ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
@@ -31,6 +33,8 @@ SHAPES = {"discs": 6, "balls": 2, "polygons": 4, "solids": 1}
 EXAMPLES = sorted(p.stem for p in TASKS.glob("*.toml") if p.stem != "omni_board")  # that one is omni_s2 with ticks
 BASES = (*EXAMPLES, *(f"{name} {seed}" for name, n in ARENAS.items() for seed in range(n)))
 SHAPED = (*BASES, *(f"{name} {seed}" for name, n in SHAPES.items() for seed in range(n)))
+
+SIZES = (1, 1, *map(Fraction, ("1.003", "1.006", "1.05")))  # of a ball, beside the one that the tube's end just fits in
 
 Mutant = tuple[Task, RefinedDesign]
 Sides = Sequence[tuple[int, int]]  # (dimension, LOWER or UPPER)
@@ -251,6 +255,42 @@ def shape_beside(dice: Random, b: Base, kind: str) -> Mutant:
     return with_task(b, unsafe=(*b.task.unsafe, added))
 
 
+def region_beside(dice: Random, b: Base, kind: str) -> Mutant:
+    """State space or target cut by a half-space that the tube all but touches, by a hull that has it as a face, or a target that
+    is a ball with a corner of the tube's end on it, but for the slack that is drawn."""
+    n = b.task.dimension
+    d = min(n, dice.choice((2, 2, 3)))
+    own = sorted(dice.sample(range(n), d))
+    edges, axes = signed_edges(b.design), tuple((b.task.axes or tuple(f"x{i + 1}" for i in range(n)))[i] for i in own)
+    last = [[int(edges[-1, i, side].sum()) * b.design.unit for side in (LOWER, UPPER)] for i in own]
+    if kind == "ball":
+        centre = tuple(short(Fraction(dice.uniform(float(low), -float(high)))) for low, high in last)
+        far = math.sqrt(sum(max(c - low, -high - c) ** 2 for c, (low, high) in zip(centre, last, strict=True)))
+        radius = short(
+            Fraction(far) * dice.choice((1, 1, Fraction("1.003"), Fraction("1.006"), Fraction("1.05"))) - slack(dice, b)
+        )
+        return with_task(b, target_set=Target(axes=axes, centre=centre, radius=radius))
+    name = dice.choice(("state_space", "target_set"))
+    out = [dice.randint(-9, 9) for _ in own]
+    out[dice.randrange(d)] = dice.choice((-1, 1)) * dice.randint(1, 9)
+    ahead = [(i, UPPER if v > 0 else LOWER) for i, v in zip(own, out, strict=True)]
+    inward = sum(abs(v) * edges[:, i, side] for v, (i, side) in zip(out, ahead, strict=True))
+    least = deepest(inward)[2] if name == "state_space" else Fraction(int(inward[-1].sum()))
+    body = sum((abs(v) * b.body[i] for i, v in zip(own, out, strict=True)), Fraction(0)) if name == "state_space" else 0
+    offset = short(body - least * b.design.unit) - slack(dice, b)
+    cut: dict[str, Any] = {"axes": axes, "normals": (tuple(map(Fraction, out)),), "offsets": (offset,)}
+    if kind == "hull":  # the box's corners, those beyond the plane moved onto it along one axis
+        k = max(range(d), key=lambda i: abs(out[i]))
+        place = getattr(b.task, name)
+        box = [(place.lower[i] - 100, place.upper[i] + 100) for i in own]
+        points = []
+        for corner in itertools.product(*box):
+            beyond = sum((v * c for v, c in zip(out, corner, strict=True)), Fraction(0)) - offset
+            points.append(entry(corner, k, short(corner[k] - beyond / out[k])) if beyond > 0 else corner)
+        cut = {"axes": axes, "vertices": tuple(points)}
+    return with_task(b, **{name: getattr(b.task, name).model_copy(update=cut)})
+
+
 def before_face(dice: Random, b: Base) -> Mutant:
     """An unsafe set before the extreme of one edge over some segments."""
     (i, side), last = any_side(dice, b), b.design.segments - 1
@@ -358,10 +398,13 @@ KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
     "capsule beside": partial(shape_beside, kind="capsule"),
     "polytope beside": partial(shape_beside, kind="polytope"),
     "half-spaces beside": partial(shape_beside, kind="half-spaces"),
+    "wall beside": partial(region_beside, kind="half-space"),
+    "hull beside": partial(region_beside, kind="hull"),
+    "target ball beside": partial(region_beside, kind="ball"),
 }
 
 
-BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside"))  # a set of another shape than a box
+BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside"))  # sets of other shapes than boxes
 
 
 def draw(dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> tuple[str, str, Base, Mutant]:
@@ -377,7 +420,9 @@ def draw(dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS)
 
 
 def well_formed(task: Task) -> bool:
-    boxes = [task.state_space, task.initial_set, task.target_set]
+    boxes = [task.state_space, task.initial_set, *([task.target_set] if task.target_set.lower else [])]
+    if task.state_space.problem() or task.target_set.problem():
+        return False
     boxes += [s for s in task.unsafe if isinstance(s, UnsafeSet)]
     for s in task.unsafe:
         if s.problem():

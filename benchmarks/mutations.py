@@ -137,17 +137,19 @@ def toml(task: Task) -> str:
         return f"[{', '.join(number_text(v) for v in values)}]"
 
     def box(head: str, b: Box) -> str:
-        return f"{head}\nlower = {vector(b.lower)}\nupper = {vector(b.upper)}\n"
+        return f"{head}\n{told(b)}"
 
     def told(unsafe: Any) -> str:
         """What a table says, in the order of its fields."""
-        lines = [f"axes = {json.dumps(unsafe.axes)}\n"] if unsafe.axes else []
+        names = ("axes", "lower", "upper", "centre", "offsets", "vertices", "normals", "segment", "radius")
+        given = {field: value for field in names if (value := getattr(unsafe, field, None))}
+        lines = [f"axes = {json.dumps(given['axes'])}\n"] if "axes" in given else []
         for field in ("lower", "upper", "centre", "offsets"):
-            lines += [f"{field} = {vector(getattr(unsafe, field))}\n"] if hasattr(unsafe, field) else []
+            lines += [f"{field} = {vector(given[field])}\n"] if field in given else []
         for field in ("vertices", "normals", "segment"):
-            if hasattr(unsafe, field):
-                lines.append(f"{field} = [{', '.join(vector(p) for p in getattr(unsafe, field))}]\n")
-        return "".join(lines) + (f"radius = {number_text(unsafe.radius)}\n" if hasattr(unsafe, "radius") else "")
+            if field in given:
+                lines.append(f"{field} = [{', '.join(vector(p) for p in given[field])}]\n")
+        return "".join(lines) + (f"radius = {number_text(given['radius'])}\n" if "radius" in given else "")
 
     limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
     limited = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))

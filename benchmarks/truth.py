@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from flint import fmpq, fmpz_poly
-from truth_shapes import bounds_of, is_round, round_places
+from truth_shapes import beyond_ball, bounds_of, cuts_of, is_round, round_places
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.task import Box, Task, UnsafeSet
@@ -59,7 +59,8 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
     edges = signed_edges(design)
     start = [[int(edges[0, i, side, 0]) * unit for side in (LOWER, UPPER)] for i in range(n)]
     end = [[int(edges[-1, i, side].sum()) * unit for side in (LOWER, UPPER)] for i in range(n)]
-    first, last = signed_faces(task.initial_set), signed_faces(task.target_set)
+    first = signed_faces(task.initial_set)
+    last = signed_faces(task.target_set) if task.target_set.lower else [(end[i][0] - 1, end[i][1] - 1) for i in range(n)]
     for i, x in enumerate(task.initial_state):
         slack = min(x - start[i][LOWER], -x - start[i][UPPER])
         if slack <= 0 or slack < room or any(start[i][side] < first[i][side] + room for side in (LOWER, UPPER)):
@@ -68,6 +69,17 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
             yield Fault("P5", design.prescribed_time, i)
         if design.table[-1][i] != design.table[-3][i]:
             yield Fault("P6", design.prescribed_time, i)
+
+    low, high = [e[LOWER] for e in end], [-e[UPPER] for e in end]
+    farthest = ((sum((c * (high[i] if c > 0 else low[i]) for i, c in enumerate(v)), Fraction(0)), v, h)
+                for v, h in cuts_of(task, task.target_set))  # fmt: skip
+    if beyond_ball(task, low, high, room) or any(most + room * sum(map(abs, v)) > h for most, v, h in farthest):
+        yield Fault("P5", design.prescribed_time)
+    for normal, offset in cuts_of(task, task.state_space):
+        inward = tuple(-c for c in normal)
+        needed = sum((abs(c) * (body[i] + room) for i, c in enumerate(normal)), -offset)
+        for _, u in open_places(beyond_of(inward, edges)[:, None], [[needed]], unit):
+            yield Fault("P3", u * scale)
 
     free = signed_faces(task.state_space)
     slope = derivative(edges)  # times 1/s

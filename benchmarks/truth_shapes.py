@@ -40,6 +40,34 @@ def bounds_of(task: Task, unsafe: Any) -> list[Bound]:
     return found
 
 
+def cuts_of(task: Task, region: Any) -> list[Bound]:
+    """Half-spaces that a box must be in to be in what cuts a region; of points more than are needed. Of a ball none."""
+    n, own, found = task.dimension, own_axes(task, region), []
+    if region.normals is not None:
+        pairs: Any = zip(region.normals, region.offsets, strict=True)
+    elif region.vertices is not None:
+        planes = normals_of(list(region.vertices))
+        pairs = [(v, max(sum((c * x for c, x in zip(v, p, strict=True)), Fraction(0)) for p in region.vertices)) for v in planes]
+    else:
+        pairs = []
+    for normal, offset in pairs:
+        full: list[Any] = [0] * n
+        for i, c in zip(own, normal, strict=True):
+            full[i] = c
+        found.append((tuple(full), offset))
+    return found
+
+
+def beyond_ball(task: Task, low: Sequence[Fraction], high: Sequence[Fraction], room: Fraction) -> bool:
+    """Whether the target is a ball and a corner of a box, grown by so much, is outside."""
+    target = task.target_set
+    if target.centre is None or target.radius is None:
+        return False
+    own = own_axes(task, target)
+    far = [max(c - low[i], high[i] - c) + room for i, c in zip(own, target.centre, strict=True)]
+    return sum((v * v for v in far), Fraction(0)) > target.radius**2
+
+
 def own_axes(task: Task, unsafe: Any) -> list[int]:
     names = list(task.axes or (f"x{i + 1}" for i in range(task.dimension)))
     return [names.index(a) for a in unsafe.axes or names]

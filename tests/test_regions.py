@@ -23,6 +23,8 @@ from stt_codegen.plants import PLANTS
 from stt_codegen.program.cost import cost_of
 from stt_codegen.report.picture import draw
 from stt_codegen.task import Task, parse_task
+from stt_codegen.task.polytopes import cut_box
+from stt_codegen.task.rounds import FARTHEST, inscribed
 
 ROOM = """name = "room"
 prescribed_time = 9
@@ -64,17 +66,36 @@ lower = [4, 4, 0.5]
 upper = [4.9, 4.9, 1.5]
 vertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]
 """
+BALL = ROOM.replace(
+    "lower = [4, 4]\nupper = [4.9, 4.9]\nnormals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]",
+    "centre = [4.3, 4.2]\nradius = 0.45",
+)
+PAD = SPACE.replace(
+    "vertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]",
+    'axes = ["y", "x"]\ncentre = [4.45, 4.4]\nradius = 0.42',
+)
+SPHERE = SPACE.replace(
+    "lower = [4, 4, 0.5]\nupper = [4.9, 4.9, 1.5]\nvertices = [[4, 4, 0.5], [5, 4, 0.5], [4, 5, 0.5], [5, 5, 0.5], [4.5, 4.5, 1.5]]",
+    "centre = [4.4, 4.3, 1]\nradius = 0.45",
+)
 TEXTS = {
     "room": ROOM.format(body=""),
     "room, body": ROOM.format(body="body = [0.05, 0.1]"),
     "space": SPACE.format(body=""),
     "space, body": SPACE.format(body="body = [0.05, 0.05, 0.1]"),
+    "ball": BALL.format(body=""),
+    "pad": PAD.format(body="body = [0.05, 0.05, 0.1]"),
+    "sphere": SPHERE.format(body=""),
 }
 
 
 def outside(task: Task, region, low: np.ndarray, high: np.ndarray, body: bool) -> float:
     """By how much a corner of boxes (T, n), the body added, is beyond what cuts a region at most, in doubles: of points by qhull."""
     own = list(task.own_axes(region))
+    if getattr(region, "centre", None) is not None:
+        centre = np.array(region.centre, dtype=float)
+        far = np.maximum(abs(low[:, own] - centre), abs(high[:, own] - centre))
+        return float((np.sqrt((far**2).sum(axis=1)) - float(region.radius)).max())
     half = np.array([float(v) for v in task.half_extents]) if body else np.zeros(task.dimension)
     if region.vertices is not None:
         found = ConvexHull(np.array(region.vertices, dtype=float)).equations
@@ -123,6 +144,31 @@ def test_a_face_that_comes_nearer_is_refused_where_the_tube_is_beyond(region: st
         last = slice(-1, None) if region == "target_set" else slice(None)
         beyond = outside(task, getattr(task, region), low[last], high[last], body=region == "state_space")
         assert beyond <= 1e-12 if found.holds else beyond > -2 * float(max(made.certificate.edge_error)) - 1e-3
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert len(set(verdicts)) == 2
+
+
+def test_a_balls_polytope_lies_within_it_and_leaves_little_out() -> None:
+    for d, most in FARTHEST.items():
+        centre, radius = tuple(Fraction(i, 7) for i in range(1, d + 1)), Fraction(3, 5)
+        corners = [v.point for v in cut_box(*(tuple(c + s * radius for c in centre) for s in (-1, 1)), inscribed(centre, radius))]
+        far = max(sum((v - c) ** 2 for v, c in zip(p, centre, strict=True)) for p in corners)
+        assert far <= radius**2
+        assert far > (Fraction("0.999") * radius) ** 2  # the factor is rounded up in the fourth place
+        assert most <= Fraction("1.05")
+
+
+def test_a_smaller_ball_is_refused_where_the_tube_ends_beyond(tmp_path: Path) -> None:
+    made = build_task(parse_task(TEXTS["sphere"]))
+    low, high = tube_at(made.design, np.array([9.0]))
+    verdicts = []
+    for k in range(8):
+        text = TEXTS["sphere"].replace("radius = 0.45\n", f"radius = {0.45 - 0.02 * k:.2f}\n")
+        task = parse_task(text)
+        found = certify(task, made.design, build_program(task, made.design))
+        verdicts.append(found.tube_holds)
+        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
+        assert not found.holds or outside(task, task.target_set, low, high, body=False) <= 0
     assert verdicts == sorted(verdicts, reverse=True)
     assert len(set(verdicts)) == 2
 
@@ -179,6 +225,14 @@ def test_a_target_that_holds_no_tube_is_refused() -> None:
         ("normals = [[-1, -1], [1, 1]]", 'normals = [[-1, -1], [1, 1]]\naxes = ["x1", "y"]', ["target_set.axes", "x1, x2"]),
         ("normals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", 'axes = ["x1"]', ["target_set", "axes", "leave the axes out"]),
         ("[0.5, 0], [5, 1.5]", "[0.9, 0.8], [5, 1.5]", ["initial_set", "outside the state space", "<="]),
+        ("offsets = [-8.8, 9.5]", "offsets = [-8.8, 9.5]\ncentre = [4, 4]\nradius = 0.3", ["target_set", "stands beside"]),
+        ("normals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "centre = [4.4, 4.4]", ["target_set.radius", "missing"]),
+        ("normals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "centre = [4.4]\nradius = 0.2", ["target_set.centre", "1 entries"]),
+        ("normals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "centre = [4.4, 4.4]\nradius = 0", ["target_set.radius", "greater"]),
+        ("lower = [4, 4]\nupper = [4.9, 4.9]\nnormals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "centre = [4.6, 4.4]\nradius = 0.5", ["target_set: its ball", "5.1", "at most 5"]),
+        ("lower = [4, 4]\nupper = [4.9, 4.9]\nnormals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "upper = [5, 5]", ["target_set.lower", "missing"]),
+        ("[target_set]\nlower = [4, 4]\n", "[target_set]\ncentre = [4.4, 4.4]\nradius = 0.2\n#", ["target_set"]),
+        ("[4.9, 4.9]\nnormals = [[-1, -1], [1, 1]]\noffsets = [-8.8, 9.5]", "[4.9, 4.9]\ncentre = [9, 9]\nradius = 0.3", ["target_set", "ball about its centre"]),
         ('name = "room"', 'name = "room"\ntube = { design = "adaptive" }', ["state_space", "refined"]),
     ],
 )  # fmt: skip

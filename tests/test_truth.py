@@ -252,8 +252,10 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
                 told += sum(abs(c) * h for c, h in zip(normal, half, strict=True))
                 assert told + radius * size([normal[i] for i in own]) == s.support(normal)
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
-        for ours, theirs in ((task.initial_set, read.start), (task.target_set, read.target)):
-            assert theirs == (list(ours.lower), list(ours.upper))
+        for ours, theirs in ((task.start, read.start), (task.target, read.target)):
+            assert tuple(theirs) == (list(ours.lower), list(ours.upper))
+        for cuts, found in ((task.space_cuts, read.walls), (task.target_cuts, read.goals)):
+            assert {(tuple(normal), offset) for normal, offset in found} == set(cuts)
         limits = [None if most is None else list(most) for most in (task.max_speed, task.max_acceleration)]
         assert (read.clearance, read.limits) == (task.tube.clearance, limits)
         assert (read.state, read.min_width) == (list(task.initial_state), max(task.tube.min_width, LEAST_WIDTH))

@@ -50,13 +50,18 @@ LAW = {
 KNOWN = {
     "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
     "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share",
-    "target_set": "lower upper axes vertices normals offsets",
+    "target_set": "lower upper axes vertices normals offsets centre radius",
     "unsafe": "name axes lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",
     "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
 }  # fmt: skip
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
+FAN: tuple[tuple[tuple[int, ...], ...], ...] = (  # normals of a target that is a ball, by its dimensions
+    (), ((1,),), ((1, 0), (5, 1), (5, 2), (3, 2), (1, 1)),
+    ((1, 0, 0), (1, 1, 0), (1, 1, 1), (2, 1, 0), (2, 1, 1), (2, 2, 1)),
+)  # fmt: skip
+FARTHEST = (Fraction(1), Fraction(1), Fraction("1.0055"), Fraction("1.0495"))  # corners of that polytope about the unit ball
 CLAIMS = (
     "format task certified design method order scalar sha256 grid edge_error speed start covers_initial_set control claims"
 ).split()
@@ -102,11 +107,19 @@ class Task:
         self.state = [_number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)
         body = _each(document.get("body", 0), n)
-        self.start, self.target = _box(document["initial_set"], n), _box(document["target_set"], n)
-        lower, upper = _box(document["state_space"], n)
+        self.start, (lower, upper) = _box(document["initial_set"], n), _box(document["state_space"], n)
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
-        names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
+        names, target = document.get("axes") or [f"x{i + 1}" for i in range(n)], document["target_set"]
+        if "centre" in target and "lower" not in target:  # in the other dimensions as long as the state space
+            ball = {i: (_number(c), _number(target["radius"])) for i, c in zip(_own(target, names), target["centre"])}
+            ends = [
+                [ball[i][0] + s * ball[i][1] if i in ball else v for i, v in enumerate(side)]
+                for s, side in zip((-1, 1), self.space)
+            ]
+            self.target = ends[0], ends[1]
+        else:
+            self.target = _box(target, n)
         walls, self.goals = (_cuts(document[k], names) for k in ("state_space", "target_set"))
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
@@ -198,7 +211,15 @@ def _cuts(table: Any, names: list[str]) -> list[tuple[list[int], Fraction]]:
     through as many of them as there are dimensions that have the others on one side."""
     own, n, found = _own(table, names), len(names), []
     d = len(own)
-    if "normals" in table or "offsets" in table:
+    if "centre" in table:
+        centre, radius = _each(table["centre"], d), _number(table["radius"])
+        if d > 3 or radius <= 0 or set(table) & {"vertices", "normals", "offsets"}:
+            raise Unusable("the task has a ball that is said in no way that is known here")
+        orders = [order for kind in FAN[d] for order in itertools.permutations(kind)]
+        for turned in {tuple(map(operator.mul, o, signs)) for o in orders for signs in itertools.product((-1, 1), repeat=d)}:
+            offset = sum(map(operator.mul, turned, centre), radius / FARTHEST[d] * length(turned))
+            found.append((list(map(Fraction, turned)), offset))
+    elif "normals" in table or "offsets" in table:
         normals = _vectors(table["normals"], d)
         found = list(zip(normals, _each(table["offsets"], len(normals))))
     if "vertices" in table:
@@ -224,6 +245,13 @@ def _cuts(table: Any, names: list[str]) -> list[tuple[list[int], Fraction]]:
         place = dict(zip(own, normal))
         whole.append(([int(place.get(i, 0) * scale / common) for i in range(n)], offset * scale / common))
     return whole
+
+
+def length(normal: Sequence[int]) -> Fraction:
+    """|n|_2, rounded up to a multiple of 2^-32."""
+    square = sum(c * c for c in normal) << 64
+    root = math.isqrt(square)
+    return Fraction(root + (root * root < square), 1 << 32)
 
 
 def _minor(rows: list[list[Fraction]]) -> Fraction:
@@ -1198,10 +1226,8 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
             )
             need(good, f"a hint of {name} has no normal of whole numbers without a common divisor")
             size = sum(map(abs, normal))
-            square = sum(normal[i] ** 2 for i in own) << 64
-            root = math.isqrt(square)  # |n|_2 in its dimensions, rounded up to a multiple of 2^-32
             support = max(sum(map(operator.mul, normal, p), Fraction(0)) for p in points)
-            support += sum(abs(c) * h for c, h in zip(normal, half)) + radius * Fraction(root + (root * root < square), 1 << 32)
+            support += sum(abs(c) * h for c, h in zip(normal, half)) + radius * length([normal[i] for i in own])
             values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
             slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
         claim("P4", [0, end], min(slacks), error, set=name)

@@ -90,7 +90,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     n = task.dimension
     least = max(row.bound for row in width_rows(task))
     wide = least + 2 * allowance
-    for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
+    for field, box in (("initial_set", task.start), ("target_set", task.target)):
         for i in range(n):
             width = box.upper[i] - box.lower[i]
             if width < wide + 4 * allowance:

@@ -253,7 +253,7 @@ def _walls(axis: Any, task: Task, plane: Plane) -> None:
     space = task.state_space
     ends = [(space.lower[i], space.upper[i]) for i in plane]
     lower, upper = (tuple(e[k] for e in ends) for k in (0, 1))
-    for normal, offset in space.cuts(task.own_axes(space)):
+    for normal, offset in space.cuts(task.own_axes(space), task.dimension):
         own = tuple(normal[i] for i in plane)
         if sum(1 for c in normal if c) != sum(1 for c in own if c):
             continue
@@ -293,7 +293,7 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
         lower, upper = (float(v) for v in s.span(i))
         axis.fill_between(t, lower, upper, where=meets, color=COLOURS["unsafe"], alpha=0.6, linewidth=0)
     end = float(task.prescribed_time)
-    axis.vlines(end, float(task.target_set.lower[i]), float(task.target_set.upper[i]), color=COLOURS["target"], linewidth=5)
+    axis.vlines(end, float(task.target.lower[i]), float(task.target.upper[i]), color=COLOURS["target"], linewidth=5)
     axis.vlines(0, float(task.initial_set.lower[i]), float(task.initial_set.upper[i]), color=COLOURS["start"], linewidth=5)
     axis.set(ylabel=label(task, i), xlim=(-0.01 * end, 1.01 * end))
     axis.set_ylim(float(task.state_space.lower[i]), float(task.state_space.upper[i]))

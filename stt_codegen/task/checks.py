@@ -9,8 +9,8 @@ from stt_codegen.decimals import decimal
 from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.sets import Normal, Vector
-from stt_codegen.task.shapes import Box, Unsafe, UnsafeSet, corners_left
+from stt_codegen.task.sets import BoxSet, Normal, Vector
+from stt_codegen.task.shapes import Box, Region, Unsafe, UnsafeSet, corners_left
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -61,9 +61,15 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         if problem:
             return f"{field}.{problem}"
     found = (table.problem() for _, table in tables)
-    return next((f"{field}: {problem}" for (field, _), problem in zip(tables, found, strict=True) if problem), None) or next(
+    told = ((field, problem) for (field, _), problem in zip(tables, found, strict=True) if problem)
+    return next((f"{field}{'.' if _of_a_field(problem) else ': '}{problem}" for field, problem in told), None) or next(
         (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := _set_problem(task, unsafe))), None
     )
+
+
+def _of_a_field(problem: str) -> bool:
+    """Whether a message about a table begins with one of its fields."""
+    return problem.partition(" ")[0].endswith(":")
 
 
 def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
@@ -183,24 +189,26 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
     for i in range(n):
         if space.lower[i] >= space.upper[i]:
             return f"body[{i}]: the body does not fit into the state space; make it smaller"
-    for field, region in (("state_space", task.state_space), ("target_set", task.target_set)):
-        own = task.own_axes(region)
-        cuts = tuple((tuple(normal[i] for i in own), offset) for normal, offset in region.cuts(own))
-        left = corners_left(*(tuple(edges[i] for i in own) for edges in (region.lower, region.upper)), cuts) if cuts else None
+    boxes: tuple[tuple[str, Region, BoxSet], ...] = (
+        ("state_space", task.state_space, task.state_space.convex()),
+        ("target_set", task.target_set, task.target),
+    )
+    for field, region, box in boxes:
+        own, cuts = task.own_axes(region), tuple(region.half_spaces())
+        left = corners_left(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
         if left is not None and (not left or spanned(left) < len(own)):
-            return f"{field}: its {region.points[0]} leave nothing of the box with an interior; turn the signs or move them"
-    for field, box in (("initial_set", task.initial_set), ("target_set", task.target_set)):
+            told = region.points[0]
+            if told == "centre":
+                return f"{field}: the ball about its centre leaves nothing of the box with an interior; move one of them"
+            return f"{field}: its {told} leave nothing of the box with an interior; turn the signs or move them"
+    for field, box in (("initial_set", task.start), ("target_set", task.target)):
         for i in range(n):
-            if box.lower[i] < space.lower[i]:
-                return (
-                    f"{field}: lower[{i}] = {decimal(box.lower[i])} lies outside the state space{body}; "
-                    f"use at least {decimal(space.lower[i])}"
-                )
-            if box.upper[i] > space.upper[i]:
-                return (
-                    f"{field}: upper[{i}] = {decimal(box.upper[i])} lies outside the state space{body}; "
-                    f"use at most {decimal(space.upper[i])}"
-                )
+            for edge, sign, most in (("lower", -1, "at least"), ("upper", 1, "at most")):
+                end, limit = getattr(box, edge)[i], getattr(space, edge)[i]
+                if sign * end > sign * limit:
+                    round_ = field == "target_set" and task.target_set.centre is not None and not task.target_set.lower
+                    what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
+                    return f"{field}: {what} lies outside the state space{body}; use {most} {decimal(limit)}"
     for normal, offset in task.space_cuts:
         if task.start.support(normal) > offset:
             return f"initial_set: lies outside the state space{body}, where {_half_space(task, normal, offset)}"

@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
-from stt_codegen.task.values import MAX_LABEL, MAX_NAME, kind_of
+from stt_codegen.task.values import ADD_IT, MAX_LABEL, MAX_NAME, kind_of
 
 SHAPES = "lower and upper, vertices, normals and offsets, centre and radius, or segment and radius"
 FORMS = [set(form.removeprefix("or ").split(" and ")) for form in SHAPES.split(", ")]
@@ -31,7 +31,7 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
         if first["loc"][0] == "unsafe" and not any(given & form and given <= form for form in FORMS):
             told = f"says two shapes ({', '.join(sorted(given))})" if given else "says no shape"
             return f"{where.rpartition('.')[0]}: {told}; give one of {SHAPES}"
-        return f"{where}: is missing; add it (docs/task.md has an example of every field)"
+        return f"{where}: is missing; {ADD_IT}"
     if kind == "extra_forbidden" and first["loc"][0] == "unsafe" and first["loc"][-1] in SHAPE_FIELDS:
         return f"{where}: stands beside fields of another shape; a set has one, {SHAPES}"
     if kind == "extra_forbidden":

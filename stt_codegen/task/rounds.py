@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cache, cached_property
 from itertools import combinations, pairwise, permutations, product
 
-from stt_codegen.task.polytopes import PLANE, SOLID, bends_of, cut_box, dot, whole
+from stt_codegen.task.polytopes import PLANE, SOLID, HalfSpace, bends_of, cut_box, dot, whole
 from stt_codegen.task.sets import ZERO, Bend, ConvexSet, Normal, Shadow, Vector, axes
 
 SIZE_BITS = 32  # size(n) is the least multiple of 2**-SIZE_BITS that is not below |n|_2
@@ -25,6 +25,11 @@ COARSE = {PLANE: ((1, 0), (5, 2), (1, 1)), SOLID: ((1, 0, 0), (1, 1, 0), (1, 1, 
 MOST_PAIRED, MOST_SIGNED = 12, 6  # dimensions in which a fan has normals of two, and of all
 ALIKE = 1 << 10  # parts at least of a ratio of lengths
 DRAWN = 64  # points of a circle in a picture
+FARTHEST = {
+    1: Fraction(1),
+    PLANE: Fraction("1.0055"),
+    SOLID: Fraction("1.0495"),
+}  # corners of the fan's polytope about the unit ball
 
 
 def size(normal: Sequence[int]) -> Fraction:
@@ -76,6 +81,13 @@ def fan_across(way: Normal) -> tuple[Normal, ...]:
 
 def _cross(a: Normal, b: Normal) -> Normal:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def inscribed(centre: Vector, radius: Fraction) -> tuple[HalfSpace, ...]:
+    """Half-spaces with the normals of the fan that leave a polytope within the ball, in at most three dimensions: they touch a
+    smaller ball, so that its corners are no farther from the centre than the radius."""
+    inner = radius / FARTHEST[len(centre)]
+    return tuple((normal, dot(normal, centre) + inner * size(normal)) for normal in fan(len(centre)))
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
 from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Unsafe
+from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
@@ -132,7 +132,7 @@ class TaskTables(Table):
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Annotated[Region, BeforeValidator(_from_box)]
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
-    target_set: Annotated[Region, BeforeValidator(_from_box)]
+    target_set: Annotated[Target, BeforeValidator(_from_box)]
     body: Vector | None = Field(default=None, description="half extents of the robot")
     unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
     tube: TubeOptions = TubeOptions()
@@ -218,20 +218,20 @@ class TaskTables(Table):
 
     @property
     def target(self) -> BoxSet:
-        """The target set T."""
-        return self.target_set.convex()
+        """The target set T, or the box that is cut to it."""
+        return self.target_set.box(self.free_space, self.own_axes(self.target_set))
 
     @property
     def space_cuts(self) -> tuple[HalfSpace, ...]:
         """The half-spaces that cut the state space, moved in by `body`."""
         half = self.half_extents
-        given = self.state_space.cuts(self.own_axes(self.state_space))
+        given = self.state_space.cuts(self.own_axes(self.state_space), self.dimension)
         return tuple((n, h - sum((abs(c) * v for c, v in zip(n, half, strict=True)), Fraction(0))) for n, h in given)
 
     @property
     def target_cuts(self) -> tuple[HalfSpace, ...]:
         """The half-spaces that cut the target set."""
-        return self.target_set.cuts(self.own_axes(self.target_set))
+        return self.target_set.cuts(self.own_axes(self.target_set), self.dimension)
 
     @property
     def bare(self) -> tuple[ConvexSet, ...]:

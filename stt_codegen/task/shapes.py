@@ -1,5 +1,7 @@
 """The tables of a task that say a set: boxes, polytopes by points or half-spaces, balls and capsules. An unsafe one may be in
-some of the dimensions alone; then it is unsafe whatever the others are."""
+some of the dimensions alone; then it is unsafe whatever the others are.
+
+Long because every table of a set is here, and what its fields must be."""
 
 from __future__ import annotations
 
@@ -9,18 +11,29 @@ from fractions import Fraction
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WrapValidator
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.polytopes import SOLID, HalfSpace, Hull, Polytope, cut_box, spanned, whole
-from stt_codegen.task.rounds import Round
+from stt_codegen.task.rounds import Round, inscribed
 from stt_codegen.task.sets import BoxSet, ConvexSet, Prism
-from stt_codegen.task.values import MAX_LABEL, MAX_NORMALS, MAX_POINTS, MAX_POINTS_BEYOND, Positive, Vector, labels, points
+from stt_codegen.task.values import (
+    ADD_IT,
+    MAX_LABEL,
+    MAX_NORMALS,
+    MAX_POINTS,
+    MAX_POINTS_BEYOND,
+    Positive,
+    Vector,
+    labels,
+    points,
+)
 
 MOST_SPANNED = 6  # dimensions of a polytope: its faces are found exactly, which takes time
 
 Axes = Annotated[tuple[str, ...], BeforeValidator(labels)]
 Points = Annotated[tuple[Vector, ...], BeforeValidator(points)]
+EdgesOrNone = Annotated[Vector, WrapValidator(lambda value, handler: handler(value) if value != () else value)]  # () where absent
 
 
 class Table(BaseModel):
@@ -78,15 +91,58 @@ class Region(Box):
             return super().problem() or half_space_problem(found, self.offsets)
         return super().problem() or hull_problem(found)
 
-    def cuts(self, own: Sequence[int]) -> tuple[HalfSpace, ...]:
+    def cuts(self, own: Sequence[int], dimension: int) -> tuple[HalfSpace, ...]:
         """The half-spaces that cut the box, in all dimensions; `own`: those of the points or normals, by number."""
-        if self.vertices is not None:
-            found = list(Hull.of(self.vertices).faces)
-        else:
-            found = half_spaces(self.normals or (), self.offsets or ())
-        places = [dict(zip(own, normal, strict=True)) for normal, _ in found]
-        full = [tuple(place.get(i, 0) for i in range(len(self.lower))) for place in places]
-        return tuple((normal, offset) for normal, (_, offset) in zip(full, found, strict=True))
+        places = [(dict(zip(own, normal, strict=True)), offset) for normal, offset in self.half_spaces()]
+        return tuple((tuple(place.get(i, 0) for i in range(dimension)), offset) for place, offset in places)
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        """The same in the dimensions of the points or normals."""
+        return Hull.of(self.vertices).faces if self.vertices is not None else half_spaces(self.normals or (), self.offsets or ())
+
+
+class Target(Region):
+    """A region, or a ball, of which a polytope within it counts: in the dimensions that are not its own as long as the state
+    space, where no box is given."""
+
+    lower: EdgesOrNone = ()
+    upper: EdgesOrNone = ()
+    centre: Vector | None = Field(default=None, description="of a ball, in place of vertices or normals; no box is needed then")
+    radius: Positive | None = Field(default=None, description="of the ball")
+
+    @property
+    def points(self) -> tuple[str, tuple[Vector, ...]]:
+        return ("centre", (self.centre,)) if self.centre is not None else super().points
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [pair for pair in super().vectors() if pair[1]]
+
+    def problem(self) -> str | None:
+        given = [field for field, _ in self.vectors()]
+        if self.centre is None and self.radius is None:
+            missing = next((field for field in ("lower", "upper") if field not in given), None)
+            return f"{missing}: is missing; {ADD_IT}" if missing else super().problem()
+        if self.centre is None or self.radius is None:
+            return f"{'centre' if self.centre is None else 'radius'}: is missing; both are needed"
+        if any(field is not None for field in (self.vertices, self.normals, self.offsets)):
+            return "centre: stands beside vertices or normals; give the one or the others"
+        if len(self.centre) > SOLID:
+            return f"centre: is in {len(self.centre)} dimensions; at most {SOLID} are taken, name them in axes"
+        if len(given) == 1:
+            return f"{given[0]}: stands alone; give lower and upper, or neither beside centre and radius"
+        return Box.problem(self) if given else None
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return super().half_spaces() if self.centre is None or self.radius is None else inscribed(self.centre, self.radius)
+
+    def box(self, space: BoxSet, own: Sequence[int]) -> BoxSet:
+        """What is cut: the box, or where there is none the state space and in the ball's dimensions its span."""
+        if self.lower or self.centre is None or self.radius is None:
+            return BoxSet(self.lower, self.upper)
+        lower, upper = list(space.lower), list(space.upper)
+        for i, c in zip(own, self.centre, strict=True):
+            lower[i], upper[i] = c - self.radius, c + self.radius
+        return BoxSet(tuple(lower), tuple(upper))
 
 
 class Unsafe(Table):

@@ -13,6 +13,7 @@ from stt_codegen.decimals import decimal
 
 MAX_DIMENSION = 64
 MAX_NAME = 20
+ADD_IT = "add it (docs/task.md has an example of every field)"
 MAX_LABEL = 40
 MAX_POINTS = 64  # of a polytope in up to three dimensions,
 MAX_POINTS_BEYOND = 16  # in more; their faces are found exactly, which takes time
