@@ -28,7 +28,7 @@ test: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist loadgroup
 
 # Each command fails where a law is broken: a mutant that passes, a lemma that no mutant moves, a sampled statement that is violated, an
 # arena with a way and no certificate, a closed loop that collides or leaves.
