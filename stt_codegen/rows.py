@@ -18,7 +18,9 @@ from functools import cache
 
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
 from stt_codegen.task import Task
+from stt_codegen.task.motion import Course, Leg
 from stt_codegen.task.polytopes import HalfSpace
+from stt_codegen.task.rounds import size
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
@@ -58,10 +60,22 @@ class Row:
 
 @dataclass(frozen=True)
 class Avoidance:
-    """P4 for one set: at every moment one of the rows must hold."""
+    """P4 for one set: at every moment one of the rows must hold. course: where the set is not always the same; then the rows are
+    about where it is when it is not displaced, and `growing` is by how much each bound rises where the set grows by 1."""
 
     name: str
     rows: tuple[Row, ...]
+    course: Course | None = None
+    growing: tuple[Fraction, ...] = ()
+
+    def bounds(self, leg: Leg, t: Fraction) -> list[list[Fraction]]:
+        """For every row what its bound is, clearance included, at a time of a leg, for each of the leg's places."""
+        assert self.course is not None
+        grown, places = self.course.growth(t), leg.at(t)
+        return [
+            [row.bound + row.keep + g * grown + sum((c * by[i] for i, _, c in row.terms if by[i]), Fraction(0)) for by in places]
+            for row, g in zip(self.rows, self.growing, strict=True)
+        ]
 
 
 def least_width(task: Task) -> Fraction:
@@ -96,7 +110,17 @@ def reach_rows(task: Task) -> tuple[Row, ...]:
 
 def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
     """P4, for all t: for every unsafe set, grown by the body, a choice of rows."""
-    return tuple(Avoidance(s.name, apart_rows(s, task.tube.clearance)) for s in task.obstacles)
+    found = []
+    for s, course in zip(task.obstacles, task.courses, strict=True):
+        growing = () if course is None else tuple(_growing(s, normal) for normal, _ in s.faces)
+        found.append(Avoidance(s.name, apart_rows(s, task.tube.clearance), course, growing))
+    return tuple(found)
+
+
+def _growing(convex: ConvexSet, normal: Normal) -> Fraction:
+    """The support of what a set grows by: of a round one a ball, else a box, in the set's own dimensions."""
+    own = [normal[i] for i in convex.own]
+    return size(own) if convex.radius else Fraction(sum(map(abs, own)))
 
 
 def speed_rows(task: Task) -> tuple[Row, ...]:

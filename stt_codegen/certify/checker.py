@@ -48,10 +48,11 @@ LAW = {
     "inline": {24: 2.0**-14, 53: 2.0**-14},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
-    "": "name axes units prescribed_time initial_state body state_space initial_set target_set unsafe tube control emit plant",
+    "": "name axes units prescribed_time start_delay initial_state body state_space initial_set target_set unsafe tube "
+        "control emit plant",
     "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share",
-    "target_set": "lower upper axes vertices normals offsets centre radius",
-    "unsafe": "name axes lower upper vertices normals offsets centre segment radius",
+    "target_set": "lower upper axes vertices normals offsets centre radius motion",
+    "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
     "control": "gain e_max u_max period latency",
     "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
@@ -110,20 +111,15 @@ class Task:
         self.start, (lower, upper) = _box(document["initial_set"], n), _box(document["state_space"], n)
         self.farthest = max(map(abs, lower + upper))
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
-        names, target = document.get("axes") or [f"x{i + 1}" for i in range(n)], document["target_set"]
-        if "centre" in target and "lower" not in target:  # in the other dimensions as long as the state space
-            ball = {i: (_number(c), _number(target["radius"])) for i, c in zip(_own(target, names), target["centre"])}
-            ends = [
-                [ball[i][0] + s * ball[i][1] if i in ball else v for i, v in enumerate(side)]
-                for s, side in zip((-1, 1), self.space)
-            ]
-            self.target = ends[0], ends[1]
-        else:
-            self.target = _box(target, n)
-        walls, self.goals = (_cuts(document[k], names) for k in ("state_space", "target_set"))
+        names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
+        walls = _cuts(document["state_space"], names)
+        self.target, self.goals = _target(document["target_set"], names, self.space, self.t_c)
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
+        delay = _number(document.get("start_delay", 0))
+        timed = {"motion", "during", "spread"}
+        self.courses = [Course(e, names, delay, self.t_c) if timed & set(e) else None for e in document.get("unsafe", [])]
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
@@ -144,9 +140,56 @@ class Task:
         given = [self.plant["g_min"], self.plant["g_max"], self.period, self.tick, *(self.u_max or [])]
         given += [v for most in self.limits for v in most or []]
         positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
-        not_negative = [self.clearance, self.latency, *body, *(v for v in self.plant.values() if v is not None)]
+        not_negative = [self.clearance, self.latency, delay, *body, *(v for v in self.plant.values() if v is not None)]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
+
+
+class Course:
+    """How a set moves, and when it is unsafe: displacements at times on its clock, linear between, constant before and after; on
+    the controller's that clock is `early` behind at most, and `late` ahead. Times in seconds."""
+
+    def __init__(self, table: Any, names: list[str], delay: Fraction, t_c: Fraction) -> None:
+        own, timing = _own(table, names), _number(table.get("timing", 0))
+        self.early, self.late, self.spread, self.t_c = timing, timing + delay, _number(table.get("spread", 0)), t_c
+        self.knots = [(Fraction(0), [Fraction(0)] * len(names))]
+        if "motion" in table:
+            entries = table["motion"]
+            if (
+                not isinstance(entries, list)
+                or not entries
+                or not all(isinstance(v, dict) and {*v} == {"at", "by"} for v in entries)
+            ):
+                raise Unusable("the task has a motion that is no list of { at, by }")
+            given = [(_number(v["at"]), dict(zip(own, _each(v["by"], len(own))))) for v in entries]
+            self.knots = [(at, [place.get(i, Fraction(0)) for i in range(len(names))]) for at, place in given]
+        times = [at for at, _ in self.knots]
+        self.first, self.last = _each(table["during"], 2) if "during" in table else (-self.early, t_c + self.late)
+        window = "during" not in table or 0 <= self.first < self.last <= t_c
+        if not window or min(timing, self.spread, *times) < 0 or max(times) > t_c or sorted({*times}) != times:
+            raise Unusable("the task has a motion or a window that is not within its time, or in no order")
+
+    def displaced(self, tau: Fraction) -> list[Fraction]:
+        """At a time on the set's clock."""
+        tau, (at, here) = min(max(tau, self.first), self.last), self.knots[0]
+        for to, there in self.knots[1:]:
+            if at < tau <= to:
+                return [v + (tau - at) / (to - at) * (w - v) for v, w in zip(here, there)]
+            if to <= tau:
+                here = there
+            at = to
+        return here
+
+    def legs(self, a: Fraction, b: Fraction) -> Iterator[tuple[Fraction, Fraction, list[tuple[list[Fraction], list[Fraction]]]]]:
+        """From a to b on the controller's clock: where it may be unsafe, between the times at which something turns, and the
+        corners of the path that it may be on, each from its first place to its last."""
+        begin, end = max(a, self.first - self.late), min(b, self.last + self.early)
+        turns = {self.first, self.last, *(at for at, _ in self.knots if self.first < at < self.last)}
+        moments = {v for tau in turns for v in (tau + self.early, tau - self.late) if begin < v < end}
+        for p, q in itertools.pairwise(sorted({begin, end, *moments}) if begin < end else []):
+            still = [self.displaced(tau) for tau in turns if q - self.early <= tau <= p + self.late]
+            ends = [(self.displaced(p + s), self.displaced(q + s)) for s in (-self.early, self.late)]
+            yield p, q, ends + [(d, d) for d in still]
 
 
 def _number(value: Any) -> Fraction:
@@ -173,7 +216,7 @@ def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> U
     """An unsafe set as points, half extents (n), own dimensions, radius: the hull of the points, and about each of its points a
     box and in the own dimensions a ball."""
     own = _own(table, names)
-    form = " ".join(k for k in KNOWN["unsafe"].split() if k in table and k not in ("name", "axes"))
+    form = " ".join(k for k in KNOWN["unsafe"].split() if k in table and k not in "name axes motion during timing spread".split())
     if form not in FORMS:
         raise Unusable("the task has an unsafe set that is said in no way that is known here")
     d, radius = len(own), _number(table.get("radius", 0))
@@ -196,6 +239,21 @@ def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> U
     for i, extent in zip(own, extents):
         half[i] = extent + body[i]
     return [[dict(zip(own, p)).get(i, v) for i, v in enumerate(middle)] for p in points], half, own, radius
+
+
+def _target(table: Any, names: list[str], space: Box, t_c: Fraction) -> tuple[Box, list[tuple[list[int], Fraction]]]:
+    """The box of a target and the half-spaces that cut it, where it is at t_c; of a ball without a box its span, and in the other
+    dimensions the state space."""
+    by, own = Course(table, names, Fraction(0), t_c).displaced(t_c), _own(table, names)
+    if "centre" in table and "lower" not in table:
+        ball = dict(zip(own, _each(table["centre"], len(own))))
+        low, high = (
+            [ball[i] + s * _number(table["radius"]) if i in ball else v for i, v in enumerate(e)] for s, e in zip((-1, 1), space)
+        )
+    else:
+        low, high = _box(table, len(names))
+    cuts = [(normal, offset + sum(map(operator.mul, normal, by))) for normal, offset in _cuts(table, names)]
+    return ([v + d for v, d in zip(low, by)], [v + d for v, d in zip(high, by)]), cuts
 
 
 def _own(table: Any, names: list[str]) -> list[int]:
@@ -1121,9 +1179,9 @@ def _errors(source: Source, name: str, inputs: list[Inexact], eps: Fraction, tin
 # ------------------------------------------------------------------------------------------------ P1 to P6
 
 
-def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tuple[Piece, Any]]:
-    """The pieces that the hints name, each with its normal: stretches of time in parts of a segment, one after the other without
-    a gap. whole: segments of which there is no hint are taken as they are."""
+def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tuple[Piece, Any, tuple[int, int]]]:
+    """The pieces that the hints name, each with its normal and from where to where it is: stretches in parts of a segment, one
+    after the other without a gap. whole: segments of which there is no hint are taken as they are."""
     at, end = 0, tube.segments * cuts
     need(all(isinstance(hint, list) and len(hint) == (2 if whole else 3) for hint in hints), "a hint is not [from, to, normal]")
     stretches = [(*hint, None)[:3] for hint in hints]
@@ -1131,7 +1189,7 @@ def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tupl
         need(all(type(v) is int for v in (begin, stop)) and at <= begin <= stop <= end, "the hints are in no order")
         need(begin == at or (whole and at % cuts == begin % cuts == 0), "the hints leave a gap in time")
         for k in range(at // cuts, begin // cuts):
-            yield tube.pieces[k], None
+            yield tube.pieces[k], None, (k * cuts, (k + 1) * cuts)
         at = begin
         while at < stop:
             k = at // cuts
@@ -1139,6 +1197,7 @@ def parts(tube: Tube, hints: list[Any], cuts: int, whole: bool) -> Iterator[tupl
             yield (
                 (tube.pieces[k] if to - at == cuts else within(tube.pieces[k], Fraction(at, cuts) - k, Fraction(to, cuts) - k)),
                 normal,
+                (at, to),
             )
             at = to
     need(at == end, "the hints leave a gap in time")
@@ -1168,6 +1227,34 @@ def above(value: Fraction, unit: Fraction) -> int:
     return math.ceil(value / unit)
 
 
+def apart(
+    task: Task, tube: Tube, unsafe: Unsafe, course: Course | None, found: list[tuple[Piece, Any, tuple[int, int]]], part: Fraction
+) -> Iterator[int]:
+    """By how much each piece is beyond a set along its normal, in the largest component and whole units; where the set moves,
+    each part of the piece in which nothing turns. part: seconds of a part of a segment."""
+    points, half, own, radius = unsafe
+    for piece, normal, (at, to) in found:
+        good = isinstance(normal, list) and len(normal) == task.n and all(type(c) is int for c in normal)
+        need(good and math.gcd(*normal) == 1, "a hint of P4 has no normal of whole numbers without a common divisor")
+        size, inside = sum(map(abs, normal)), [normal[i] for i in own]
+        support = max(sum(map(operator.mul, normal, p), Fraction(0)) for p in points)
+        support += sum(abs(c) * h for c, h in zip(normal, half)) + radius * length(inside) + size * task.clearance
+        values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
+        if course is None:
+            yield math.floor((min(values) - above(support, tube.unit)) / Fraction(size))
+            continue
+        grows = course.spread * (length(inside) if radius else sum(map(abs, inside)))
+        for p, q, places in course.legs(at * part, to * part):
+            row, room = [Fraction(v) for v in values], []
+            shares = [(t / part - at) / (to - at) for t in (p, q)]
+            cut = within([(row, row)], *shares)[0][0]
+            for k in range(4):  # the Bezier coefficients from p to q
+                s = Fraction(k, 3)
+                ahead = max(sum((c * (u + s * (v - u)) for c, u, v in zip(normal, *ds)), Fraction(0)) for ds in places)
+                room.append(cut[k] - above(support + ahead + grows * (p + s * (q - p) + course.late), tube.unit))
+            yield math.floor(min(room) / size)
+
+
 def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts: int) -> None:
     """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
     unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
@@ -1189,7 +1276,7 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
 
     def least(code: str, slack: Callable[[Piece], Any]) -> int:
         """The slack over all pieces, in whole units."""
-        found: Iterator[int] = (math.floor(slack(piece)) for piece, _ in parts(tube, hints(code), cuts, True))
+        found: Iterator[int] = (math.floor(slack(piece)) for piece, _, _ in parts(tube, hints(code), cuts, True))
         return min(found)
 
     narrow = above(task.min_width, unit)
@@ -1215,22 +1302,9 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
         return min([box([(min(low), max(high)) for low, high in piece], *task.space), *behind(piece, task.walls)])
 
     claim("P3", [0, end], least("P3", stay), error)
-    for name, (points, half, own, radius) in task.unsafe:
-        slacks = []
-        for piece, normal in parts(tube, hints("P4"), cuts, False):
-            good = (
-                isinstance(normal, list)
-                and len(normal) == task.n
-                and all(type(c) is int for c in normal)
-                and math.gcd(*normal) == 1
-            )
-            need(good, f"a hint of {name} has no normal of whole numbers without a common divisor")
-            size = sum(map(abs, normal))
-            support = max(sum(map(operator.mul, normal, p), Fraction(0)) for p in points)
-            support += sum(abs(c) * h for c, h in zip(normal, half)) + radius * length([normal[i] for i in own])
-            values = [sum(c * piece[i][c < 0][k] for i, c in enumerate(normal) if c) for k in range(4)]
-            slacks.append(math.floor((min(values) - above(support + size * task.clearance, unit)) / Fraction(size)))
-        claim("P4", [0, end], min(slacks), error, set=name)
+    for (name, unsafe), course in zip(task.unsafe, task.courses):
+        found = list(apart(task, tube, unsafe, course, list(parts(tube, hints("P4"), cuts, False)), Fraction(task.t_c, end)))
+        claim("P4", [0, end], min(found), error, set=name)
     last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
     held: Piece = [([low[3]] * 4, [high[3]] * 4) for low, high in tube.pieces[-1]]
     claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)

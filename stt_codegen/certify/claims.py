@@ -10,13 +10,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.slack import DEPTH, Pieces, RowBlock, halves
+from stt_codegen.certify.moving import moving_pieces
+from stt_codegen.certify.slack import Found, RowBlock, pieces_of
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.rows import (
     Row,
@@ -62,7 +61,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     always, n = (0, segments), task.dimension
 
     def every(code: str, rows: Sequence[Row]) -> Claim:
-        found = _pieces(bezier, RowBlock.of(rows, unit), error * _demand(rows))
+        found = pieces_of(bezier, RowBlock.of(rows, unit), error * _demand(rows))
         worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
         cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
         return Claim(code, always, min(math.floor(slack[0]) for _, _, slack in worst), hints=cut)
@@ -75,7 +74,11 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     def avoid() -> list[Claim]:
         found = []
         for one in avoid_rows(task):
-            pieces = _pieces(bezier, RowBlock.choice([one], unit), error * _demand(one.rows))
+            required = error * _demand(one.rows)
+            if one.course is None:
+                pieces = pieces_of(bezier, RowBlock.choice([one], unit), required)
+            else:
+                pieces = list(moving_pieces(one, design, required))
             margin = min(math.floor(slack.max()) for _, _, slack in pieces)
             found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
         return found
@@ -118,33 +121,6 @@ def cuts_of(claims: Sequence[Claim]) -> int:
 
 def _demand(rows: Sequence[Row]) -> Fraction:
     return max(row.needed for row in rows)
-
-
-Found = tuple[Fraction, Fraction, npt.NDArray[Any]]  # from, to, and the slack of every row
-
-
-def _pieces(bezier: npt.NDArray[np.int64], block: RowBlock, required: Fraction) -> list[Found]:
-    """Every segment with the slack of every row, told as a distance; halved where its hull does not show what is required."""
-    slack = block.told(bezier)
-    shown = block.told_of(slack) >= required
-    result: list[Found] = []
-    for k, good in enumerate(shown.tolist()):
-        if good:
-            result.append((Fraction(k), Fraction(k + 1), slack[k]))
-        else:
-            result += _halved(bezier[k].astype(object), Fraction(k), Fraction(1), block, required, DEPTH)
-    return result
-
-
-def _halved(piece: Pieces, begin: Fraction, length: Fraction, block: RowBlock, required: Fraction, depth: int) -> list[Found]:
-    """A piece of shape (n, 2, 4), in halves until the hull shows what is required; whole where the curve itself lacks it."""
-    slack = block.told(piece[None])
-    lacks = block.told_of(block.told(np.repeat(piece[None, ..., :1], 4, axis=-1)))[0] < required
-    if lacks or depth == 0 or block.told_of(slack)[0] >= required:
-        return [(begin, begin + length, slack[0])]
-    early, late = halves(piece * Fraction(1))
-    first = _halved(early, begin, length / 2, block, required, depth - 1)
-    return first + _halved(late, begin + length / 2, length / 2, block, required, depth - 1)
 
 
 def _stretches(pieces: list[Found], rows: Sequence[Row], margin: int, n: int) -> list[Stretch]:

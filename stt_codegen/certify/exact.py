@@ -16,12 +16,14 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
+from stt_codegen.certify.moving import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Program
 from stt_codegen.rows import (
+    Avoidance,
     Row,
     acceleration_rows,
     avoid_rows,
@@ -150,7 +152,26 @@ class _Tube:
             return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
         statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
         advice = "lower tube.clearance or tube.min_width, or move the unsafe set"
-        return self.always("P4", statement, RowBlock.choice(sets, self.design.unit), advice)
+        standing = [one for one in sets if one.course is None]
+        if len(standing) == len(sets):
+            return self.always("P4", statement, RowBlock.choice(sets, self.design.unit), advice)
+        return self.avoid_moving(sets, standing, f"{statement}, as they are stated to move", advice)
+
+    def avoid_moving(self, sets: Sequence[Avoidance], standing: Sequence[Avoidance], statement: str, advice: str) -> Finding:
+        """P4 where some sets move, or are unsafe only at times."""
+        design, needed = self.design, max(row.needed for one in sets for row in one.rows)
+        required = self.error / design.unit * needed
+        found = [(least_moving(one, design, required), one) for one in sets if one.course is not None]
+        if standing:
+            least = least_slack(self.bezier, RowBlock.choice(standing, design.unit), self.error / design.unit)
+            found.append((least, standing[least.choice]))
+        least, one = min(found, key=lambda pair: pair[0].slack)
+        rows = one.rows if one.course is not None else tuple(row for other in standing for row in other.rows)
+        scale, where = design.prescribed_time / design.segments, rows[least.row].dimension
+        return Finding(
+            "P4", statement, least.slack * design.unit, self.error * needed,
+            (least.interval[0] * scale, least.interval[1] * scale), None if where is None else where + 1, one.name, advice,
+        )  # fmt: skip
 
     def reach(self) -> Finding:
         """P5: gamma(t_c) within the target set, and held there."""

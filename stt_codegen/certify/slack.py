@@ -19,10 +19,12 @@ import numpy.typing as npt
 from stt_codegen.designs.refined import MOST_BITS
 from stt_codegen.rows import Avoidance, Row
 
+ZERO, ONE = Fraction(0), Fraction(1)
 DEPTH = 20  # a piece is halved at most this often before its property counts as failed
 CHUNK = 1 << 20  # rows times pieces that are looked at together
 LARGEST_BEZIER = 6 << MOST_BITS  # of a coefficient, in units of the table
 
+Found = tuple[Fraction, Fraction, npt.NDArray[Any]]  # from, to, and the slack of every row
 Pieces = npt.NDArray[Any]  # Bezier coefficients (P, n, 2, 4): int64, or Fraction objects once halved
 
 
@@ -93,8 +95,9 @@ class RowBlock:
         chosen = [int(self.first[a] + left[p, self.first[a] : ends[a]].argmax()) for p, a in enumerate(j.tolist())]
         return slack, np.array(chosen)
 
-    def told(self, pieces: Pieces) -> Any:
-        """The slack of every row on every piece, told as a distance, whole units of the table rounded down: (P, R)."""
+    def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:
+        """The slack of every row on every piece, told as a distance, whole units of the table rounded down: (P, R). begin: of the
+        first piece, in spline time; length: of each, one after the other. Here they do not matter."""
         left = self._left(pieces) - self.bound
         if (self.per != 1).any():
             left = left // self.per if pieces.dtype == np.int64 else left * Fraction(1) / self.per
@@ -110,12 +113,19 @@ class RowBlock:
             sign, dimensions, sides = self.single
             low, high = pieces.min(axis=3), pieces.max(axis=3)
             return np.where(sign > 0, low[:, dimensions, sides], -high[:, dimensions, sides])
+        return self.values(pieces).min(axis=-1)
+
+    def values(self, pieces: Pieces) -> Any:
+        """The left side's Bezier coefficients, (P, R, 4)."""
+        if self.single is not None:
+            sign, dimensions, sides = self.single
+            return sign[:, None] * pieces[:, dimensions, sides]
         n = self.coefficient.shape[1]
         edges, rows = pieces[:, :n].reshape(len(pieces), 2 * n, 4), self.coefficient.reshape(len(self.rows), 2 * n)
         total: Any = 0
         for k in range(2 * n):
             total = total + rows[None, :, k, None] * edges[:, None, k]
-        return total.min(axis=-1)
+        return total
 
     def set_of(self, row: int) -> int:
         """The number of the set that a row belongs to."""
@@ -156,6 +166,30 @@ def _halve(piece: Pieces, interval: tuple[Fraction, Fraction], block: RowBlock, 
     first = _halve(early, (interval[0], middle), block, required, depth - 1)
     second = _halve(late, (middle, interval[1]), block, required, depth - 1)
     return first if first.slack <= second.slack else second
+
+
+def pieces_of(bezier: npt.NDArray[np.int64], block: RowBlock, required: Fraction) -> list[Found]:
+    """Every segment with the slack of every row, told as a distance; halved where its hull does not show what is required."""
+    slack = block.told(bezier)
+    shown = block.told_of(slack) >= required
+    result: list[Found] = []
+    for k, good in enumerate(shown.tolist()):
+        if good:
+            result.append((Fraction(k), Fraction(k + 1), slack[k]))
+        else:
+            result += _halved(bezier[k].astype(object), Fraction(k), Fraction(1), block, required, DEPTH)
+    return result
+
+
+def _halved(piece: Pieces, begin: Fraction, length: Fraction, block: RowBlock, required: Fraction, depth: int) -> list[Found]:
+    """A piece of shape (n, 2, 4), in halves until the hull shows what is required; whole where the curve itself lacks it."""
+    slack = block.told(piece[None], begin, length)
+    lacks = block.told_of(block.told(np.repeat(piece[None, ..., :1], 4, axis=-1), begin, ZERO))[0] < required
+    if lacks or depth == 0 or block.told_of(slack)[0] >= required:
+        return [(begin, begin + length, slack[0])]
+    early, late = halves(piece * Fraction(1))
+    first = _halved(early, begin, length / 2, block, required, depth - 1)
+    return first + _halved(late, begin + length / 2, length / 2, block, required, depth - 1)
 
 
 def halves(piece: Pieces) -> tuple[Pieces, Pieces]:

@@ -17,9 +17,11 @@ import numpy as np
 from stt_codegen.decimals import below, decimal
 from stt_codegen.design.faces import Array, Cuts, Faces
 from stt_codegen.design.lattice import Lattice, lattice_of
+from stt_codegen.design.movers import Mover, Stage
 from stt_codegen.errors import NotCertified
 from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
+from stt_codegen.task.motion import Leg
 from stt_codegen.task.sets import ConvexSet
 
 
@@ -27,7 +29,8 @@ from stt_codegen.task.sets import ConvexSet
 class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
     index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what an unsafe set
-    has beside its span. walls, goals: what cuts the boxes of space and target.
+    has beside its span. movers: the unsafe sets that move, or are unsafe only at times, which are not among the names. walls,
+    goals: what cuts the boxes of space and target.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
     search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
@@ -55,6 +58,7 @@ class Arena:
     max_acceleration: Array | None
     allowance: float
     origin: tuple[Fraction, ...]
+    movers: tuple[Mover, ...] = ()
     length_unit: float = 1.0
     time_unit: float = 1.0
 
@@ -86,7 +90,8 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     narrow to hold a tube at all."""
     lattice = lattice or lattice_of(task)
     origin, allowance = lattice.origin, lattice.allowance
-    shapes, sets = task.obstacles, avoid_rows(task)
+    found = list(zip(task.obstacles, avoid_rows(task), strict=True))
+    shapes, sets = [s for s, one in found if one.course is None], [one for _, one in found if one.course is None]
     n = task.dimension
     least = max(row.bound for row in width_rows(task))
     wide = least + 2 * allowance
@@ -126,7 +131,45 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         origin=origin,
+        movers=tuple(_mover(one, origin) for _, one in found if one.course is not None),
     )
+
+
+def _mover(one: Avoidance, origin: Sequence[Fraction]) -> Mover:
+    """A set over time, without the clearance, seen from the origin."""
+    assert one.course is not None
+    normal = np.zeros((len(one.rows), len(origin)))
+    for x, row in enumerate(one.rows):
+        for i, _, c in row.terms:
+            normal[x, i] = float(Fraction(c, row.per))
+
+    def bounds(leg: Leg, t: Fraction) -> Array:
+        rows = zip(one.rows, one.bounds(leg, t), strict=True)
+        return np.array(
+            [[float((v - row.keep - row.bound + row.seen_from(origin)) / row.per) for v in told] for row, told in rows]
+        )
+
+    legs = one.course.legs
+    stages = [Stage(float(leg.begin), float(leg.end), bounds(leg, leg.begin), bounds(leg, leg.end)) for leg in legs]
+    return Mover(one.name, normal, tuple(stages))
+
+
+def standing(arena: Arena) -> Arena:
+    """The arena at t = 0: what moves stands where it may be then."""
+    n, here = arena.dimension, [(m, at) for m in arena.movers if (at := m.at_start()) is not None]
+    if not here:
+        return arena
+    faces, first = arena.faces, len(arena.names)
+    spans = np.array([np.stack([-at[0 : 2 * n : 2], at[1 : 2 * n : 2]]) for _, at in here])
+    more = Faces(
+        np.concatenate([faces.normal, *(m.normal[2 * n :] for m, _ in here)]),
+        np.concatenate([faces.bound, *(at[2 * n :] for _, at in here)]),
+        np.concatenate([faces.owner, *(np.full(len(at) - 2 * n, first + j) for j, (_, at) in enumerate(here))]).astype(np.int64),
+        (*faces.bends, *(None for _ in here)),
+        faces.exact,
+    )
+    names = (*arena.names, *(m.name for m, _ in here))
+    return replace(arena, names=names, unsafe=np.concatenate([arena.unsafe, spans]), faces=more, movers=())
 
 
 def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Array:
@@ -207,6 +250,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         allowance=arena.allowance / unit,
         length_unit=unit,
         time_unit=arena.prescribed_time,
+        movers=tuple(m.scaled(unit, arena.prescribed_time) for m in arena.movers),
     )
 
 
@@ -235,7 +279,7 @@ def starting_box(arena: Arena) -> Array:
     Shape (2, n). An unsafe set that is too near is cut away in the dimension with the largest gap.
     Raises `NotCertified` when x(0) or the least width is lost by that.
     """
-    box = arena.start.copy()
+    box, arena = arena.start.copy(), standing(arena)
     for j, name in enumerate(arena.names):
         below = arena.unsafe[j, 0] - box[1]  # gap with the box on the lower side of U_j
         above = box[0] - arena.unsafe[j, 1]

@@ -12,7 +12,8 @@ import numpy as np
 from stt_codegen.decimals import above, below
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.shape import Shape
-from stt_codegen.design.widest import ROUNDED, SEGMENTS, Search, segments_for, segments_tried
+from stt_codegen.design.timed import search_of
+from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.task import Task
 
@@ -37,7 +38,7 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
 
 def _needed(task: Task, arena: Arena) -> float:
     """How many times its bounds on speed the slowest tube takes: what is tried first."""
-    free = Search(replace(arena, max_speed=np.inf), starting_box(arena), segments_tried(task, arena))
+    free = search_of(replace(arena, max_speed=np.inf), starting_box(arena), segments_tried(task, arena))
     shape = free.slowest()
     if shape is None or not np.isfinite(arena.max_speeds).all():
         return 1.0
@@ -101,7 +102,7 @@ def _what_binds(task: Task, arena: Arena, ladder: tuple[int, ...]) -> str:
     def found(clearance: float, min_width: float, ladder: tuple[int, ...]) -> Shape | None:
         trial = replace(arena, clearance=clearance, min_width=min_width)
         with suppress(NotCertified):
-            return Search(trial, starting_box(trial), ladder).slowest()
+            return search_of(trial, starting_box(trial), ladder).slowest()
         return None
 
     def largest(holds: Callable[[float], bool], least: float, most: float) -> float | None:

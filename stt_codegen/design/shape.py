@@ -83,7 +83,7 @@ def slowest_shape(
         if best.pace <= CLOSE * floor:
             break
         others = limits_of_tube(arena, best.bezier())
-        if (others.edges == here.edges).all() and (others.beyond == here.beyond).all():
+        if others.same(here):
             break
         trial = shape_within(arena, start, others, width, solvers)
         if trial is None or trial.pace * GAIN > best.pace:
@@ -116,11 +116,11 @@ def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
 
 @dataclass(frozen=True)
 class _Coupling:
-    """normal.x over the tube's box must be at least `bound` on these segments: all of their Bezier coefficients, or by `weights`
-    the last alone."""
+    """normal.x over the tube's box must be at least a bound on these segments: by `weights` all of their Bezier coefficients, or
+    the last alone. bounds: one for each of the weights."""
 
     normal: tuple[float, ...]
-    bound: float
+    bounds: tuple[float, ...]
     segments: tuple[int, ...]
     weights: tuple[tuple[float, ...], ...] = BEZIER
 
@@ -134,12 +134,20 @@ def _couplings(arena: Arena, limits: Limits) -> list[_Coupling]:
     """What must hold of several dimensions together: beyond the faces in use, within what cuts the space and the target."""
     faces, count = arena.faces, len(limits.edges)
     found = [
-        _Coupling(tuple(faces.normal[x].tolist()), face_bound(arena, x), tuple(np.nonzero(limits.beyond[:, x])[0].tolist()))
+        _Coupling(
+            tuple(faces.normal[x].tolist()), (face_bound(arena, x),) * 4, tuple(np.nonzero(limits.beyond[:, x])[0].tolist())
+        )
         for x in limits.faces
     ]
     for cuts, where, weights in ((arena.walls, tuple(range(count)), BEZIER), (arena.goals, (count - 1,), BEZIER[-1:])):
         for normal, bound in zip(cuts.normal.tolist(), cuts.bound.tolist(), strict=True):
-            found.append(_Coupling(tuple(normal), bound, where, weights))
+            found.append(_Coupling(tuple(normal), (bound,) * len(weights), where, weights))
+    for mover, chosen in zip(arena.movers, limits.beside, strict=True):
+        slanted = np.nonzero(chosen >= 2 * arena.dimension)[0].tolist()
+        bounds = mover.bounds(count) + arena.clearance if slanted else None
+        for k in slanted:
+            assert bounds is not None
+            found.append(_Coupling(tuple(mover.normal[chosen[k]].tolist()), tuple(bounds[chosen[k], k].tolist()), (k,)))
     return found
 
 
@@ -166,11 +174,11 @@ def _group(
     template = template_of(segments, min(WIDENED, segments), told or arena.max_acceleration is not None, told)
     each = template.columns - 1
     last = each * len(members)
-    parts, bounds = [], []
+    parts, bounds, edges = [], [], limits.coefficients(arena)
     for k, i in enumerate(members):
         own = template.rows.moved(k * each, each, last)
         parts.append(own if arena.swiftness[i] == 1 else own.times(last, float(arena.swiftness[i])))
-        bounds.append(_bounds(arena, start[:, i], limits.edges[:, :, i], float(width[i]), template, i))
+        bounds.append(_bounds(arena, start[:, i], edges[..., i], float(width[i]), template, i))
     couplings = [c for c in _couplings(arena, limits) if c.first in members]
     if couplings:
         rows, low = _coupled(couplings, width, members, each, segments)
@@ -213,23 +221,24 @@ def _bend(arena: Arena, segments: int, i: int) -> float:
 
 
 def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Template, i: int) -> tuple[Array, Array]:
-    """What the template's rows of dimension i are between. start (2,); edges (K, 2): on L from below, on U from above."""
+    """What the template's rows of dimension i are between. start (2,); edges (K, 4, 2): for every Bezier coefficient on L from
+    below, on U from above."""
     place, count, segments = template.place, template.rows.count, len(edges)
     widened = min(WIDENED, segments)
     lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
-    low, high = edges[:, 0], edges[:, 1] - width
-    alone = high.copy()
-    alone[: widened - 1] = np.inf  # there the rows with z are U's
+
+    def put(name: str, low: Array, high: Array) -> None:
+        alone = high.copy()
+        alone[: widened - 1] = np.inf  # there the rows with z are U's
+        lower[place[name]], upper[place[name]] = low, alone
+        upper[place[f"{name}, wider"]] = high[: widened - 1]
+
+    low, high = edges[..., 0], edges[..., 1] - width
     for k in range(len(INNER)):
-        lower[place[f"inner {k}"]], upper[place[f"inner {k}"]] = low, alone
-        upper[place[f"inner {k}, wider"]] = high[: widened - 1]
-    meet_low, meet_high = np.maximum(low[1:], low[:-1]), np.minimum(high[1:], high[:-1])
-    meet_alone = meet_high.copy()
-    meet_alone[: widened - 1] = np.inf
-    lower[place["joint"]], upper[place["joint"]] = meet_low, meet_alone
-    upper[place["joint, wider"]] = meet_high[: widened - 1]
-    lower[place["end"]] = max(arena.target[0, i], low[-1])
-    upper[place["end"]] = min(arena.target[1, i] - width, high[-1])
+        put(f"inner {k}", low[:, k + 1], high[:, k + 1])
+    put("joint", np.maximum(low[1:, 0], low[:-1, 3]), np.minimum(high[1:, 0], high[:-1, 3]))
+    lower[place["end"]] = max(arena.target[0, i], low[-1, 3])
+    upper[place["end"]] = min(arena.target[1, i] - width, high[-1, 3])
     for name, value in (("start", start[0]), ("start, wider", start[1] - width)):
         lower[place[name]] = upper[place[name]] = value
     for name in ("rise", "rise, wider"):
@@ -251,7 +260,7 @@ def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each:
     place = {i: k for k, i in enumerate(members)}
     for one in couplings:
         constant = sum(c * float(width[i]) for i, c in enumerate(one.normal) if c < 0)
-        for s, weights in itertools.product(one.segments, one.weights):
+        for s, (weights, limit) in itertools.product(one.segments, zip(one.weights, one.bounds, strict=True)):
             terms: dict[int, float] = {}
             for i, c in enumerate(one.normal):
                 if not c:
@@ -263,5 +272,5 @@ def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each:
                     if c < 0 and point < widened:
                         terms[first + segments + 2 + point] = c * w
             rows.append((tuple(terms), tuple(terms.values())))
-            bound.append(one.bound - constant)
+            bound.append(limit - constant)
     return Rows.of(rows), np.array(bound)

@@ -7,13 +7,14 @@ turn "avoid" into rows, bounds on single edges for the most part, which is what 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.faces import Array
+from stt_codegen.design.movers import NEVER, Mover
 from stt_codegen.design.route import Route
 
 BELOW, ABOVE, BEYOND = 0, 1, 2
@@ -33,10 +34,30 @@ class Stay:
 @dataclass(frozen=True)
 class Limits:
     """What the choices leave of every stretch of time. edges: bounds on single edges, shape (count, 2, n), [k, 0] on the lower
-    edge from below, [k, 1] on the upper one from above; beyond: which faces the tube must be beyond, (count, X)."""
+    edge from below, [k, 1] on the upper one from above; beyond: which faces the tube must be beyond, (count, X); beside: of every
+    mover which of its half-spaces, (count,), -1 for none."""
 
     edges: Array
     beyond: npt.NDArray[np.bool_]
+    beside: tuple[npt.NDArray[np.int64], ...] = ()
+
+    def same(self, other: Limits) -> bool:
+        """Whether both ask the same."""
+        own, others = ((v.edges, v.beyond, *v.beside) for v in (self, other))
+        return all(bool((a == b).all()) for a, b in zip(own, others, strict=True))
+
+    def coefficients(self, arena: Arena) -> Array:
+        """The bounds on single edges for every Bezier coefficient of a segment, those of movers too: (count, 4, 2, n)."""
+        found, n = np.repeat(self.edges[:, None], 4, axis=1), arena.dimension
+        for mover, chosen in zip(arena.movers, self.beside, strict=True):
+            bounds = mover.bounds(len(self.edges))
+            for k in np.nonzero((chosen >= 0) & (chosen < 2 * n))[0]:
+                i, above = divmod(int(chosen[k]), 2)
+                limit = bounds[chosen[k], k] + arena.clearance
+                found[k, :, 1 - above, i] = (
+                    np.maximum(found[k, :, 0, i], limit) if above else np.minimum(found[k, :, 1, i], -limit)
+                )
+        return found
 
     @property
     def faces(self) -> list[int]:
@@ -206,6 +227,8 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
     counts only where gamma(0) already is beyond it."""
     n, count = lowest.shape
     limits = Limits.of_space(arena, count)
+    if arena.movers:
+        limits = replace(limits, beside=tuple(_beside(arena, mover, bezier, count, start) for mover in arena.movers))
     if not arena.names:
         return limits
     gaps = np.stack(
@@ -234,3 +257,30 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
     for x, j in enumerate(arena.faces.owner.tolist()):
         limits.beyond[:, x] = choice[j] == 2 * n + x
     return limits
+
+
+def _beside(arena: Arena, mover: Mover, bezier: Array, count: int, start: Array | None) -> npt.NDArray[np.int64]:
+    """For every segment the half-space of a mover with most room, -1 where it is safe: (count,)."""
+    bounds = mover.bounds(count)
+    if start is not None and bezier.shape[-1] == 1:
+        bezier = np.repeat(bezier, 4, axis=-1)
+    with np.errstate(invalid="ignore"):
+        rooms = mover.room(bezier, bounds).min(axis=-1)
+    first = mover.at_start()
+    if start is not None and first is not None:
+        rooms[mover.room(start, first) < arena.clearance - TOLERANCE, 0] = -np.inf
+    safe = (bounds == NEVER).all(axis=(0, 2))
+    return np.asarray(np.where(safe, -1, rooms.argmax(axis=0)))
+
+
+def limits_in_time(arena: Arena, start: Array, centre: Array, width: Array) -> Limits:
+    """What the box of this width leaves whose centre moves through these points (count + 1, n), one at the end of each of `count`
+    equal times: for every time and unsafe set the side with most room."""
+    half, parts = width[:, None, None] / 2, np.arange(4) / 3
+    middle = (centre[:-1, :, None] + (centre[1:] - centre[:-1])[:, :, None] * parts).transpose(1, 0, 2)  # (n, count, 4)
+    bezier = np.stack([middle - half, middle + half])
+    bezier[0, :, 0], bezier[1, :, 0] = (
+        np.minimum(bezier[0, :, 0], start[0][:, None]),
+        np.maximum(bezier[1, :, 0], start[1][:, None]),
+    )
+    return _by_room(arena, bezier[0].min(axis=-1), bezier[1].max(axis=-1), bezier, start)

@@ -21,6 +21,7 @@ from stt_codegen.design.timing import changes_at, least_times, time_plans
 from stt_codegen.task import Task
 
 SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
+TIMED = (64, 96)  # where sets move: segments are the steps of time too
 FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
 PLENTY = 128
 QUICK = 2  # numbers of segments that are tried for every width
@@ -230,7 +231,9 @@ class Search:
 
 def segments_tried(task: Task, arena: Arena) -> tuple[int, ...]:
     """The numbers of segments to try for a task."""
-    return (task.tube.segments,) if task.tube.segments else segments_for(len(arena.names))
+    if task.tube.segments:
+        return (task.tube.segments,)
+    return TIMED if arena.movers else segments_for(len(arena.names))
 
 
 def segments_for(unsafe: int) -> tuple[int, ...]:

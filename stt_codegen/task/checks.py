@@ -6,11 +6,12 @@ import keyword
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
+from stt_codegen.task.motion import Course, Moved
 from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.sets import BoxSet, Normal, Vector
-from stt_codegen.task.shapes import Box, Region, Unsafe, UnsafeSet, corners_left
+from stt_codegen.task.sets import BoxSet, ConvexSet, Normal, Vector
+from stt_codegen.task.shapes import Box, Region, Target, Unsafe, UnsafeSet, corners_left
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -60,6 +61,8 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         problem = _axes_problem(task, region.axes) or _entries_problem(task, region.axes, *region.points)
         if problem:
             return f"{field}.{problem}"
+    if problem := _motion_problem(task, task.target_set):
+        return f"target_set.{problem}"
     found = (table.problem() for _, table in tables)
     told = ((field, problem) for (field, _), problem in zip(tables, found, strict=True) if problem)
     return next((f"{field}{'.' if _of_a_field(problem) else ': '}{problem}" for field, problem in told), None) or next(
@@ -85,7 +88,34 @@ def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
             return f"{field}: {told}" + (
                 f", unless axes names those of {', '.join(names)} that it is in" if len(vector) < len(names) else ""
             )
-    return unsafe.problem()
+    return unsafe.problem() or _motion_problem(task, unsafe) or _hours_problem(task, unsafe)
+
+
+def _motion_problem(task: TaskTables, table: Unsafe | Target) -> str | None:
+    """A motion whose times do not increase, or whose displacements are in other dimensions than the set."""
+    wanted, t_c = len(table.axes or task.axis_names), task.prescribed_time
+    for k, point in enumerate(table.motion or ()):
+        if len(point.by) != wanted:
+            return f"motion[{k}].by: has {len(point.by)} entries; {wanted} are needed, one for each of the set's axes"
+        if point.at > t_c:
+            return f"motion[{k}].at: is {decimal(point.at)}, after prescribed_time = {decimal(t_c)}; from then on sets stand"
+        if k and table.motion and point.at <= table.motion[k - 1].at:
+            before = decimal(table.motion[k - 1].at)
+            return f"motion[{k}].at: is {decimal(point.at)}, not after the entry before, {before}; times must increase"
+    return None
+
+
+def _hours_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
+    """A window outside the task's time, or doubt about times that are not there."""
+    window, t_c = unsafe.during, task.prescribed_time
+    if window is not None and len(window) != 2:
+        return f"during: has {len(window)} entries; two are needed, [from, to] in seconds"
+    if window is not None and not 0 <= window[0] < window[1] <= t_c:
+        told = f"[{decimal(window[0])}, {decimal(window[1])}]"
+        return f"during: is {told}; from must be before to, and both between 0 and prescribed_time = {decimal(t_c)}"
+    if unsafe.timing is not None and unsafe.motion is None and unsafe.during is None:
+        return "timing: is about a motion or a window; give motion or during, or leave it out"
+    return None
 
 
 def _axes_problem(task: TaskTables, own: tuple[str, ...] | None) -> str | None:
@@ -151,6 +181,10 @@ def _limits_problem(task: TaskTables) -> str | None:
         return f"{field}: is no box; the {tube.design} design knows boxes alone, use the refined design"
     if tube.design != "refined" and shaped is not None:
         return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
+    timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
+    if tube.design != "refined" and (timed is not None or task.target_set.motion is not None):
+        field = "target_set" if timed is None else f"unsafe[{timed}]"
+        return f"{field}: is not always the same; the {tube.design} design knows standing sets alone, use the refined design"
     if tube.design != "refined" and tube.prefer != "balanced":
         return f"tube.prefer: is for the refined design; the {tube.design} design has no widths to choose from; leave it out"
     return None
@@ -247,8 +281,17 @@ def unsafe_problem(task: TaskTables) -> str | None:
     start, target, body = task.start, task.target, any(task.half_extents)
     for j, grown in enumerate(task.obstacles):
         label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
-        if not grown.apart(start.lower, start.upper):
-            return f"initial_set: meets {label}; move or shrink one of them"
-        if grown.covers(target.lower, target.upper):
-            return f"target_set: lies inside {label}; move or shrink one of them"
+        course = task.courses[j]
+        first, last = ([grown], [grown]) if course is None else (_places(grown, course, at) for at in (Fraction(0), course.t_c))
+        if any(not place.apart(start.lower, start.upper) for place in first):
+            when = "" if course is None or not course.moves else " where it is at t = 0"
+            return f"initial_set: meets {label}{when}; move or shrink one of them"
+        if any(place.covers(target.lower, target.upper) for place in last):
+            when = "" if course is None or not course.moves else " where it is at t_c"
+            return f"target_set: lies inside {label}{when}; move or shrink one of them"
     return None
+
+
+def _places(grown: ConvexSet, course: Course, t: Fraction) -> list[ConvexSet]:
+    """Where a set may be at a time of the controller's, at the corners of the path that it may be on."""
+    return [Moved(grown, by) for leg in course.legs if leg.begin <= t <= leg.end for by in leg.at(t)]

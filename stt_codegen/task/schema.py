@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
+from stt_codegen.task.motion import Course
 from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet
 from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe
@@ -134,6 +135,9 @@ class TaskTables(Table):
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
     target_set: Annotated[Target, BeforeValidator(_from_box)]
     body: Vector | None = Field(default=None, description="half extents of the robot")
+    start_delay: NotNegative = Field(
+        default=Fraction(0), description="seconds by which the controller may start late against the sets' clock"
+    )
     unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
     tube: TubeOptions = TubeOptions()
     control: ControlOptions = ControlOptions()
@@ -218,8 +222,11 @@ class TaskTables(Table):
 
     @property
     def target(self) -> BoxSet:
-        """The target set T, or the box that is cut to it."""
-        return self.target_set.box(self.free_space, self.own_axes(self.target_set))
+        """The target set T at t_c, or the box that is cut to it."""
+        box = self.target_set.box(self.free_space, self.own_axes(self.target_set))
+        by = self.target_course.displaced(self.prescribed_time)
+        lower, upper = (tuple(v + d for v, d in zip(edges, by, strict=True)) for edges in (box.lower, box.upper))
+        return BoxSet(lower, upper)
 
     @property
     def space_cuts(self) -> tuple[HalfSpace, ...]:
@@ -230,8 +237,34 @@ class TaskTables(Table):
 
     @property
     def target_cuts(self) -> tuple[HalfSpace, ...]:
-        """The half-spaces that cut the target set."""
-        return self.target_set.cuts(self.own_axes(self.target_set), self.dimension)
+        """The half-spaces that cut the target set at t_c."""
+        by = self.target_course.displaced(self.prescribed_time)
+        given = self.target_set.cuts(self.own_axes(self.target_set), self.dimension)
+        return tuple((n, h + sum((c * v for c, v in zip(n, by, strict=True)), Fraction(0))) for n, h in given)
+
+    @property
+    def target_course(self) -> Course:
+        """How the target moves."""
+        return self._course(self.target_set, None, Fraction(0), Fraction(0))
+
+    @property
+    def courses(self) -> tuple[Course | None, ...]:
+        """How each of the unsafe sets moves, and when it is unsafe; None for one that is the same at all times."""
+        return tuple(
+            self._course(s, s.during, s.timing or Fraction(0), s.spread or Fraction(0)) if s.timed else None for s in self.unsafe
+        )
+
+    def _course(self, table: Unsafe | Target, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
+        own, n = self.own_axes(table), self.dimension
+        knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in table.motion or ()] or [(Fraction(0), {})]
+        return Course(
+            tuple((at, tuple(place.get(i, Fraction(0)) for i in range(n))) for at, place in knots),
+            None if during is None else (during[0], during[1]),
+            timing,
+            timing + self.start_delay,
+            spread,
+            self.prescribed_time,
+        )
 
     @property
     def bare(self) -> tuple[ConvexSet, ...]:

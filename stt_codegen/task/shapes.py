@@ -23,6 +23,7 @@ from stt_codegen.task.values import (
     MAX_NORMALS,
     MAX_POINTS,
     MAX_POINTS_BEYOND,
+    NotNegative,
     Positive,
     Vector,
     labels,
@@ -60,6 +61,16 @@ class Box(Table):
     def convex(self) -> BoxSet:
         """The box as a set."""
         return BoxSet(self.lower, self.upper)
+
+
+class Waypoint(Table):
+    """A displacement at a time on the sets' clock."""
+
+    at: NotNegative = Field(description="seconds")
+    by: Vector = Field(description="one entry for each of the set's axes")
+
+
+Motion = Annotated[tuple[Waypoint, ...], BeforeValidator(points)]
 
 
 class Region(Box):
@@ -109,6 +120,7 @@ class Target(Region):
     upper: EdgesOrNone = ()
     centre: Vector | None = Field(default=None, description="of a ball, in place of vertices or normals; no box is needed then")
     radius: Positive | None = Field(default=None, description="of the ball")
+    motion: Motion | None = Field(default=None, description="displacements; what counts is where the target is at t_c")
 
     @property
     def points(self) -> tuple[str, tuple[Vector, ...]]:
@@ -152,6 +164,16 @@ class Unsafe(Table):
     axes: Axes | None = Field(
         default=None, description="the dimensions that the set is in, by name: all others may be anything; absent: all"
     )
+
+    motion: Motion | None = Field(default=None, description="displacements, linear between times, constant before and after")
+    during: Vector | None = Field(default=None, description="[from, to], seconds: unsafe only then; absent: always")
+    timing: NotNegative | None = Field(default=None, description="seconds by which its times may be wrong; absent: 0")
+    spread: NotNegative | None = Field(default=None, description="it grows by so much a second on every side; absent: 0")
+
+    @property
+    def timed(self) -> bool:
+        """Whether it is not the same at all times."""
+        return self.motion is not None or self.during is not None or bool(self.spread)
 
     @abstractmethod
     def vectors(self) -> list[tuple[str, Vector]]:

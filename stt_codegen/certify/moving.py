@@ -1,0 +1,135 @@
+"""P4 for a set that moves, or is unsafe only at times: rows whose bounds are lines in time, leg by leg.
+
+On a leg every bound of a row is linear, one for each place, so it has Bezier coefficients like the edges: a row holds on a piece
+where every coefficient of its left side is at least that of every bound. A piece in which something turns is cut there, exactly;
+where the set is safe nothing is asked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.certify.slack import ONE, ZERO, Found, Least, Pieces, RowBlock, pieces_of
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.rows import Avoidance
+
+FREE = 1 << 60  # the slack where nothing is asked, far above any other
+LARGEST = 1 << 62  # of whole numbers of 64 bits, with room for a sum
+
+Values = Sequence[Sequence[Fraction]]  # by row and place
+
+
+@dataclass(frozen=True)
+class _Lines:
+    """The bounds of the rows from `begin` to `end` in spline time, in units of the table: (constant + slope u) / whole for each
+    row and place, (R, C) whole numbers."""
+
+    begin: Fraction
+    end: Fraction
+    constant: npt.NDArray[Any]
+    slope: npt.NDArray[Any]
+    whole: int
+
+    @classmethod
+    def between(
+        cls, begin: Fraction, end: Fraction, first: Sequence[Sequence[Fraction]], last: Sequence[Sequence[Fraction]]
+    ) -> _Lines:
+        slopes = [[(b - a) / (end - begin) for a, b in zip(*row, strict=True)] for row in zip(first, last, strict=True)]
+        starts = [[a - begin * s for a, s in zip(*row, strict=True)] for row in zip(first, slopes, strict=True)]
+        whole = math.lcm(*(v.denominator for rows in (slopes, starts) for row in rows for v in row))
+        constant, slope = (np.array([[int(v * whole) for v in row] for row in rows], dtype=object) for rows in (starts, slopes))
+        return cls(begin, end, constant, slope, whole)
+
+    def bounds(self, places: npt.NDArray[Any], per: int) -> Any:
+        """The least whole numbers that are no less than any bound, at the times places / per, (P, 4): shape (P, R, 4)."""
+        most = max(map(abs, self.constant.ravel())) * per + max(map(abs, self.slope.ravel())) * int(np.abs(places).max())
+        kind: Any = np.int64 if max(most, self.whole * per) < LARGEST else object
+        constant, slope = (v.astype(kind)[None, :, :, None] for v in (self.constant * per, self.slope))
+        value = -((constant + slope * places.astype(kind)[:, None, None, :]) // -(self.whole * per))
+        return value.max(axis=2)
+
+
+@dataclass(frozen=True)
+class MovingBlock(RowBlock):
+    """The rows of one set, of which one must hold at every moment at which it may be unsafe."""
+
+    lines: tuple[_Lines, ...]
+
+    @classmethod
+    def moving(cls, one: Avoidance, design: RefinedDesign) -> MovingBlock:
+        plain, course = RowBlock.choice([one], design.unit), one.course
+        assert course is not None
+        per = Fraction(design.segments) / design.prescribed_time
+        lines = []
+        for leg in course.legs:
+            ends = [[[v / design.unit for v in row] for row in one.bounds(leg, t)] for t in (leg.begin, leg.end)]
+            lines.append(_Lines.between(leg.begin * per, leg.end * per, *ends))
+        return cls(plain.rows, plain.coefficient, plain.bound, plain.per, plain.first, plain.names, tuple(lines))
+
+    def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:
+        kind: Any = pieces.dtype if pieces.dtype == np.int64 and self.coefficient.dtype == np.int64 else object
+        found = np.full((len(pieces), len(self.rows)), FREE, dtype=kind)
+        for line in self.lines:
+            if not length:
+                if line.begin <= begin <= line.end:
+                    found[0] = np.minimum(
+                        found[0], self._slack(pieces, line, np.array([[begin.numerator] * 4]), begin.denominator)[0]
+                    )
+                continue
+            first, last = (line.begin - begin) / length, (line.end - begin) / length
+            inside = range(max(math.ceil(first), 0), min(math.floor(last), len(pieces)))
+            if inside:
+                whole = 3 * math.lcm(begin.denominator, length.denominator)
+                step, start = int(length * whole) // 3, int(begin * whole)
+                places = start + step * (3 * np.arange(inside.start, inside.stop)[:, None] + np.arange(4))
+                here = slice(inside.start, inside.stop)
+                found[here] = np.minimum(found[here], self._slack(pieces[here], line, places, whole))
+            for k in {math.floor(first), math.floor(last)} - set(inside):
+                a, b = max(Fraction(k), first), min(Fraction(k + 1), last)
+                if 0 <= k < len(pieces) and a < b:
+                    found[k] = np.minimum(found[k], self._part(pieces[k], line, begin + k * length, length, a - k, b - k))
+        return found
+
+    def _part(self, piece: Pieces, line: _Lines, begin: Fraction, length: Fraction, a: Fraction, b: Fraction) -> Any:
+        """The slack of every row on a part of a piece, from the share a to the share b of it."""
+        times = [begin + length * (a + (b - a) * Fraction(j, 3)) for j in range(4)]
+        per = math.lcm(*(t.denominator for t in times))
+        places = np.array([[int(t * per) for t in times]], dtype=object)
+        return self._slack(cut(piece.astype(object), a, b)[None], line, places, per)[0]
+
+    def _slack(self, pieces: Pieces, line: _Lines, places: npt.NDArray[Any], per: int) -> Any:
+        """The slack of every row on pieces whose Bezier coefficients belong to the times places / per: (P, R), whole units."""
+        left = (self.values(pieces) - line.bounds(places, per)).min(axis=-1)
+        return left // self.per
+
+
+def cut(piece: Pieces, a: Fraction, b: Fraction) -> Pieces:
+    """The Bezier coefficients of cubics (the last axis) from the share a to the share b of their piece: values of the blossom."""
+
+    def blossom(*s: Fraction) -> Any:
+        c = [piece[..., j] for j in range(4)]
+        for share in s:
+            c = [u + share * (v - u) for u, v in pairwise(c)]
+        return c[0]
+
+    return np.stack([blossom(a, a, a), blossom(a, a, b), blossom(a, b, b), blossom(b, b, b)], axis=-1)
+
+
+def moving_pieces(one: Avoidance, design: RefinedDesign, required: Fraction) -> Iterator[Found]:
+    """Every piece of the tube with the slack of every row of a moving set, halved where one normal does not do."""
+    yield from pieces_of(design.bezier(), MovingBlock.moving(one, design), required)
+
+
+def least_moving(one: Avoidance, design: RefinedDesign, required: Fraction) -> Least:
+    """The least slack of a moving set, and the number of its row."""
+    found = ((int(slack.max()), a, b, int(slack.argmax())) for a, b, slack in moving_pieces(one, design, required))
+    slack, a, b, row = min(found)
+    return Least(Fraction(slack), (a, b), row, 0)

@@ -1,0 +1,224 @@
+"""A way in space and time for the centre of a tube, where unsafe sets move or are unsafe only at times.
+
+Space is cut into cells and time into the tube's segments. A cell is free at the end of a segment where the box about its middle
+keeps off every set in that segment and the next. From a free cell the centre goes on to one at most QUICKEST cells away, or
+waits. Of all ways the one with the least sum of squared steps is taken, by dynamic programming: it is even in time. In more
+than SLICE dimensions some of them move through the cells of a slice and the others go straight to the target, early, evenly or
+late; every choice is tried until one leads.
+
+The search is complete on its cells. That it finds none does not say that there is none.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.design.arena import Arena
+from stt_codegen.design.faces import Array
+from stt_codegen.design.inner import inner_box
+
+CELLS = {1: (256,), 2: (100,), 3: (24, 40)}  # of every dimension; where the first are too coarse, the next
+QUICKEST = 3  # cells in one segment's time
+SLICE = 3  # dimensions that move through cells
+FAR = np.int64(1) << 40  # the cost where no way leads
+PROFILES = ("even", "early", "late")  # how the dimensions move that are not in the slice
+PART = 0.3  # of the time that an early or late move takes
+
+Cell = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Field:
+    """The cells of a slice over time. own: the dimensions that move through them; axes: by own dimension the middles of its
+    cells; rest: where the others are, (K + 1, n), entries of `own` not read; free: by time and cell."""
+
+    own: tuple[int, ...]
+    axes: list[Array]
+    rest: Array
+    free: npt.NDArray[np.bool_]
+    goal: npt.NDArray[np.bool_]
+    first: Cell
+
+    def reached(self) -> list[npt.NDArray[np.int64]]:
+        """The least sum of squared steps to every cell, by time."""
+        cost = np.full(self.goal.shape, FAR)
+        if self.free[(0, *self.first)]:
+            cost[self.first] = 0
+        found = [cost]
+        for free in self.free[1:]:
+            best, wider = cost, cost
+            for step in range(1, QUICKEST + 1):
+                wider = _spread(wider)
+                best = np.minimum(best, wider + step * step)
+            cost = np.where(free, np.minimum(best, FAR), FAR)
+            found.append(cost)
+        return found
+
+    def way(self) -> Array | None:
+        """The centre at every time, (K + 1, n); None where no way leads."""
+        costs = self.reached()
+        last = np.where(self.goal, costs[-1], FAR)
+        if last.min() >= FAR:
+            return None
+        cell = tuple(int(v) for v in np.unravel_index(int(last.argmin()), last.shape))
+        cells = [cell]
+        steps = np.array(list(itertools.product(range(-QUICKEST, QUICKEST + 1), repeat=len(self.own))))
+        price = np.abs(steps).max(axis=1) ** 2
+        for cost in costs[-2::-1]:
+            before = steps + cells[-1]
+            inside = ((before >= 0) & (before < cost.shape)).all(axis=1)
+            there, paid = before[inside], price[inside]
+            cells.append(tuple(int(v) for v in there[int((cost[tuple(there.T)] + paid).argmin())]))
+        points = self.rest.copy()
+        for q, i in enumerate(self.own):
+            points[:, i] = [self.axes[q][c[q]] for c in cells[::-1]]
+        return points
+
+
+def _spread(cost: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """The least over every cell and its neighbours, one dimension after the other."""
+    for axis in range(cost.ndim):
+        wide = cost.copy()
+        ahead, behind = ([slice(None)] * cost.ndim for _ in range(2))
+        ahead[axis], behind[axis] = slice(1, None), slice(None, -1)
+        there, here = tuple(ahead), tuple(behind)
+        np.minimum(wide[here], cost[there], out=wide[here])
+        np.minimum(wide[there], cost[here], out=wide[there])
+        cost = wide
+    return cost
+
+
+def way_in_time(arena: Arena, centre: Array, width: Array, segments: int) -> Array | None:
+    """The centre of a tube of this width (n,) at the ends of its segments, (segments + 1, n), from `centre`; None where none is
+    found."""
+    for field in fields(arena, centre, width, segments):
+        way = field.way()
+        if way is not None:
+            way[0] = centre
+            return way
+    return None
+
+
+def fields(arena: Arena, centre: Array, width: Array, segments: int) -> Iterator[Field]:
+    """What is searched, one after the other."""
+    n, inset = arena.dimension, width / 2
+    space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
+    if len(arena.goals.bound) or len(arena.walls.bound):
+        inner = inner_box(arena, goal, inset)
+        if inner is None:
+            return
+        goal = inner
+    if (goal[0] > goal[1]).any() or (space[0] >= space[1]).any():
+        return
+    own_sets = [tuple(range(n))] if n <= SLICE else list(itertools.combinations(range(n), SLICE))
+    for count in CELLS[min(n, SLICE)]:
+        for own, profile in itertools.product(own_sets, PROFILES if n > SLICE else PROFILES[:1]):
+            ends = np.clip(centre, goal[0], goal[1])
+            share = _share(profile, segments)
+            rest = centre + share[:, None] * (ends - centre)
+            yield _field(arena, own, rest, space, goal, width / 2, count, centre)
+
+
+def _share(profile: str, segments: int) -> Array:
+    t = np.arange(segments + 1) / segments
+    if profile == "early":
+        t = t / PART
+    elif profile == "late":
+        t = (t - 1 + PART) / PART
+    return np.clip(t, 0.0, 1.0)
+
+
+def _field(
+    arena: Arena, own: tuple[int, ...], rest: Array, space: Array, goal: Array, half: Array, count: int, centre: Array
+) -> Field:
+    segments, others = len(rest) - 1, [i for i in range(arena.dimension) if i not in own]
+    axes = []
+    for i in own:
+        size = (space[1, i] - space[0, i]) / count
+        axes.append(space[0, i] + (np.arange(count) + 0.5) * size)
+    shape = tuple(len(a) for a in axes)
+    base = np.ones(shape, dtype=bool)
+    reach = arena.clearance + half
+    free = np.repeat(base[None], segments + 1, axis=0)
+    moved = bool(others)
+    for j in range(len(arena.names)):
+        x = arena.faces.of(j)
+        normal = np.concatenate([_axes(arena.dimension), arena.faces.normal[x]])
+        bound = np.concatenate([_ends(arena.unsafe[j]), arena.faces.bound[x]])
+        for k in range(segments + 1) if moved else (0,):
+            _block(free[k : k + 1] if moved else free, normal, bound, reach, axes, own, others, rest[k])
+    for normal, bound in zip(arena.walls.normal, arena.walls.bound + arena.walls.length(half), strict=True):
+        for k in range(segments + 1):
+            free[k] &= _along(normal, axes, own, others, rest[k]) >= bound
+    for mover in arena.movers:
+        bounds = mover.bounds(segments).max(axis=2)  # (N, K)
+        padded = np.concatenate([bounds[:, :1], bounds, bounds[:, -1:]], axis=1)
+        for k in range(segments + 1):
+            bound = np.maximum(padded[:, k], padded[:, k + 1])
+            if np.isfinite(bound).all():
+                _block(free[k : k + 1], mover.normal, bound, reach, axes, own, others, rest[k])
+    wanted = np.ones(shape, dtype=bool)
+    for q, (i, a) in enumerate(zip(own, axes, strict=True)):
+        size = a[1] - a[0]
+        near = (a >= goal[0, i]) & (a <= goal[1, i])
+        if not near.any():  # the target is narrower than a cell
+            near = np.abs(a - (goal[0, i] + goal[1, i]) / 2) <= size
+        wanted &= near.reshape([-1 if p == q else 1 for p in range(len(own))])
+    first = tuple(int(np.clip((centre[i] - a[0]) / (a[1] - a[0]) + 0.5, 0, len(a) - 1)) for i, a in zip(own, axes, strict=True))
+    free[0][first] = True  # gamma(0) is known to keep off every set; the middle of its cell may be a little elsewhere
+    return Field(own, axes, rest, free, wanted, first)
+
+
+def _axes(n: int) -> Array:
+    """-e_1, +e_1, -e_2, .."""
+    return np.array([[sign * (i == k) for k in range(n)] for i in range(n) for sign in (-1.0, 1.0)])
+
+
+def _ends(span: Array) -> Array:
+    """The bounds of `_axes` for a box, shape (2, n)."""
+    return np.asarray(np.stack([-span[0], span[1]], axis=1).ravel())
+
+
+def _along(normal: Array, axes: Sequence[Array], own: Sequence[int], others: Sequence[int], rest: Array) -> Array:
+    """normal.x over the cells."""
+    total: Array = np.zeros([1] * len(own))
+    for i in others:
+        total = total + normal[i] * rest[i]
+    for q, (i, a) in enumerate(zip(own, axes, strict=True)):
+        total = total + (normal[i] * a).reshape([-1 if p == q else 1 for p in range(len(own))])
+    return total
+
+
+def _block(
+    free: npt.NDArray[np.bool_], normal: Array, bound: Array, reach: Array, axes: list[Array], own: Sequence[int],
+    others: Sequence[int], rest: Array,
+) -> None:  # fmt: skip
+    """Takes from `free` (T, cells) those whose box of half widths `reach` is beyond none of the half-spaces."""
+    n = normal.shape[1]
+    for i in others:
+        if rest[i] <= -bound[2 * i] - reach[i] or rest[i] >= bound[2 * i + 1] + reach[i]:
+            return
+    near = tuple(
+        slice(
+            int(np.searchsorted(a, -bound[2 * i] - reach[i], side="right")), int(np.searchsorted(a, bound[2 * i + 1] + reach[i]))
+        )
+        for i, a in zip(own, axes, strict=True)
+    )
+    here = [a[part] for a, part in zip(axes, near, strict=True)]
+    if not all(len(a) for a in here):
+        return
+    if len(normal) == 2 * n:
+        free[(slice(None), *near)] = False
+        return
+    meets = np.ones([len(a) for a in here], dtype=bool)
+    for c, h in zip(normal[2 * n :], bound[2 * n :], strict=True):
+        further = 0.0
+        for v, r in zip(c.tolist(), reach.tolist(), strict=True):
+            further += abs(v) * r
+        meets &= _along(c, here, own, others, rest) < h + further
+    free[(slice(None), *near)] &= ~meets
