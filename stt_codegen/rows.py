@@ -20,7 +20,6 @@ from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course, Leg
 from stt_codegen.task.polytopes import HalfSpace
-from stt_codegen.task.rounds import size
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
@@ -112,15 +111,10 @@ def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
     """P4, for all t: for every unsafe set, grown by the body, a choice of rows."""
     found = []
     for s, course in zip(task.obstacles, task.courses, strict=True):
-        growing = () if course is None else tuple(_growing(s, normal) for normal, _ in s.faces)
+        larger = s.spread(Fraction(1)) if course is not None else s
+        growing = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
         found.append(Avoidance(s.name, apart_rows(s, task.tube.clearance), course, growing))
     return tuple(found)
-
-
-def _growing(convex: ConvexSet, normal: Normal) -> Fraction:
-    """The support of what a set grows by: of a round one a ball, else a box, in the set's own dimensions."""
-    own = [normal[i] for i in convex.own]
-    return size(own) if convex.radius else Fraction(sum(map(abs, own)))
 
 
 def speed_rows(task: Task) -> tuple[Row, ...]:

@@ -26,6 +26,7 @@ from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, 
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
+from stt_codegen.task import load_task
 from stt_codegen.task.sets import BoxSet
 
 PAIRS = [("omni_s2", "integrator"), ("omni_heading", "robot"), ("spacecraft", "spacecraft"), ("omni_s3", "arm")]
@@ -39,6 +40,9 @@ def controller(name: str, design: str = "refined", scalar: str = "float") -> Con
 @cache
 def loop(name: str, plant: str = "integrator", design: str = "refined", scalar: str = "float") -> Loop:
     return Loop(controller(name, design, scalar), PLANTS[plant])
+
+
+OMNI = load_task(ROOT / "tasks" / "omni_s2.toml")
 
 
 def signals(run: Run, n: int) -> dict[str, Any]:
@@ -280,7 +284,7 @@ def test_simulate_writes_trace_and_picture_and_says_what_was_proved(tmp_path: Pa
     assert "fulfilled" in result.output
     assert "proved" in result.output
     table = (tmp_path / "omni_s2.loop.csv").read_text().splitlines()
-    assert table[0].split(",") == columns(2)
+    assert table[0].split(",") == columns(OMNI)
     assert len(table) == 1 + 4500 + 1
     assert (tmp_path / "omni_s2.loop.png").read_bytes()[:4] == b"\x89PNG"
 
@@ -318,8 +322,8 @@ def test_what_simulate_refuses(arguments: list[str], told: str) -> None:
 def test_a_trace_reads_back() -> None:
     run = loop("omni_s2").run(Scenario(100.0), trace=True)
     assert run.trace is not None
-    read = np.genfromtxt(csv(run.trace, 2).decode().splitlines(), delimiter=",", names=True)
-    assert read.dtype.names == tuple(columns(2))
+    read = np.genfromtxt(csv(run.trace, OMNI).decode().splitlines(), delimiter=",", names=True)
+    assert read.dtype.names == tuple(columns(OMNI))
     assert np.allclose(np.array(read.tolist()), run.trace, rtol=1e-8, atol=1e-12)
 
 

@@ -117,9 +117,11 @@ class Task:
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
-        delay = _number(document.get("start_delay", 0))
-        timed = {"motion", "during", "spread"}
-        self.courses = [Course(e, names, delay, self.t_c) if timed & set(e) else None for e in document.get("unsafe", [])]
+        delay, timed, given = _number(document.get("start_delay", 0)), {"motion", "during", "spread"}, document.get("unsafe", [])
+        self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for e in given]
+        doubt = {name: str(_number(e["timing"])) for (name, _), e in zip(self.unsafe, given) if "timing" in e}
+        moving = "motion" in document["target_set"] or any({"motion", "during"} & {*e} or e.get("spread") for e in given)
+        self.clock = {"start_delay": str(delay), "timing": doubt} if moving else None
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
@@ -1421,10 +1423,10 @@ def fractions(values: Any, n: int) -> list[Fraction]:
 
 def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) -> Tube:
     """The certificate's hashes and claims against what is read, found and proved."""
-    sampling = ["sampled"] if task.period is not None else []
-    unknown = set(certificate) ^ {*CLAIMS, *sampling}
+    clock: dict[str, Any] = {} if task.clock is None else {"clock": task.clock}
+    unknown = set(certificate) ^ {*CLAIMS, *(["sampled"] if task.period is not None else []), *clock}
     need(not unknown, f"the certificate lacks a claim or has one that is not known: {', '.join(sorted(unknown))}")
-    told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": 1}
+    told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": 1, **clock}
     for key, value in told.items():
         need(type(certificate[key]) is type(value) and certificate[key] == value, f"the certificate's {key} is not {value!r}")
     scalar, p = certificate["scalar"], task.name

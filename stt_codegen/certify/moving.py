@@ -24,8 +24,6 @@ from stt_codegen.rows import Avoidance
 FREE = 1 << 60  # the slack where nothing is asked, far above any other
 LARGEST = 1 << 62  # of whole numbers of 64 bits, with room for a sum
 
-Values = Sequence[Sequence[Fraction]]  # by row and place
-
 
 @dataclass(frozen=True)
 class _Lines:
@@ -39,9 +37,9 @@ class _Lines:
     whole: int
 
     @classmethod
-    def between(
-        cls, begin: Fraction, end: Fraction, first: Sequence[Sequence[Fraction]], last: Sequence[Sequence[Fraction]]
-    ) -> _Lines:
+    def between(cls, begin: Fraction, end: Fraction, bounds: Sequence[list[list[Fraction]]]) -> _Lines:
+        """From the bounds by row and place at the begin and at the end."""
+        first, last = bounds
         slopes = [[(b - a) / (end - begin) for a, b in zip(*row, strict=True)] for row in zip(first, last, strict=True)]
         starts = [[a - begin * s for a, s in zip(*row, strict=True)] for row in zip(first, slopes, strict=True)]
         whole = math.lcm(*(v.denominator for rows in (slopes, starts) for row in rows for v in row))
@@ -71,7 +69,7 @@ class MovingBlock(RowBlock):
         lines = []
         for leg in course.legs:
             ends = [[[v / design.unit for v in row] for row in one.bounds(leg, t)] for t in (leg.begin, leg.end)]
-            lines.append(_Lines.between(leg.begin * per, leg.end * per, *ends))
+            lines.append(_Lines.between(leg.begin * per, leg.end * per, ends))
         return cls(plain.rows, plain.coefficient, plain.bound, plain.per, plain.first, plain.names, tuple(lines))
 
     def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:

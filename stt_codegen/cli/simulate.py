@@ -38,6 +38,10 @@ def simulate(
     noise: Noise = None,
     lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
     latency: Latency = None,
+    clock: Annotated[
+        str,
+        typer.Option(help="of sets that move: stated, early, late (as timing and start_delay allow), or worst, at every moment"),
+    ] = "stated",
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
     gain: Annotated[
@@ -59,7 +63,7 @@ def simulate(
 
         request = Request(
             plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
-            seed=seed, gain=gain, axes=tuple(axes or ()),
+            seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified)
         report = drive(controller, request, out)

@@ -17,11 +17,10 @@ import numpy as np
 from stt_codegen.decimals import below, decimal
 from stt_codegen.design.faces import Array, Cuts, Faces
 from stt_codegen.design.lattice import Lattice, lattice_of
-from stt_codegen.design.movers import Mover, Stage
+from stt_codegen.design.movers import Mover, mover_of
 from stt_codegen.errors import NotCertified
 from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
-from stt_codegen.task.motion import Leg
 from stt_codegen.task.sets import ConvexSet
 
 
@@ -131,27 +130,8 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         origin=origin,
-        movers=tuple(_mover(one, origin) for _, one in found if one.course is not None),
+        movers=tuple(mover_of(one, origin) for _, one in found if one.course is not None),
     )
-
-
-def _mover(one: Avoidance, origin: Sequence[Fraction]) -> Mover:
-    """A set over time, without the clearance, seen from the origin."""
-    assert one.course is not None
-    normal = np.zeros((len(one.rows), len(origin)))
-    for x, row in enumerate(one.rows):
-        for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.per))
-
-    def bounds(leg: Leg, t: Fraction) -> Array:
-        rows = zip(one.rows, one.bounds(leg, t), strict=True)
-        return np.array(
-            [[float((v - row.keep - row.bound + row.seen_from(origin)) / row.per) for v in told] for row, told in rows]
-        )
-
-    legs = one.course.legs
-    stages = [Stage(float(leg.begin), float(leg.end), bounds(leg, leg.begin), bounds(leg, leg.end)) for leg in legs]
-    return Mover(one.name, normal, tuple(stages))
 
 
 def standing(arena: Arena) -> Arena:

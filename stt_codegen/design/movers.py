@@ -5,11 +5,15 @@ Normals are over |n|_1, as in `faces.py`, so that what is left of an inequality 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import numpy as np
 
 from stt_codegen.design.faces import Array
+from stt_codegen.rows import Avoidance
+from stt_codegen.task.motion import Leg
 
 NEVER = -np.inf  # the bound of a half-space while the set is safe
 
@@ -87,3 +91,22 @@ class Mover:
             c = self.normal[:, i].reshape(-1, *(1 for _ in edges.shape[2:]))
             total = total + np.maximum(c, 0.0) * edges[0, i] + np.minimum(c, 0.0) * edges[1, i]
         return np.asarray(total)
+
+
+def mover_of(one: Avoidance, origin: Sequence[Fraction]) -> Mover:
+    """A set over time, without the clearance, seen from the origin."""
+    assert one.course is not None
+    normal = np.zeros((len(one.rows), len(origin)))
+    for x, row in enumerate(one.rows):
+        for i, _, c in row.terms:
+            normal[x, i] = float(Fraction(c, row.per))
+
+    def bounds(leg: Leg, t: Fraction) -> Array:
+        rows = zip(one.rows, one.bounds(leg, t), strict=True)
+        return np.array(
+            [[float((v - row.keep - row.bound + row.seen_from(origin)) / row.per) for v in told] for row, told in rows]
+        )
+
+    legs = one.course.legs
+    stages = [Stage(float(leg.begin), float(leg.end), bounds(leg, leg.begin), bounds(leg, leg.end)) for leg in legs]
+    return Mover(one.name, normal, tuple(stages))

@@ -70,6 +70,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.whole_start,
         "control": _control(task),
+        **({"clock": _clock(task)} if task.timed else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
         **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
     }
@@ -96,6 +97,11 @@ def _control(task: Task) -> dict[str, Any]:
     """The law's constants by component, as the task has them; u_max as it is emitted."""
     limit = None if task.u_max is None else [str(round_down(v, task.emit.scalar)) for v in task.u_max]
     return {"gain": [str(v) for v in task.gain], "e_max": [str(v) for v in task.e_max], "u_max": limit}
+
+
+def _clock(task: Task) -> dict[str, Any]:
+    """The doubt about the clock of sets that move, within which the claims hold."""
+    return {"start_delay": str(task.start_delay), "timing": {s.name: str(s.timing) for s in task.unsafe if s.timing is not None}}
 
 
 def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:

@@ -44,6 +44,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "kind": design.kind,
         "hash": design_hash(task, design),
         "notice": _notice(task, certificate),
+        "clock": _clock(task),
         "selftest": task.emit.selftest,
         "steps": certificate.steps if certificate.holds else None,
     }
@@ -87,6 +88,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
             f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and ends in the target set.",
         ]
+        lines += _stated(task)
         if certificate.steps is not None:
             shortest, longest = (decimal(v) for v in certificate.steps)
             lines.append(
@@ -111,6 +113,28 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         *(f"  {f.code} {f.title}{' at ' + f.place(certificate.axes) if f.place() else ''}" for f in certificate.failures),
         *(["between the samples nothing is proved."] if not certificate.failures else []),
     ]
+
+
+def _clock(task: Task) -> str:
+    """What is said beside t_c where the clock of the sets matters."""
+    if not task.timed:
+        return ""
+    late = f", or at most {decimal(task.start_delay)} s after" if task.start_delay else ""
+    return f"; t = 0 is when the clock of the moving sets shows 0{late}"
+
+
+def _stated(task: Task) -> list[str]:
+    """About which sets the guarantee is, where some move or are unsafe only at times."""
+    if not task.timed:
+        return []
+    late = f", or up to {decimal(task.start_delay)} s later" if task.start_delay else ""
+    told = f"The sets are those of the task, where and when it states them: t = 0 here is t = 0 on their clock{late}"
+    doubt = [f"{s.name} {decimal(s.timing)} s" for s in task.unsafe if s.timing]
+    told += f"; their times may be wrong by as much as the task says ({', '.join(doubt)})." if doubt else "."
+    told += " Nothing is shown for sets that move in another way."
+    growing = [s.name for s in task.unsafe if s.spread]
+    told += f" Of what grows ({', '.join(growing)}) the tube keeps clear until t_c." if growing else ""
+    return textwrap.wrap(told, 115)
 
 
 def template_folder() -> Path:

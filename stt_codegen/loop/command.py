@@ -43,6 +43,7 @@ class Request:
     seed: int = 0
     gain: str | None = None
     axes: tuple[str, ...] = ()
+    clock: str = "stated"
 
     def scenario(self, task: Task, plant: Model) -> Scenario:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
@@ -50,7 +51,7 @@ class Request:
         told = of_task(task) | {name: value for name, value in given.items() if value is not None}
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
         scenario = Scenario(
-            disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, **told,
+            disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock, **told,
         )  # fmt: skip
         if self.w_max and self.disturbance == "none":
             raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
@@ -90,6 +91,7 @@ class RunReport:
             "noise": s.noise,
             "lost": s.lost,
             "latency": s.latency,
+            **({"clock": s.clock} if any(c is not None for c in self.controller.task.courses) else {}),
             "seed": s.seed,
             "fulfilled": self.run.good,
             "kept": self.run.kept,
@@ -220,6 +222,6 @@ def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str
 
     assert run.trace is not None
     name = f"{controller.task.name}.loop"
-    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task.dimension)})
+    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task)})
     draw_run(controller, run, folder / f"{name}.png", [plane_named(controller.task, text) for text in axes])
     return [str(folder / f"{name}.csv"), str(folder / f"{name}.png")]

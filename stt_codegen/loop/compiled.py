@@ -51,6 +51,10 @@ class Setting(ctypes.Structure):
         ("faces", ctypes.c_void_p),
         ("radius", ctypes.c_void_p),
         ("ends", ctypes.c_void_p),
+        ("clock", ctypes.c_int32),
+        ("turn", ctypes.c_void_p),
+        ("turns", ctypes.c_void_p),
+        ("hours", ctypes.c_void_p),
     )
 
 

@@ -14,19 +14,8 @@ from stt_codegen.decimals import by_component
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.picture import (
-    COLOURS,
-    Plane,
-    draw_arena,
-    draw_dimension,
-    draw_sets,
-    label,
-    outline,
-    panels,
-    patch,
-    planes_of,
-    save,
-)
+from stt_codegen.report.drawn import COLOURS, Plane, label, outline, patch
+from stt_codegen.report.picture import draw_arena, draw_dimension, draw_sets, panels, planes_of, save, sheet
 
 Array = npt.NDArray[Any]
 PATH = "#d35400"
@@ -42,8 +31,9 @@ def draw_run(controller: Controller, run: Run, path: Path, planes: Sequence[Plan
     grid = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller.design, grid)
     shown = planes_of(task, planes)
-    figure = Figure(figsize=(11, max(5.2, 1.8 * (n + 1))), layout="constrained")
-    arenas, over = panels(figure, task, shown, [*task.axis_names, "u"])
+    there = np.stack([np.interp(grid, t, x[:, i]) for i in range(n)], axis=1)
+    figure, above = sheet(controller, max(5.2, 1.8 * (n + 1)), grid, low, high, shown, there)
+    arenas, over = panels(above, task, shown, [*task.axis_names, "u"])
     for axis, plane in zip(arenas, shown, strict=True):
         draw_arena(axis, controller, low, high, plane)
         axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH, linewidth=1.6)

@@ -3,6 +3,8 @@
 Between samples a classical Runge-Kutta method integrates the plant, u being held: steps of at most STEP seconds and a quarter of
 the period, halved until the error of a step is below 1e-13. Runs are the same on every machine of one libm: random numbers come
 from the seed in templates/loop/loop.c.
+
+Long because a scenario, what C is given of a task, and what came of it belong together.
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant,
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
+from stt_codegen.task.motion import Course
 from stt_codegen.task.polytopes import SOLID, HalfSpace
 from stt_codegen.task.sets import ConvexSet
 
@@ -35,6 +38,7 @@ DISTURBANCES = {
     "nearest": "toward the nearest unsafe set or wall, full norm",
     "outward": "toward the nearest edge of the tube, full norm",
 }
+CLOCKS = ("stated", "early", "late", "worst")  # what the sets' clock shows, within timing and start_delay
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
@@ -45,7 +49,9 @@ MOST_FACES = 1024  # of an unsafe set, as in loop.h
 class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise: bound on the error of every measured
     component; lost: samples that may be lost in a row; start: x(0), the task's own where None; latency: seconds from a sample to
-    its input, less than a period."""
+    its input, less than a period. clock: of sets that move, stated (their times are right, and the controller starts in time),
+    early (they are as far behind as may be), late (as far ahead, with the controller's start_delay), or worst (at every moment
+    and for every set the worst of nine readings from early to late)."""
 
     rate: float = 1000.0
     disturbance: str = "none"
@@ -55,10 +61,13 @@ class Scenario:
     lost: int = 0
     start: tuple[float, ...] | None = None
     latency: float = 0.0
+    clock: str = "stated"
 
     def __post_init__(self) -> None:
         if self.disturbance not in KINDS:
             raise BadInput(f"--disturbance {self.disturbance}: is none of {', '.join(KINDS)}")
+        if self.clock not in CLOCKS:
+            raise BadInput(f"--clock {self.clock}: is none of {', '.join(CLOCKS)}")
         for name, value in self._numbers():
             if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
@@ -155,6 +164,10 @@ class Loop:
             faces=field_.faces.ctypes.data,
             radius=field_.radius.ctypes.data,
             ends=field_.ends.ctypes.data,
+            clock=CLOCKS.index(scenario.clock),
+            turn=field_.turn.ctypes.data,
+            turns=field_.turns.ctypes.data,
+            hours=field_.hours.ctypes.data,
         )
         rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
         judged = Judged()
@@ -195,7 +208,7 @@ class Loop:
 class _Field:
     """The task's sets as arrays of doubles, unsafe sets grown and the state space shrunk by the body: unit normals and offsets of
     half-spaces. faces: of every polytope; first: where each set's begin, and their number at the end; radius, ends: of round
-    sets."""
+    sets; turn, turns, hours: of those that move, as loop.h has them."""
 
     def __init__(self, task: Task) -> None:
         walls = sorted(task.free_space.faces, key=lambda face: [-abs(c) for c in face[0]] + [-sum(face[0])])  # of two as near, up
@@ -211,6 +224,19 @@ class _Field:
             if len(faces) > MOST_FACES:
                 raise BadInput(f"unsafe set {s.name}: has {len(faces)} faces; a loop takes at most {MOST_FACES}")
         self.first = np.cumsum([0, *map(len, cores)]).astype(np.int32)
+        knots = [() if c is None else c.knots for c in task.courses]
+        self.turn = np.cumsum([0, *map(len, knots)]).astype(np.int32)
+        told = [[float(at), *map(float, by)] for own in knots for at, by in own]
+        self.turns = np.array(told).reshape(-1, task.dimension + 1)
+        self.hours = np.array([_hours(c) for c in task.courses]).reshape(-1, 5)
+
+
+def _hours(course: Course | None) -> list[float]:
+    if course is None:
+        return [-math.inf, math.inf, 0.0, 0.0, 0.0]
+    first, last = course.window or (-math.inf, math.inf)
+    closed = float(last) if last != course.t_c else math.inf  # a window that ends at t_c stays closed
+    return [float(first), closed, float(course.spread), float(course.early), float(course.late)]
 
 
 def doubtful(task: Task) -> list[str]:
@@ -260,15 +286,21 @@ def of_task(task: Task) -> dict[str, Any]:
     }
 
 
-def columns(n: int) -> list[str]:
-    """The names of a trace's columns."""
-    return ["t", *(f"{name}{i + 1}" for name in ("x", "u", "lower", "upper", "w") for i in range(n)), "status"]
+def columns(task: Task) -> list[str]:
+    """The names of a trace's columns, and of those of sets that move: their displacement, and whether they are unsafe."""
+    n, moving = task.dimension, [s.name for s, c in zip(task.unsafe, task.courses, strict=True) if c is not None]
+    own = [f"{name}.{word}" for name in moving for word in (*(f"d{i + 1}" for i in range(n)), "unsafe")]
+    return ["t", *(f"{name}{i + 1}" for name in ("x", "u", "lower", "upper", "w") for i in range(n)), "status", *own]
 
 
-def csv(trace: Array, n: int) -> bytes:
-    """A trace as CSV; numbers in nine digits."""
-    lines = [",".join(columns(n))]
-    lines += [",".join(f"{v:.9g}" for v in row[:-1]) + f",{int(row[-1])}" for row in trace.tolist()]
+def csv(trace: Array, task: Task) -> bytes:
+    """A trace as CSV; numbers in nine digits. Sets that move are where they are stated to be."""
+    lines, courses = [",".join(columns(task))], [c for c in task.courses if c is not None]
+    for row in trace.tolist():
+        told, tau = [f"{v:.9g}" for v in row[:-1]] + [f"{int(row[-1])}"], Fraction(row[0])
+        for course in courses:
+            told += [f"{float(v):.9g}" for v in course.displaced(tau)] + [f"{int(course.unsafe_at(tau))}"]
+        lines.append(",".join(told))
     return ("\n".join(lines) + "\n").encode()
 
 

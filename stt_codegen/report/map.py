@@ -13,7 +13,8 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.patches import Polygon
 
-from stt_codegen.report.picture import COLOURS, save
+from stt_codegen.report.drawn import COLOURS
+from stt_codegen.report.picture import save
 from stt_codegen.task.occupancy import Kind, OccupancyMap
 from stt_codegen.task.pieces import Piece, gained, pieces_of
 

@@ -14,26 +14,24 @@ import numpy.typing as npt
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
-from matplotlib.patheffects import withStroke
 
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
+from stt_codegen.report.drawn import COLOURS, LABEL, Plane, frame, hull_of, label, named, patch
+from stt_codegen.report.moving import bounds_over, draw_faint, draw_times, moves
 from stt_codegen.report.trade import TradeReport
-from stt_codegen.rows import Row, avoid_rows
+from stt_codegen.rows import Avoidance, Row, avoid_rows
 from stt_codegen.task import Task
 from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
-COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb"}
 BOXES = 46  # tube boxes drawn over the arena
 NAMED = 40  # up to so many unsafe sets have their names in the picture
 FEW = 3  # up to so many dimensions the arena is drawn in two of them alone
 OTHERS = (".bmp", ".eps", ".gif", ".jpeg", ".jpg", ".tif", ".tiff", ".webp")
 ROOM = 3  # pixels between a label and the frame
-LABEL = "label "  # what the names of labels begin with, then 0 for those that come first
-Plane = tuple[int, int]  # two dimensions, from 0
 
 
 def draw(controller: Controller, path: Path, planes: Sequence[Plane] = ()) -> None:
@@ -84,8 +82,8 @@ def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
     t = np.linspace(0.0, float(task.prescribed_time), 1801)
     low, high = tube_at(controller.design, t)
     shown = planes_of(task, planes)
-    figure = Figure(figsize=(11, max(4.6, 1.9 * n)), layout="constrained")
-    arenas, over = panels(figure, task, shown, task.axis_names)
+    figure, above = sheet(controller, max(4.6, 1.9 * n), t, low, high, shown)
+    arenas, over = panels(above, task, shown, task.axis_names)
     for axis, plane in zip(arenas, shown, strict=True):
         draw_arena(axis, controller, low, high, plane)
     for i in range(n):
@@ -95,6 +93,20 @@ def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
     place_labels(figure)
     return figure
+
+
+def sheet(
+    controller: Controller, height: float, t: Array, low: Array, high: Array, shown: Sequence[Plane], path: Array | None = None
+) -> tuple[Figure, Any]:
+    """A figure and the part of it for the panels; where sets move, the arena at several times is below."""
+    if not moves(controller.task) or not shown:
+        figure = Figure(figsize=(11, height), layout="constrained")
+        return figure, figure
+    figure = Figure(figsize=(11, height + 2.2), layout="constrained")
+    parts: Any = figure.subfigures(2, 1, height_ratios=[height, 2.2])
+    above, below = parts
+    draw_times(below, controller.task, t, low, high, shown[0], path)
+    return figure, above
 
 
 def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
@@ -119,9 +131,9 @@ def draw_trade(report: TradeReport, path: Path) -> None:
     figure = Figure(figsize=(9, 3.8), layout="constrained")
     wide, periods = [t.least_width for t in report.tubes], [1e3 * (t.period or 0.0) for t in report.tubes]
     shown = (([t.speed for t in report.tubes], "peak speed of an edge"), (periods, "longest proved period [ms]"))
-    for axis, (values, label) in zip(figure.subplots(1, 2), shown, strict=True):
+    for axis, (values, told) in zip(figure.subplots(1, 2), shown, strict=True):
         axis.plot(wide, values, "o-", color=COLOURS["tube"], linewidth=1, markersize=5)
-        axis.set(xlabel="least width", ylabel=label, ylim=(0, 1.25 * max(values) or 1))
+        axis.set(xlabel="least width", ylabel=told, ylim=(0, 1.25 * max(values) or 1))
         axis.margins(x=0.15)
         axis.grid(alpha=0.3)
         for t, x, y in zip(report.tubes, wide, values, strict=True):
@@ -155,46 +167,6 @@ def save(figure: Any, path: Path) -> None:
             figure.savefig(path, dpi=110, metadata={dated: None})
     except OSError as error:
         raise BadInput(f"{path}: cannot be written ({error.strerror}); choose another folder") from None
-
-
-def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
-    """The corners of a set's shadow on two dimensions, in order around it: (V, 2)."""
-    return hull_of(np.array(convex.shadow(*plane)))
-
-
-def hull_of(points: Array) -> Array:
-    """The corners of the hull of points (P, 2), in order around it: (V, 2)."""
-    return np.array(around([(float(x), float(y)) for x, y in points]))
-
-
-def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
-    """A set as matplotlib draws it."""
-    return Polygon(outline(convex, plane), closed=True, color=colour, **style)
-
-
-def label(task: Task, i: int) -> str:
-    """What an axis of a picture is called: its name and unit, x with its number where it has none."""
-    if task.axes is not None:
-        return task.axis_labels[i]
-    unit = f" [{task.units[i]}]" if task.units is not None and task.units[i] else ""
-    return f"$x_{{{i + 1}}}${unit}"
-
-
-def _frame(axis: Any, task: Task, plane: Plane) -> None:
-    """Limits and names of the axes of an arena. One scale for both, unless they are of different kinds."""
-    (a, b), space = plane, task.state_space
-    axis.set(xlim=(float(space.lower[a]), float(space.upper[a])), ylim=(float(space.lower[b]), float(space.upper[b])))
-    alike = task.units is None or task.units[a] == task.units[b]
-    axis.set(xlabel=label(task, a), ylabel=label(task, b), aspect="equal" if alike else "auto")
-
-
-def _named(axis: Any, convex: ConvexSet, text: str, plane: Plane, colour: str, priority: int) -> None:
-    """A label in the middle of a set, put in its place by `place_labels`."""
-    x, y = outline(convex, plane).mean(axis=0)
-    around = "white" if colour == "black" else "black"
-    label = axis.text(x, y, text, ha="center", va="center", color=colour, fontsize=8, clip_on=True)
-    label.set_path_effects([withStroke(linewidth=1.2, foreground=around, alpha=0.5)])
-    label.set_gid(f"{LABEL}{priority}")
 
 
 def place_labels(figure: Figure) -> None:
@@ -231,17 +203,20 @@ def _bounded(task: Task, convex: ConvexSet, i: int) -> bool:
 def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
     """The plane's frame, unsafe sets with their names where they are not too many, hatched what the body adds, and the target.
     Lighter are sets that one may pass in another dimension."""
-    _frame(axis, task, plane)
-    named, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
-    for s, grown in zip(task.bare, task.obstacles, strict=True):
+    frame(axis, task, plane)
+    told, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
+    for j, (s, grown) in enumerate(zip(task.bare, task.obstacles, strict=True)):
+        if task.courses[j] is not None:
+            draw_faint(axis, task, j, plane)
+            continue
         if not any(_bounded(task, s, i) for i in plane):
             continue  # it is everywhere in this plane, and says something in another
         alpha = 0.4 if any(_bounded(task, s, i) for i in others) else 0.75
         if any(task.half_extents[i] for i in plane):
             axis.add_patch(patch(grown, COLOURS["unsafe"], plane, fill=False, hatch="////", alpha=0.35, linewidth=0))
         axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
-        if named:
-            _named(axis, s, s.name, plane, "white", 1)
+        if told:
+            named(axis, s, s.name, plane, "white", 1)
     target = cut_box(task.target.lower, task.target.upper, task.target_cuts)
     corners: Array = np.array([[float(v.point[i]) for i in plane] for v in target])
     axis.add_patch(Polygon(hull_of(corners), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
@@ -277,7 +252,7 @@ def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane
     draw_sets(axis, task, plane)
     axis.add_patch(patch(task.start, COLOURS["start"], plane, fill=False, linewidth=1.8))
     for box, name in ((task.start, "start"), (task.target, "target")):
-        _named(axis, box, name, plane, "black", 0)
+        named(axis, box, name, plane, "black", 0)
     middle = (low + high) / 2
     axis.plot(middle[:, a], middle[:, b], color="black", linewidth=0.8, linestyle=":")
 
@@ -289,6 +264,9 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
     axis.plot(t, low[:, i], t, high[:, i], color=COLOURS["tube"], linewidth=1)
     for one, s in zip(avoid_rows(task), task.obstacles, strict=True):
         others = [row for row in one.rows if any(d != i for d, _, _ in row.terms)]
+        if one.course is not None:
+            _band(axis, one, i, t, low, high)
+            continue
         meets = ~np.any([slack_at(row, low, high) >= 0 for row in others], axis=0) if others else np.ones(len(t), dtype=bool)
         lower, upper = (float(v) for v in s.span(i))
         axis.fill_between(t, lower, upper, where=meets, color=COLOURS["unsafe"], alpha=0.6, linewidth=0)
@@ -297,3 +275,18 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
     axis.vlines(0, float(task.initial_set.lower[i]), float(task.initial_set.upper[i]), color=COLOURS["start"], linewidth=5)
     axis.set(ylabel=label(task, i), xlim=(-0.01 * end, 1.01 * end))
     axis.set_ylim(float(task.state_space.lower[i]), float(task.state_space.upper[i]))
+
+
+def _band(axis: Any, one: Avoidance, i: int, t: Array, low: Array, high: Array) -> None:
+    """Where a set that moves may be in one dimension over time: faint while it may be unsafe, strong while nothing but this
+    dimension keeps the tube off it."""
+    bounds, unsafe = bounds_over(one, t), np.zeros(len(t), dtype=bool)
+    ends, kept = {}, np.zeros(len(t), dtype=bool)
+    for row, bound in zip(one.rows, bounds, strict=True):
+        unsafe |= np.isfinite(bound)
+        if {d for d, _, _ in row.terms} == {i}:
+            ends[row.terms[0][2]] = bound
+        else:
+            kept |= slack_at(row, low, high) + float(row.bound) >= bound
+    for alpha, where in ((0.12, unsafe), (0.6, unsafe & ~kept)):
+        axis.fill_between(t, -ends[-1], ends[1], where=where, color=COLOURS["unsafe"], alpha=alpha, linewidth=0)

@@ -194,6 +194,9 @@ class Round(ConvexSet):
             return tuple((tuple(v + self.reach * c for v, c in zip(p, n, strict=True)), n) for p, n in ends)
         return bends_of(_Coarse(self))
 
+    def spread(self, by: Fraction) -> Round:
+        return Round(self.ends, self.reach + by, self.name)
+
     def shadow(self, i: int, j: int) -> Shadow:
         angles = [2 * math.pi * k / DRAWN for k in range(DRAWN)]
         radius, ends = float(self.reach), [(float(p[i]), float(p[j])) for p in self.ends]

@@ -254,6 +254,11 @@ class TaskTables(Table):
             self._course(s, s.during, s.timing or Fraction(0), s.spread or Fraction(0)) if s.timed else None for s in self.unsafe
         )
 
+    @property
+    def timed(self) -> bool:
+        """Whether the clock of the sets matters: some unsafe set is not always the same, or the target moves."""
+        return any(s.timed for s in self.unsafe) or self.target_set.motion is not None
+
     def _course(self, table: Unsafe | Target, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
         own, n = self.own_axes(table), self.dimension
         knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in table.motion or ()] or [(Fraction(0), {})]

@@ -7,6 +7,8 @@ normals are worth a try, and h for every n. Design, certificate, search, loops a
 class here, its table in shapes.py, and its place in the stand-alone checker, which shares nothing with this file.
 
 All numbers are exact fractions in the task's units.
+
+Long because the interface of sets stands beside boxes, prisms and grown sets, which define it.
 """
 
 from __future__ import annotations
@@ -100,6 +102,10 @@ class ConvexSet(ABC):
         """All points within the box of these half extents about some point of the set: where the middle of a body that touches
         the set may be."""
         return Grown(self, tuple(half)) if any(half) else self
+
+    def spread(self, by: Fraction) -> ConvexSet:
+        """The set larger by so much on every side, in its own dimensions: a round one by a ball, others by a box."""
+        return self.grown([by if i in self.own else ZERO for i in range(self.dimension)])
 
     def apart(self, lower: Vector, upper: Vector) -> bool:
         """True only where the box and the set have no point in common, edges included; true wherever they have none if the faces
@@ -219,6 +225,9 @@ class Prism(ConvexSet):
             return self.base.shadow(self.axes.index(i), self.axes.index(j))
         return [(x, y) for x in spans[0] for y in spans[1]]
 
+    def spread(self, by: Fraction) -> ConvexSet:
+        return Prism(self.base.spread(by), self.axes, self.lower, self.upper, self.name)
+
     def _within_others(self, lower: Vector, upper: Vector) -> bool:
         others = [k for k in range(self.dimension) if k not in self.axes]
         return all(self.lower[k] <= lower[k] and upper[k] <= self.upper[k] for k in others)
@@ -272,6 +281,9 @@ class Grown(ConvexSet):
     def shadow(self, i: int, j: int) -> Shadow:
         a, b = float(self.half[i]), float(self.half[j])
         return [(x + s * a, y + t * b) for x, y in self.inner.shadow(i, j) for s in (-1, 1) for t in (-1, 1)]
+
+    def spread(self, by: Fraction) -> ConvexSet:
+        return Grown(self.inner.spread(by), self.half)
 
     def apart(self, lower: Vector, upper: Vector) -> bool:
         half = self.half  # the box may be grown in the set's stead

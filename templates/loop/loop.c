@@ -9,6 +9,7 @@
 #define TOLERANCE 1e-12 /* of 1 + |x|, the difference of a step and its halves, 15 times the error that is left */
 #define DEPTH 12
 #define ROUNDS 200
+#define CLOCKS 9 /* readings that are tried for the worst */
 
 typedef struct {
     const loop_setting *s;
@@ -53,9 +54,16 @@ static double beyond(const double *face, const double *x, int n) /* how far x is
     return sum;
 }
 
+static double size_of(const double *face, int n)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) sum += fabs(face[i]);
+    return sum;
+}
+
 /* From x to the nearest point of a polytope, by Hildreth's method: each half-space in turn takes back what it pushed and pushes
  * anew. Boxes are done in one round; `way` is the whole push. Returns the distance, 0 inside. */
-static double toward(const double *faces, int count, const double *x, double *way, int n)
+static double toward(const double *faces, int count, double growth, const double *x, double *way, int n)
 {
     double pushed[FACES] = {0}, y[MOST];
     memset(way, 0, (size_t)n * sizeof *way);
@@ -64,7 +72,8 @@ static double toward(const double *faces, int count, const double *x, double *wa
         double moved = 0.0;
         for (int f = 0; f < count; f++) {
             const double *face = faces + (n + 1) * f;
-            const double push = fmax(0.0, pushed[f] + beyond(face, y, n)), change = push - pushed[f];
+            const double out = growth > 0.0 ? growth * size_of(face, n) : 0.0; /* grown by a box */
+            const double push = fmax(0.0, pushed[f] + (beyond(face, y, n) - out)), change = push - pushed[f];
             for (int i = 0; i < n; i++) y[i] -= change * face[i];
             pushed[f] = push;
             moved = fmax(moved, fabs(change));
@@ -117,24 +126,63 @@ static double to_segment(const double *ends, const double *x, double *way, int n
     return best;
 }
 
-static double to_core(const loop_setting *s, int j, const double *x, double *way)
+/* Where a set is, and whether it is unsafe, at one reading of its clock. */
+typedef struct {
+    int unsafe;
+    double growth, seen[MOST]; /* seen: x from where the set would be if it were not displaced */
+} sight;
+
+static int readings(const loop_setting *s, int j)
 {
-    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * s->n * j, x, way, s->n);
-    return toward(s->faces + (s->n + 1) * s->first[j], s->first[j + 1] - s->first[j], x, way, s->n);
+    return s->turn != NULL && s->clock == WORST && s->turn[j + 1] > s->turn[j] ? CLOCKS : 1;
 }
 
-static void nearest(const loop_setting *s, const double *x, double *w)
+static void look(const loop_setting *s, int j, int reading, double t, const double *x, sight *p)
+{
+    const int n = s->n;
+    double by[MOST] = {0}, tau = t;
+    p->unsafe = 1, p->growth = 0.0;
+    memcpy(p->seen, x, (size_t)n * sizeof *x);
+    if (s->turn == NULL || s->turn[j + 1] == s->turn[j]) return;
+    const int first = s->turn[j], last = s->turn[j + 1] - 1;
+    const double *hours = s->hours + 5 * j, *at = s->turns + (n + 1) * first;
+    if (s->clock == EARLY) tau = t - hours[3];
+    if (s->clock == LATE) tau = t + hours[4];
+    if (s->clock == WORST) tau = t - hours[3] + reading * (hours[3] + hours[4]) / (CLOCKS - 1);
+    p->unsafe = tau >= hours[0] && tau <= hours[1];
+    p->growth = fmax(0.0, tau) * hours[2];
+    memcpy(by, at + 1, (size_t)n * sizeof *by);
+    for (int k = first; k < last; k++, at += n + 1) {
+        const double *to = at + n + 1, share = fmin(1.0, (tau - at[0]) / (to[0] - at[0]));
+        if (tau <= at[0]) break;
+        for (int i = 0; i < n; i++) by[i] = at[1 + i] + share * (to[1 + i] - at[1 + i]);
+    }
+    for (int i = 0; i < n; i++) p->seen[i] = x[i] - by[i];
+}
+
+static double to_core(const loop_setting *s, int j, const sight *p, double *way)
+{
+    const int n = s->n;
+    if (s->radius[j] > 0.0) return to_segment(s->ends + 3 * n * j, p->seen, way, n);
+    return toward(s->faces + (n + 1) * s->first[j], s->first[j + 1] - s->first[j], p->growth, p->seen, way, n);
+}
+
+static void nearest(const loop_setting *s, double t, const double *x, double *w)
 {
     const int n = s->n;
     double best = HUGE_VAL, way[MOST];
-    for (int j = 0; j < s->sets; j++) {
-        const double core = to_core(s, j, x, way);
-        const double distance = core - s->radius[j];
-        if (distance > 0.0 && distance < best) {
-            best = distance;
-            for (int i = 0; i < n; i++) w[i] = way[i] / core;
+    sight p;
+    for (int j = 0; j < s->sets; j++)
+        for (int reading = 0; reading < readings(s, j); reading++) {
+            look(s, j, reading, t, x, &p);
+            if (!p.unsafe) continue;
+            const double core = to_core(s, j, &p, way);
+            const double distance = s->radius[j] > 0.0 ? core - s->radius[j] - p.growth : core;
+            if (distance > 0.0 && distance < best) {
+                best = distance;
+                for (int i = 0; i < n; i++) w[i] = way[i] / core;
+            }
         }
-    }
     for (int f = 0; f < s->walls; f++) {
         const double *wall = s->space + (n + 1) * f, distance = -beyond(wall, x, n);
         if (distance < best) {
@@ -152,7 +200,7 @@ static void blow(const wind *v, double t, const double *x, double *w)
     if (s->kind == CONSTANT || s->kind == RANDOM) memcpy(w, v->direction, (size_t)n * sizeof *w);
     if (s->kind == SINUSOIDAL)
         for (int i = 0; i < n; i++) w[i] = v->direction[i] * sin(v->rate * t + v->phase);
-    if (s->kind == NEAREST) nearest(s, x, w);
+    if (s->kind == NEAREST) nearest(s, t, x, w);
     if (s->kind == OUTWARD) { /* toward the nearest edge of the tube */
         int worst = 0;
         double most = -1.0;
@@ -221,13 +269,23 @@ static int inside(const double *faces, int count, const double *x, int n)
 }
 
 /* The interior: touching an unsafe set is no collision, since sets may touch what is allowed. */
-static int within(const loop_setting *s, int j, const double *x)
+static int within(const loop_setting *s, int j, double t, const double *x)
 {
+    const int n = s->n;
     double way[MOST];
-    if (s->radius[j] > 0.0) return to_core(s, j, x, way) < s->radius[j];
-    for (int f = s->first[j]; f < s->first[j + 1]; f++)
-        if (!(beyond(s->faces + (s->n + 1) * f, x, s->n) < 0.0)) return 0;
-    return 1;
+    sight p;
+    for (int reading = 0; reading < readings(s, j); reading++) {
+        int in = 1;
+        look(s, j, reading, t, x, &p);
+        if (!p.unsafe) continue;
+        if (s->radius[j] > 0.0) in = to_core(s, j, &p, way) < s->radius[j] + p.growth;
+        for (int f = s->first[j]; in && f < s->first[j + 1]; f++) {
+            const double *face = s->faces + (n + 1) * f, out = p.growth > 0.0 ? p.growth * size_of(face, n) : 0.0;
+            in = beyond(face, p.seen, n) < out;
+        }
+        if (in) return 1;
+    }
+    return 0;
 }
 
 static void judge(const loop_setting *s, double t, const double *x, loop_tube tube, wind *v, loop_result *r)
@@ -235,7 +293,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
     const int n = s->n;
     double lower[MOST], upper[MOST];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
-        if (within(s, j, x)) r->hit = j, r->hit_at = t;
+        if (within(s, j, t, x)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);

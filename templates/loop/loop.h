@@ -15,6 +15,9 @@ typedef void (*loop_advance)(double t, double dt);
 
 typedef enum { NONE, CONSTANT, SINUSOIDAL, RANDOM, NEAREST, OUTWARD } disturbance;
 
+typedef enum { STATED, EARLY, LATE, WORST } sets_clock; /* what it shows, of all that the doubt about it allows; WORST: of each
+                                                          * set and moment the worst of CLOCKS readings */
+
 typedef struct {
     int32_t n, sets;       /* dimension; unsafe sets */
     int32_t samples;       /* periods to run */
@@ -36,6 +39,12 @@ typedef struct {
     const double *radius;  /* sets: of a round one what is that near to its core, the segment from one end to the other with a box
                             * about every point; 0 of a polytope */
     const double *ends;    /* sets, 3 n: both ends, and half the box */
+    int32_t clock;         /* sets_clock */
+    const int32_t *turn;   /* sets + 1: where the turns of each motion begin, none of one that stands, and how many there are;
+                            * NULL where all stand */
+    const double *turns;   /* each n + 1 numbers: the time on the sets' clock, the displacement */
+    const double *hours;   /* sets, 5: unsafe from and to, on the sets' clock; growth a second; seconds that the clock may be behind
+                            * the controller's, and ahead */
 } loop_setting;
 
 typedef struct {
