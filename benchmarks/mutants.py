@@ -25,7 +25,7 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_task
 from stt_codegen.task import Task, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet, load_task
-from stt_codegen.task.shapes import Target
+from stt_codegen.task.shapes import Target, Waypoint
 
 TASKS = Path(__file__).parent.parent / "tasks"
 ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
@@ -291,6 +291,36 @@ def region_beside(dice: Random, b: Base, kind: str) -> Mutant:
     return with_task(b, **{name: getattr(b.task, name).model_copy(update=cut)})
 
 
+def mover_beside(dice: Random, b: Base, kind: str) -> Mutant:
+    """A set that is put beside the tube as by `shape_beside`, then moved, doubted, grown or given hours: from the place where it
+    all but touches the tube it goes away, or comes there from elsewhere."""
+    task, _ = shape_beside(dice, b, dice.choice(("ball", "polytope", "capsule")))
+    added: Any = task.unsafe[-1]
+    t_c, d = task.prescribed_time, len(added.axes or task.axis_names)
+    times = sorted(short(t_c * Fraction(dice.randint(0, 64), 64)) for _ in range(dice.randint(1, 4)))
+    times = sorted(set(times))
+    far = dice.choice((1e-4, 0.05, 0.5, 3.0))
+    places = [tuple(short(Fraction(dice.uniform(-far, far))) for _ in range(d)) for _ in times]
+    still = dice.randrange(len(times))
+    places[still] = (Fraction(0),) * d
+    if dice.random() < 0.3:  # it stands where it all but touches
+        places = [(Fraction(0),) * d for _ in times]
+    more: dict[str, Any] = {"motion": tuple(Waypoint(at=a, by=p) for a, p in zip(times, places, strict=True))}
+    if kind == "window" or dice.random() < 0.2:
+        a, z = sorted(dice.sample(range(65), 2))
+        more["during"] = (short(t_c * Fraction(a, 64)), short(t_c * Fraction(z, 64)))
+        if kind == "window":
+            del more["motion"]
+    delay = Fraction(0)
+    if kind == "doubt":
+        more["timing"] = short(t_c * Fraction(dice.choice((0, 1, 3, 20)), 200))
+        delay = short(t_c * Fraction(dice.choice((0, 1, 3, 20)), 200))
+    if kind == "spread":
+        more["spread"] = short(Fraction(dice.choice((1e-6, 1e-3, 0.05))))
+    changed_ = added.model_copy(update=more)
+    return task.model_copy(update={"unsafe": (*task.unsafe[:-1], changed_), "start_delay": delay}), b.design
+
+
 def before_face(dice: Random, b: Base) -> Mutant:
     """An unsafe set before the extreme of one edge over some segments."""
     (i, side), last = any_side(dice, b), b.design.segments - 1
@@ -401,10 +431,15 @@ KINDS: dict[str, Callable[[Random, Base], Mutant]] = {
     "wall beside": partial(region_beside, kind="half-space"),
     "hull beside": partial(region_beside, kind="hull"),
     "target ball beside": partial(region_beside, kind="ball"),
+    "motion beside": partial(mover_beside, kind="motion"),
+    "window beside": partial(mover_beside, kind="window"),
+    "doubt beside": partial(mover_beside, kind="doubt"),
+    "spread beside": partial(mover_beside, kind="spread"),
 }
 
 
-BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside"))  # sets of other shapes than boxes
+MOVING = ("motion beside", "window beside", "doubt beside", "spread beside")
+BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside") and kind not in MOVING)  # sets of other shapes than boxes
 
 
 def draw(dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> tuple[str, str, Base, Mutant]:

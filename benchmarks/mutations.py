@@ -1,6 +1,6 @@
 """Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by the roots of `truth.py`.
 
-    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--shapes] [--first 0]
+    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--shapes | --moving] [--first 0]
                                    [--record FILE.md]
 
 The mutants are those of `mutants.py`. The tool's certificate is asked, and the stand-alone checker, which gets files whose
@@ -29,7 +29,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from mutants import BESIDE, KINDS, SHAPED, draw
+from mutants import BESIDE, KINDS, MOVING, SHAPED, draw
 from truth import Fault, Undecided, first_fault
 
 from stt_codegen.bench.report import command, machine, record
@@ -66,9 +66,11 @@ class Verdict:
     answers: tuple[Answer, ...]
 
 
-def judge(number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED, shapes: bool = False) -> Verdict:
+def judge(
+    number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED, kinds: Sequence[str] = tuple(KINDS)
+) -> Verdict:
     """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
-    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, BESIDE if shapes else tuple(KINDS))
+    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, kinds)
     try:
         fault = first_fault(task, design)
         near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
@@ -146,6 +148,13 @@ def toml(task: Task) -> str:
         lines = [f"axes = {json.dumps(given['axes'])}\n"] if "axes" in given else []
         for field in ("lower", "upper", "centre", "offsets"):
             lines += [f"{field} = {vector(given[field])}\n"] if field in given else []
+        if motion := getattr(unsafe, "motion", None):
+            lines.append(f"motion = [{', '.join(f'{{at = {number_text(p.at)}, by = {vector(p.by)}}}' for p in motion)}]\n")
+        if during := getattr(unsafe, "during", None):
+            lines.append(f"during = {vector(during)}\n")
+        for field in ("timing", "spread"):
+            if (value := getattr(unsafe, field, None)) is not None:
+                lines.append(f"{field} = {number_text(value)}\n")
         for field in ("vertices", "normals", "segment"):
             if field in given:
                 lines.append(f"{field} = [{', '.join(vector(p) for p in given[field])}]\n")
@@ -158,6 +167,7 @@ def toml(task: Task) -> str:
         (
             f'name = "{task.name}"\nprescribed_time = {number_text(task.prescribed_time)}\n',
             f"axes = {json.dumps(task.axes)}\n" if task.axes else "",
+            f"start_delay = {number_text(task.start_delay)}\n" if task.start_delay else "",
             f"initial_state = {vector(task.initial_state)}\n" + (f"body = {vector(task.body)}\n" if task.body else ""),
             *(box(f"[{name}]", getattr(task, name)) for name in ("state_space", "initial_set", "target_set")),
             *(f'[[unsafe]]\nname = "{s.name}"\n{told(s)}' for s in task.unsafe),
@@ -205,15 +215,15 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--shapes", action="store_true", help="only unsafe sets of other shapes, put beside a tube")
+    parser.add_argument("--moving", action="store_true", help="only sets that move, put beside a tube")
     parser.add_argument("--checker", action=argparse.BooleanOptionalAction, default=True)
     parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
     options = parser.parse_args()
     begin, verdicts = time.perf_counter(), []
+    kinds = BESIDE if options.shapes else MOVING if options.moving else tuple(KINDS)
     with multiprocessing.Pool(options.processes) as pool:
         numbers = range(options.first, options.first + options.count)
-        for v in pool.imap(
-            partial(judge, seed=options.seed, with_checker=options.checker, shapes=options.shapes), numbers, chunksize=20
-        ):
+        for v in pool.imap(partial(judge, seed=options.seed, with_checker=options.checker, kinds=kinds), numbers, chunksize=20):
             verdicts.append(v)
             if len(verdicts) % 100 == 0:
                 print(f"\r{len(verdicts)}/{options.count}", end="", file=sys.stderr, flush=True)
@@ -221,7 +231,7 @@ def main() -> int:
     found = table(verdicts, ("tool", "checker") if options.checker else ("tool",))
     print(found)
     passed = [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
-    again = " --shapes" if options.shapes else ""
+    again = " --shapes" if options.shapes else " --moving" if options.moving else ""
     for v in passed:
         print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1{again}: {v.kind} of {v.base}: {v.fault}")
     took = f"{len(verdicts)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"

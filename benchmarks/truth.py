@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from flint import fmpq, fmpz_poly
+from truth_moving import displaced, is_timed, moving_faults
 from truth_shapes import beyond_ball, bounds_of, cuts_of, is_round, round_places
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
@@ -60,7 +61,10 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
     start = [[int(edges[0, i, side, 0]) * unit for side in (LOWER, UPPER)] for i in range(n)]
     end = [[int(edges[-1, i, side].sum()) * unit for side in (LOWER, UPPER)] for i in range(n)]
     first = signed_faces(task.initial_set)
-    last = signed_faces(task.target_set) if task.target_set.lower else [(end[i][0] - 1, end[i][1] - 1) for i in range(n)]
+    by = displaced(task, task.target_set, task.prescribed_time)
+    last = [(end[i][0] - 1, end[i][1] - 1) for i in range(n)]  # no box: nothing is asked of the edges
+    if task.target_set.lower:
+        last = [(low + by[i], high - by[i]) for i, (low, high) in enumerate(signed_faces(task.target_set))]
     for i, x in enumerate(task.initial_state):
         slack = min(x - start[i][LOWER], -x - start[i][UPPER])
         if slack <= 0 or slack < room or any(start[i][side] < first[i][side] + room for side in (LOWER, UPPER)):
@@ -70,7 +74,7 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
         if design.table[-1][i] != design.table[-3][i]:
             yield Fault("P6", design.prescribed_time, i)
 
-    low, high = [e[LOWER] for e in end], [-e[UPPER] for e in end]
+    low, high = ([sign * e[side] - d for e, d in zip(end, by, strict=True)] for sign, side in ((1, LOWER), (-1, UPPER)))
     farthest = ((sum((c * (high[i] if c > 0 else low[i]) for i, c in enumerate(v)), Fraction(0)), v, h)
                 for v, h in cuts_of(task, task.target_set))  # fmt: skip
     if beyond_ball(task, low, high, room) or any(most + room * sum(map(abs, v)) > h for most, v, h in farthest):
@@ -98,9 +102,16 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
                     for _, u in open_places(sign * rate[:, i, one], [[-most[i] * per]], unit):
                         yield Fault("P6", u * scale, i)
 
+    yield from _unsafe_faults(task, edges, unit, scale, room)
+
+
+def _unsafe_faults(task: Task, edges: Integers, unit: Fraction, scale: Fraction, room: Fraction) -> Iterator[Fault]:
+    """Where the tube, grown by clearance and `room`, meets an unsafe set."""
+    n, segments = task.dimension, len(edges)
+    body = task.body or (Fraction(0),) * n
     keep = task.tube.clearance + room
     # outside a set: the lower edge above its upper face, or the upper edge below its lower face
-    boxes = [j for j, s in enumerate(task.unsafe) if isinstance(s, UnsafeSet) and s.axes is None]
+    boxes = [j for j, s in enumerate(task.unsafe) if isinstance(s, UnsafeSet) and s.axes is None and not is_timed(s)]
     walls = [[-face + body[i] + keep for i in range(n) for face in reversed(signed_faces(task.unsafe[j])[i])] for j in boxes]
     for j, u in open_places(edges.reshape(segments, 2 * n, 4), walls, unit):
         yield Fault("P4", u * scale, unsafe=boxes[j])
@@ -108,7 +119,9 @@ def faults(task: Task, design: RefinedDesign, room: Fraction = Fraction(0)) -> I
         if j in boxes:
             continue
         places: Iterable[Fraction]
-        if is_round(s):
+        if is_timed(s):
+            places = moving_faults(task, s, edges, unit, [body[i] + keep for i in range(n)], uncovered)
+        elif is_round(s):
             places = round_places(task, s, edges, unit, [body[i] + keep for i in range(n)])
         else:
             bounds = bounds_of(task, s)

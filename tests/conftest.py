@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from stt_codegen.pipeline import Controller, build
 
 ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "benchmarks"))  # whose oracles and arenas the tests share
 TASK_FILES = sorted((ROOT / "tasks").glob("*.toml"))
 NAMES = [p.stem for p in TASK_FILES]
 ADAPTABLE = [name for name in NAMES if name not in ("omni_board", "trolley")]  # their options are for refined tubes

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import sys
 from fractions import Fraction
 from random import Random
 
 import pytest
-from conftest import ROOT, controller_of
+from conftest import controller_of
 from flint import fmpz_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mutants import KINDS, draw
+from mutations import claiming, judge, toml
 from test_certificate import bend, exact_edges, oracle
+from truth import LEAST_WIDTH, Fault, above, deepest, faults, first_fault, signed_edges, uncovered
 
 from stt_codegen.certify import checker
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.task import Box, Task, UnsafeSet, parse_task
 from stt_codegen.task.rounds import size
-
-sys.path.insert(0, str(ROOT / "benchmarks"))
-from mutants import KINDS, draw
-from mutations import claiming, judge, toml
-from truth import LEAST_WIDTH, Fault, above, deepest, faults, first_fault, signed_edges, uncovered
 
 TINY = Fraction(1, 10**60)
 BASES = ("omni_s3", "spacecraft")
@@ -250,7 +247,7 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
             for normal in s.normals:
                 told = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in points)
                 told += sum(abs(c) * h for c, h in zip(normal, half, strict=True))
-                assert told + radius * size([normal[i] for i in own]) == s.support(normal)
+                assert told + radius * size(tuple(normal[i] for i in own)) == s.support(normal)
         assert read.space == (list(task.free_space.lower), list(task.free_space.upper))
         for ours, theirs in ((task.start, read.start), (task.target, read.target)):
             assert tuple(theirs) == (list(ours.lower), list(ours.upper))

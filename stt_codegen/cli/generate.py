@@ -10,7 +10,6 @@ import typer
 
 from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFiles, Uncertified, patience, print_json, say
 from stt_codegen.errors import BadInput
-from stt_codegen.task.rounds import FARTHEST
 
 
 def generate(
@@ -92,6 +91,8 @@ def _tell_what_is_not_proved(controller: Any) -> None:
     for name in task.hulls:
         say(f"note: {task.name}: the vertices of {name} are not all corners of their hull; the hull is what is avoided")
     if task.target_set.centre is not None:
+        from stt_codegen.task.rounds import FARTHEST
+
         faces = len(task.target_set.half_spaces())
         share = 100 / float(FARTHEST[len(task.target_set.centre)])
         say(f"note: {task.name}: reached is a polytope of {faces} faces in the target's ball, {share:.1f} % as wide")

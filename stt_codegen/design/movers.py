@@ -101,11 +101,16 @@ def mover_of(one: Avoidance, origin: Sequence[Fraction]) -> Mover:
         for i, _, c in row.terms:
             normal[x, i] = float(Fraction(c, row.per))
 
+    still = np.array([float(row.seen_from(origin) / row.per) for row in one.rows])
+    growing = np.array([float(g / row.per) for row, g in zip(one.rows, one.growing, strict=True)])
+
     def bounds(leg: Leg, t: Fraction) -> Array:
-        rows = zip(one.rows, one.bounds(leg, t), strict=True)
-        return np.array(
-            [[float((v - row.keep - row.bound + row.seen_from(origin)) / row.per) for v in told] for row, told in rows]
-        )
+        assert one.course is not None
+        found = np.repeat((still + growing * float(one.course.growth(t)))[:, None], len(leg.places), axis=1)
+        for c, by in enumerate(leg.at(t)):
+            for i, d in enumerate(by):
+                found[:, c] += normal[:, i] * float(d)
+        return found
 
     legs = one.course.legs
     stages = [Stage(float(leg.begin), float(leg.end), bounds(leg, leg.begin), bounds(leg, leg.end)) for leg in legs]

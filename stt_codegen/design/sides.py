@@ -51,12 +51,10 @@ class Limits:
         found, n = np.repeat(self.edges[:, None], 4, axis=1), arena.dimension
         for mover, chosen in zip(arena.movers, self.beside, strict=True):
             bounds = mover.bounds(len(self.edges))
-            for k in np.nonzero((chosen >= 0) & (chosen < 2 * n))[0]:
-                i, above = divmod(int(chosen[k]), 2)
-                limit = bounds[chosen[k], k] + arena.clearance
-                found[k, :, 1 - above, i] = (
-                    np.maximum(found[k, :, 0, i], limit) if above else np.minimum(found[k, :, 1, i], -limit)
-                )
+            for x in range(2 * n):
+                here, (i, above) = np.nonzero(chosen == x)[0], divmod(x, 2)
+                limit, edge = bounds[x, here] + arena.clearance, found[here, :, 1 - above, i]
+                found[here, :, 1 - above, i] = np.maximum(edge, limit) if above else np.minimum(edge, -limit)
         return found
 
     @property

@@ -12,7 +12,7 @@ The search is complete on its cells. That it finds none does not say that there 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -142,26 +142,30 @@ def _field(
         size = (space[1, i] - space[0, i]) / count
         axes.append(space[0, i] + (np.arange(count) + 0.5) * size)
     shape = tuple(len(a) for a in axes)
-    base = np.ones(shape, dtype=bool)
-    reach = arena.clearance + half
-    free = np.repeat(base[None], segments + 1, axis=0)
-    moved = bool(others)
+    grid = _Grid(own, others, axes, arena.clearance + half)
+    free = np.ones((segments + 1, *shape), dtype=bool)
+    times = range(segments + 1)
     for j in range(len(arena.names)):
         x = arena.faces.of(j)
         normal = np.concatenate([_axes(arena.dimension), arena.faces.normal[x]])
-        bound = np.concatenate([_ends(arena.unsafe[j]), arena.faces.bound[x]])
-        for k in range(segments + 1) if moved else (0,):
-            _block(free[k : k + 1] if moved else free, normal, bound, reach, axes, own, others, rest[k])
-    for normal, bound in zip(arena.walls.normal, arena.walls.bound + arena.walls.length(half), strict=True):
-        for k in range(segments + 1):
-            free[k] &= _along(normal, axes, own, others, rest[k]) >= bound
+        bound, along = np.concatenate([_ends(arena.unsafe[j]), arena.faces.bound[x]]), grid.along(arena.faces.normal[x])
+        for k in times if others else (0,):
+            grid.block(free[k : k + 1] if others else free, normal, bound, along, rest[k])
+    walls, least = arena.walls.normal, arena.walls.bound + arena.walls.length(half)
+    for along, normal, bound in zip(grid.along(walls), walls, least, strict=True):
+        for k in times:
+            free[k] &= along + grid.elsewhere(normal[None], rest[k]) >= bound
+    known, along = b"", np.empty(0)
     for mover in arena.movers:
+        slanted = mover.normal[2 * arena.dimension :]
+        if slanted.tobytes() != known:  # balls have their normals in common
+            known, along = slanted.tobytes(), grid.along(slanted)
         bounds = mover.bounds(segments).max(axis=2)  # (N, K)
         padded = np.concatenate([bounds[:, :1], bounds, bounds[:, -1:]], axis=1)
-        for k in range(segments + 1):
+        for k in times:
             bound = np.maximum(padded[:, k], padded[:, k + 1])
-            if np.isfinite(bound).all():
-                _block(free[k : k + 1], mover.normal, bound, reach, axes, own, others, rest[k])
+            if bound[0] > -np.inf:
+                grid.block(free[k : k + 1], mover.normal, bound, along, rest[k])
     wanted = np.ones(shape, dtype=bool)
     for q, (i, a) in enumerate(zip(own, axes, strict=True)):
         size = a[1] - a[0]
@@ -184,41 +188,46 @@ def _ends(span: Array) -> Array:
     return np.asarray(np.stack([-span[0], span[1]], axis=1).ravel())
 
 
-def _along(normal: Array, axes: Sequence[Array], own: Sequence[int], others: Sequence[int], rest: Array) -> Array:
-    """normal.x over the cells."""
-    total: Array = np.zeros([1] * len(own))
-    for i in others:
-        total = total + normal[i] * rest[i]
-    for q, (i, a) in enumerate(zip(own, axes, strict=True)):
-        total = total + (normal[i] * a).reshape([-1 if p == q else 1 for p in range(len(own))])
-    return total
+@dataclass(frozen=True)
+class _Grid:
+    """The cells of a slice, and normals of sets over them. reach: half widths of the box about a cell's middle, (n,)."""
 
+    own: tuple[int, ...]
+    others: list[int]
+    axes: list[Array]
+    reach: Array
 
-def _block(
-    free: npt.NDArray[np.bool_], normal: Array, bound: Array, reach: Array, axes: list[Array], own: Sequence[int],
-    others: Sequence[int], rest: Array,
-) -> None:  # fmt: skip
-    """Takes from `free` (T, cells) those whose box of half widths `reach` is beyond none of the half-spaces."""
-    n = normal.shape[1]
-    for i in others:
-        if rest[i] <= -bound[2 * i] - reach[i] or rest[i] >= bound[2 * i + 1] + reach[i]:
+    def along(self, normal: Array) -> Array:
+        """normal.x over the cells in the slice's own dimensions, for several normals (X, n): (X, cells)."""
+        total: Array = np.zeros([len(normal)] + [1] * len(self.own))
+        for q, (i, a) in enumerate(zip(self.own, self.axes, strict=True)):
+            shape = [len(a) if p == q else 1 for p in range(len(self.own))]
+            total = total + (normal[:, i, None] * a).reshape(len(normal), *shape)
+        return total
+
+    def elsewhere(self, normal: Array, rest: Array) -> Array:
+        """The part of normal.x in the other dimensions: (X,)."""
+        total = np.zeros(len(normal))
+        for i in self.others:
+            total = total + normal[:, i] * rest[i]
+        return total
+
+    def block(self, free: npt.NDArray[np.bool_], normal: Array, bound: Array, along: Array, rest: Array) -> None:
+        """Takes from `free` (T, cells) those whose box is beyond none of a set's half-spaces; the first 2n are -e_1, +e_1, ..
+        along: of the others."""
+        n, reach = normal.shape[1], self.reach
+        for i in self.others:
+            if rest[i] <= -bound[2 * i] - reach[i] or rest[i] >= bound[2 * i + 1] + reach[i]:
+                return
+        ends = [(a, -bound[2 * i] - reach[i], bound[2 * i + 1] + reach[i]) for i, a in zip(self.own, self.axes, strict=True)]
+        near = tuple(slice(int(np.searchsorted(a, low, side="right")), int(np.searchsorted(a, high))) for a, low, high in ends)
+        if any(part.start >= part.stop for part in near):
             return
-    near = tuple(
-        slice(
-            int(np.searchsorted(a, -bound[2 * i] - reach[i], side="right")), int(np.searchsorted(a, bound[2 * i + 1] + reach[i]))
-        )
-        for i, a in zip(own, axes, strict=True)
-    )
-    here = [a[part] for a, part in zip(axes, near, strict=True)]
-    if not all(len(a) for a in here):
-        return
-    if len(normal) == 2 * n:
-        free[(slice(None), *near)] = False
-        return
-    meets = np.ones([len(a) for a in here], dtype=bool)
-    for c, h in zip(normal[2 * n :], bound[2 * n :], strict=True):
-        further = 0.0
-        for v, r in zip(c.tolist(), reach.tolist(), strict=True):
-            further += abs(v) * r
-        meets &= _along(c, here, own, others, rest) < h + further
-    free[(slice(None), *near)] &= ~meets
+        if len(normal) == 2 * n:
+            free[(slice(None), *near)] = False
+            return
+        further = bound[2 * n :] - self.elsewhere(normal[2 * n :], rest)
+        for i, r in enumerate(reach.tolist()):
+            further = further + np.abs(normal[2 * n :, i]) * r
+        meets = (along[(slice(None), *near)] < further.reshape(-1, *[1] * len(self.own))).all(axis=0)
+        free[(slice(None), *near)] &= ~meets

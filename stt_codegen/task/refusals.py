@@ -27,8 +27,9 @@ def explain(error: ValidationError, model: type[BaseModel]) -> str:
     kind = first["type"]
     value = first.get("input")
     if kind == "missing":
-        given = SHAPE_FIELDS & set(first["input"]) if first["loc"][0] == "unsafe" else set()
-        if first["loc"][0] == "unsafe" and not any(given & form and given <= form for form in FORMS):
+        of_a_shape = first["loc"][0] == "unsafe" and first["loc"][-1] in SHAPE_FIELDS
+        given = SHAPE_FIELDS & set(first["input"]) if of_a_shape else set()
+        if of_a_shape and not any(given & form and given <= form for form in FORMS):
             told = f"says two shapes ({', '.join(sorted(given))})" if given else "says no shape"
             return f"{where.rpartition('.')[0]}: {told}; give one of {SHAPES}"
         return f"{where}: is missing; {ADD_IT}"

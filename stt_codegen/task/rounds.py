@@ -10,7 +10,6 @@ more. It is lost as room; whether something is apart or inside is told by exact 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
@@ -32,7 +31,8 @@ FARTHEST = {
 }  # corners of the fan's polytope about the unit ball
 
 
-def size(normal: Sequence[int]) -> Fraction:
+@cache
+def size(normal: tuple[int, ...]) -> Fraction:
     """|n|_2 rounded up."""
     square = sum(c * c for c in normal) << 2 * SIZE_BITS
     root = math.isqrt(square)

@@ -34,7 +34,9 @@ MOST_SPANNED = 6  # dimensions of a polytope: its faces are found exactly, which
 
 Axes = Annotated[tuple[str, ...], BeforeValidator(labels)]
 Points = Annotated[tuple[Vector, ...], BeforeValidator(points)]
-EdgesOrNone = Annotated[Vector, WrapValidator(lambda value, handler: handler(value) if value != () else value)]  # () where absent
+EdgesOrNone = Annotated[
+    Vector, WrapValidator(lambda value, handler: value if isinstance(value, tuple) and not value else handler(value))
+]
 
 
 class Table(BaseModel):

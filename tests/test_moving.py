@@ -1,0 +1,330 @@
+"""Sets that move, are unsafe only at times, or grow: where they may be, and tubes that keep off them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from fractions import Fraction
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+from moving import leaves_a_way, movers, task_of
+from mutants import MOVING
+from mutations import judge
+from test_shapes import checked
+from truth import first_fault
+
+from stt_codegen.certify.moving import FREE, MovingBlock, cut
+from stt_codegen.design.refine import refine
+from stt_codegen.emit.render import render
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.loop.simulate import CLOCKS, Loop, Scenario, csv
+from stt_codegen.pipeline import Controller, build_program, build_task, certify
+from stt_codegen.plants import PLANTS
+from stt_codegen.program.cost import cost_of
+from stt_codegen.report.picture import figure_of
+from stt_codegen.rows import avoid_rows
+from stt_codegen.task import Task, parse_task
+from stt_codegen.task.motion import Course
+
+HEAD = """name = "hall"
+prescribed_time = 9
+{head}
+initial_state = [0.25, 0.25]
+{body}
+[state_space]
+lower = [-0.2, -0.2]
+upper = [5.2, 5.2]
+[initial_set]
+lower = [0, 0]
+upper = [0.5, 0.5]
+[target_set]
+lower = [4.5, 4.5]
+upper = [5, 5]
+"""
+CART = """[[unsafe]]
+name = "cart"
+lower = [0, 0]
+upper = [1, 1]
+motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]
+"""
+DOOR = """[[unsafe]]
+name = "door"
+lower = [2, -0.2]
+upper = [2.2, 5.2]
+during = [0, 3]
+"""
+DISC = """[[unsafe]]
+name = "disc"
+centre = [0, 0]
+radius = 0.4
+motion = [{at = 1, by = [3.5, 1]}, {at = 4, by = [2, 2]}, {at = 7, by = [3, 3.5]}]
+spread = 0.02
+"""
+WEDGE = """[[unsafe]]
+name = "wedge"
+vertices = [[0, 0], [1.2, 0], [0.3, 0.9]]
+motion = [{at = 0, by = [3, 3]}, {at = 9, by = [0.5, 2]}]
+timing = 0.3
+"""
+PLAIN = HEAD.format(head="", body="")
+TEXTS = {
+    "cart": PLAIN + CART,
+    "doubted cart": HEAD.format(head="start_delay = 0.4", body="") + CART + "timing = 0.2\n",
+    "door": PLAIN + DOOR,
+    "doubted door": HEAD.format(head="start_delay = 0.4", body="") + DOOR + "timing = 0.5\n",
+    "growing disc": PLAIN + DISC,
+    "wedge, body": HEAD.format(head="", body="body = [0.05, 0.1]") + WEDGE,
+    "all": HEAD.format(head="start_delay = 0.1", body="body = [0.05, 0.05]") + CART + DOOR + DISC + WEDGE,
+    "standing disc that grows": PLAIN + '[[unsafe]]\nname = "spill"\ncentre = [2.5, 2.4]\nradius = 0.3\nspread = 0.1\n',
+}
+
+
+@pytest.fixture(scope="module")
+def made() -> dict[str, Controller]:
+    return {name: build_task(parse_task(text)) for name, text in TEXTS.items()}
+
+
+def random_course(draw: Random, n: int) -> Course:
+    times = sorted(draw.sample(range(91), draw.randint(1, 5)))
+    knots = tuple((Fraction(at, 10), tuple(Fraction(draw.randint(-40, 40), 10) for _ in range(n))) for at in times)
+    early, delay = (Fraction(draw.choice((0, 0, 3, 17)), 10) for _ in range(2))
+    window = tuple(Fraction(v, 10) for v in sorted(draw.sample(range(91), 2))) if draw.random() < 0.5 else None
+    return Course(knots, window, early, early + delay, Fraction(draw.randint(0, 9), 100), Fraction(9))  # type: ignore[arg-type]
+
+
+def test_the_legs_are_where_the_set_may_be_and_no_more() -> None:
+    """At every time the farthest place along any direction is the farthest of all readings of the clock, exactly."""
+    draw = Random(1)
+    for _ in range(300):
+        course = random_course(draw, 2)
+        t = Fraction(draw.randint(0, 9000), 1000)
+        readings = {t - course.early, t + course.late}
+        readings |= {at for at, _ in course.knots if t - course.early <= at <= t + course.late}
+        first, last = course.window or (-course.early, course.t_c + course.late)
+        readings |= {v for v in (first, last) if t - course.early <= v <= t + course.late}
+        places = [course.displaced(tau) for tau in readings if first <= tau <= last]
+        legs = [leg for leg in course.legs if leg.begin <= t <= leg.end]
+        assert bool(places) == bool(legs)
+        for leg in legs:
+            for normal in itertools.product((-2, 0, 1, 3), repeat=2):
+                told = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in leg.at(t))
+                true = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in places)
+                assert told == true
+
+
+def test_legs_follow_one_another_without_a_gap() -> None:
+    draw = Random(2)
+    for _ in range(200):
+        legs = random_course(draw, 3).legs
+        assert all(a.end == b.begin for a, b in itertools.pairwise(legs))
+        assert all(0 <= leg.begin < leg.end <= 9 for leg in legs)
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_tube_among_moving_sets_is_found_proved_checked_and_true(
+    name: str, made: dict[str, Controller], tmp_path: Path
+) -> None:
+    controller = made[name]
+    assert controller.certificate.holds
+    assert checked(TEXTS[name], controller.files, tmp_path) == 0
+    assert first_fault(controller.task, controller.design) is None
+    plain = build_task(parse_task(PLAIN))
+    assert cost_of(controller.program, "control") == cost_of(plain.program, "control")
+
+
+@pytest.mark.parametrize("name", ["doubted cart", "doubted door", "growing disc", "wedge, body"])
+def test_what_gets_harder_is_refused_where_the_truth_is(name: str, made: dict[str, Controller], tmp_path: Path) -> None:
+    """More doubt, more growth, more clearance: tool and checker agree, refuse once and for all, and never too late."""
+    design, verdicts = made[name].design, []
+    for k in range(10):
+        more = {"timing": Fraction(k, 10)} if "doubted" in name else {"spread": Fraction(k, 50)}
+        unsafe = [s.model_copy(update={f: (getattr(s, f) or 0) + v for f, v in more.items()}) for s in made[name].task.unsafe]
+        task = made[name].task.changed(unsafe=tuple(unsafe))
+        found = certify(task, design, build_program(task, design))
+        verdicts.append(found.tube_holds)
+        old = {"doubted cart": "timing = 0.2", "doubted door": "timing = 0.5", "growing disc": "spread = 0.02"}.get(name, "")
+        field, _, first = old.partition(" = ")
+        step = k / 10 if field == "timing" else k / 50
+        text = TEXTS[name].replace(old, f"{field} = {float(first) + step:.2f}") if old else f"{TEXTS[name]}spread = {step:.2f}\n"
+        assert parse_task(text).courses == task.courses
+        assert (checked(text, render(parse_task(text), design, made[name].program, found), tmp_path) == 0) == found.holds
+        assert not found.tube_holds or first_fault(task, design) is None
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert len(set(verdicts)) == 2
+
+
+def test_nothing_unsafe_passes_among_moving_mutants() -> None:
+    verdicts = [judge(number, 5, number % 4 == 0, ("omni_s2", "paper 3"), MOVING) for number in range(32)]
+    assert not [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
+    assert len({bool(v.fault) for v in verdicts}) == 2
+
+
+def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
+    """The rows of a moving set over time against their definition, in fractions, on whole segments and on parts of them."""
+    controller = build_task(parse_task(TEXTS["all"]))
+    design, draw = controller.design, Random(3)
+    per = Fraction(design.segments) / design.prescribed_time
+    for one in avoid_rows(controller.task):
+        assert one.course is not None
+        block = MovingBlock.moving(one, design)
+        whole = block.told(design.bezier())
+        for _ in range(12):
+            k = draw.randrange(design.segments)
+            begin, length = Fraction(k) + Fraction(draw.randrange(8), 8), Fraction(1, 8)
+            piece = cut(design.bezier()[k].astype(object) * Fraction(1), begin - k, begin - k + length)
+            told = block.told(piece[None], begin, length)[0]
+            assert (told >= whole[k] - 1).all() or (told == FREE).any()  # a part has at least what the whole has, but for a unit
+            legs = [leg for leg in one.course.legs if leg.begin * per < begin + length and leg.end * per > begin]
+            assert (told == FREE).all() == (not legs)
+            for leg in legs:
+                a, b = max(leg.begin * per, begin), min(leg.end * per, begin + length)
+                part = cut(piece, (a - begin) / length, (b - begin) / length)
+                for r, row in enumerate(one.rows):
+                    slack = []
+                    for j in range(4):
+                        left = sum(c * part[i, side, j] for i, side, c in row.terms)
+                        bound = max(one.bounds(leg, (a + (b - a) * Fraction(j, 3)) / per)[r]) / design.unit
+                        slack.append(left - math.ceil(bound))
+                    assert told[r] <= math.floor(min(slack) / row.per)
+                    assert len(legs) > 1 or told[r] == math.floor(min(slack) / row.per)
+
+
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_no_loop_meets_a_set_whatever_its_clock(clock: str, made: dict[str, Controller]) -> None:
+    for name in ("all", "doubted cart"):
+        loop = Loop(made[name], PLANTS["integrator"])
+        for kind, seed in (("nearest", 1), ("random", 2)):
+            assert loop.run(Scenario(500.0, kind, 0.2, seed, clock=clock)).good
+
+
+def test_the_loop_judges_by_where_the_set_is_then(made: dict[str, Controller]) -> None:
+    loop = Loop(made["cart"], PLANTS["integrator"])
+    assert loop.run(Scenario(start=(1.5, 4.5))).hit_at == 0  # where the cart is first
+    assert loop.run(Scenario(start=(4.0, 2.0))).hit_at != 0  # where it comes later
+    doubted = Loop(made["doubted cart"], PLANTS["integrator"])
+    place = (2.1, 4.2)  # where the cart is 0.6 s later
+    hits = {clock: doubted.run(Scenario(start=place, clock=clock)).hit_at == 0 for clock in CLOCKS}
+    assert hits == {"stated": False, "early": False, "late": True, "worst": True}
+    door = Loop(made["door"], PLANTS["integrator"])
+    assert door.run(Scenario(start=(2.1, 1.0))).hit == "door"
+    spill = Loop(made["standing disc that grows"], PLANTS["integrator"])
+    assert spill.run(Scenario(start=(2.5, 2.11))).hit_at == 0
+    assert spill.run(Scenario(start=(2.5, 2.09))).hit_at != 0  # until it has grown so far
+
+
+def test_the_trace_tells_where_the_sets_are(made: dict[str, Controller]) -> None:
+    controller = made["all"]
+    run = Loop(controller, PLANTS["integrator"]).run(Scenario(20.0), trace=True)
+    assert run.trace is not None
+    read = np.genfromtxt(csv(run.trace, controller.task).decode().splitlines(), delimiter=",", names=True, deletechars="")
+    assert read["cart.d1"] == pytest.approx(np.interp(read["t"], [0, 5], [1, 3.5]), abs=1e-8)  # nine digits are written
+    assert (read["door.unsafe"] == (read["t"] <= 3)).all()
+
+
+def test_the_picture_shows_the_arena_at_several_times(made: dict[str, Controller]) -> None:
+    def times(name: str) -> list[str]:
+        return [axis.get_title() for axis in figure_of(made[name]).axes if axis.get_title().startswith("t = ")]
+
+    assert times("all") == [f"t = {v} s" for v in ("0", "1.8", "3.6", "5.4", "7.2", "9")]
+    assert not [a for a in figure_of(build_task(parse_task(PLAIN))).axes if a.get_title().startswith("t = ")]
+
+
+def test_header_and_certificate_speak_of_the_clock_only_where_it_matters(made: dict[str, Controller]) -> None:
+    told = made["doubted cart"].files
+    assert b"t = 0 is when the clock of the moving sets shows 0, or at most 0.4 s after" in told["hall.h"]
+    assert b"cart 0.2 s" in told["hall.h"]
+    assert b'"clock": {"start_delay": "2/5", "timing": {"cart": "1/5"}}' in told["hall.certificate.json"]
+    plain = build_task(parse_task(PLAIN)).files
+    assert not [name for name, data in plain.items() if b"clock" in data]
+
+
+def test_a_target_that_moves_is_met_where_it_is_at_t_c(tmp_path: Path) -> None:
+    text = PLAIN + "motion = [{at = 0, by = [-4, 0]}, {at = 6, by = [-2, -1.5]}]\n"
+    controller = build_task(parse_task(text))
+    assert controller.certificate.holds
+    assert checked(text, controller.files, tmp_path) == 0
+    (a, b), (c, d) = ([float(v) * float(controller.design.unit) for v in (e[0].sum(), e[1].sum())] for e in ends(controller))
+    assert (2.5 <= a < b <= 3, 3 <= c < d <= 3.5) == (True, True)
+    assert first_fault(controller.task, controller.design) is None
+    assert first_fault(parse_task(PLAIN), controller.design) is not None
+
+
+def ends(controller: Controller) -> np.ndarray:
+    """The edges at t_c, (n, 2, 1)."""
+    return controller.design.bezier()[-1, :, :, 3:]
+
+
+def test_in_many_dimensions_some_move_through_cells_and_the_others_straight() -> None:
+    n = 5
+    task = Task(
+        name="many", prescribed_time=10, initial_state=[0.25] * n,
+        state_space={"lower": [0] * n, "upper": [5] * n}, initial_set={"lower": [0] * n, "upper": [0.5] * n},
+        target_set={"lower": [4.5] * n, "upper": [5] * n},
+        unsafe=[
+            {"lower": [1] * n, "upper": [3] * n, "motion": [{"at": 0, "by": [0] * n}, {"at": 10, "by": [0.5] * n}]},
+            {"centre": [3, 3], "radius": 0.7, "axes": ["x1", "x2"], "motion": [{"at": 0, "by": [0, 0]}, {"at": 10, "by": [-2, 1]}]},
+        ],
+    )  # fmt: skip
+    controller = build_task(task)
+    assert controller.certificate.holds
+    assert first_fault(task.model_copy(update={"unsafe": task.unsafe[1:]}), controller.design) is None
+
+
+def test_arenas_that_leave_a_way_are_certified() -> None:
+    for seed in range(6):
+        found = movers(seed, 2, 4, 0.5, 1.0, 9.0, False)
+        assert leaves_a_way(found, 0.1)
+        assert build_task(task_of(found)).certificate.holds
+
+
+WALL = """[[unsafe]]
+name = "gate"
+lower = [2, -0.2]
+upper = [3, 5.2]
+during = [{hours}]
+"""
+
+
+def test_a_refusal_says_what_closes_the_way_and_when_and_what_opens_it() -> None:
+    with pytest.raises(NotCertified, match=r"gate \(from [\d.]+ s to [\d.]+ s\) closes it"):
+        refine(parse_task(PLAIN + WALL.format(hours="0, 8.9")))
+    assert build_task(parse_task(PLAIN + WALL.format(hours="0, 4"))).certificate.holds
+    gap = '[[unsafe]]\nname = "{}"\nlower = [2, {}]\nupper = [3, {}]\nduring = [0, 9]\n'
+    with pytest.raises(NotCertified, match="tube.clearance = ") as told:
+        refine(parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2)))
+    value = str(told.value).split("tube.clearance = ")[1].split(",")[0].split(" ")[0]
+    assert build_task(
+        parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2) + f"[tube]\nclearance = {value}\n")
+    ).certificate.holds
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("{at = 5, by", "{at = 0, by", ["unsafe[0].motion[1].at", "not after", "must increase"]),
+        ("{at = 5, by", "{at = 10, by", ["unsafe[0].motion[1].at", "prescribed_time = 9"]),
+        ("{at = 5, by = [3.5, 1.5]}", "{at = 5, by = [3.5]}", ["unsafe[0].motion[1].by", "1 entries", "2 are needed"]),
+        ("{at = 5, by = [3.5, 1.5]}", "{at = 5}", ["unsafe[0].motion[1].by", "is missing"]),
+        ("{at = 5, by = [3.5, 1.5]}", "{at = -5, by = [3.5, 1.5]}", ["unsafe[0].motion[1].at", "0 or greater"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "motion = 3", ["unsafe[0].motion", "list"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "motion = []", ["unsafe[0].motion", "empty"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5", "motion = [{at = 0, by = [0, 0]}, {at = 5", ["initial_set: meets", "at t = 0"]),
+        ("{at = 5, by = [3.5, 1.5]}", "{at = 5, by = [4.2, 4.2]}", ["target_set: lies inside", "at t_c"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "during = [3, 10]", ["unsafe[0].during", "prescribed_time = 9"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "during = [3, 3]", ["unsafe[0].during", "before"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "during = [3]", ["unsafe[0].during", "two are needed"]),
+        ("motion = [{at = 0, by = [1, 4]}, {at = 5, by = [3.5, 1.5]}]", "timing = 0.1", ["unsafe[0].timing", "motion or during"]),
+        ("upper = [1, 1]\n", "upper = [1, 1]\nspread = -1\n", ["unsafe[0].spread", "0 or greater"]),
+        ("prescribed_time = 9", "prescribed_time = 9\nstart_delay = -1", ["start_delay", "0 or greater"]),
+        ('name = "hall"', 'name = "hall"\ntube = { design = "adaptive" }', ["unsafe[0]", "not always the same", "refined"]),
+        ("upper = [5, 5]\n[[", "upper = [5, 5]\nmotion = [{at = 9, by = [1, 0]}]\n[[", ["target_set", "outside the state space"]),
+    ],
+)  # fmt: skip
+def test_what_is_no_motion_is_refused(old: str, new: str, words: list[str]) -> None:
+    assert old in TEXTS["cart"]
+    with pytest.raises(BadInput) as caught:
+        parse_task(TEXTS["cart"].replace(old, new))
+    assert all(word in str(caught.value) for word in words), caught.value
