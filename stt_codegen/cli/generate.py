@@ -96,8 +96,8 @@ def _tell_what_is_not_proved(controller: Any) -> None:
         faces = len(task.target_set.half_spaces())
         share = 100 / float(FARTHEST[len(task.target_set.centre)])
         say(f"note: {task.name}: reached is a polytope of {faces} faces in the target's ball, {share:.1f} % as wide")
-    for grown in task.obstacles:
-        if grown.apart(task.state_space.lower, task.state_space.upper):
+    for grown, course in zip(task.obstacles, task.courses, strict=True):
+        if course is None and grown.apart(task.state_space.lower, task.state_space.upper):
             say(f"note: {task.name}: {grown.name} lies outside the state space")
     if task.control.period is not None or controller.design.stateful or not controller.certificate.holds:
         return
