@@ -10,7 +10,7 @@ from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import around
+from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
@@ -32,6 +32,12 @@ def hull_of(points: Array) -> Array:
 def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
     """A set as matplotlib draws it."""
     return Polygon(outline(convex, plane), closed=True, color=colour, **style)
+
+
+def target_outline(task: Task, plane: Plane) -> Array:
+    """The corners of the target at t_c, of a ball those of the polytope in it, in order around it: (V, 2)."""
+    corners = cut_box(task.target.lower, task.target.upper, task.target_cuts)
+    return hull_of(np.array([[float(v.point[i]) for i in plane] for v in corners]))
 
 
 def label(task: Task, i: int) -> str:

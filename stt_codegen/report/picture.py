@@ -18,7 +18,7 @@ from matplotlib.patches import Polygon, Rectangle
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.drawn import COLOURS, LABEL, Plane, frame, hull_of, label, named, patch
+from stt_codegen.report.drawn import COLOURS, LABEL, Plane, frame, hull_of, label, named, patch, target_outline
 from stt_codegen.report.moving import bounds_over, draw_faint, draw_times, moves
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.rows import Avoidance, Row, avoid_rows
@@ -205,9 +205,9 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
     Lighter are sets that one may pass in another dimension."""
     frame(axis, task, plane)
     told, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
-    for j, (s, grown) in enumerate(zip(task.bare, task.obstacles, strict=True)):
-        if task.courses[j] is not None:
-            draw_faint(axis, task, j, plane)
+    for s, grown, course in zip(task.bare, task.obstacles, task.courses, strict=True):
+        if course is not None:
+            draw_faint(axis, s, course, plane)
             continue
         if not any(_bounded(task, s, i) for i in plane):
             continue  # it is everywhere in this plane, and says something in another
@@ -217,9 +217,7 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
         axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
         if told:
             named(axis, s, s.name, plane, "white", 1)
-    target = cut_box(task.target.lower, task.target.upper, task.target_cuts)
-    corners: Array = np.array([[float(v.point[i]) for i in plane] for v in target])
-    axis.add_patch(Polygon(hull_of(corners), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
+    axis.add_patch(Polygon(target_outline(task, plane), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
     _walls(axis, task, plane)
 
 

@@ -279,9 +279,8 @@ def unsafe_problem(task: TaskTables) -> str | None:
         except ValueError as error:
             return f"unsafe[{j}].{error}"
     start, target, body = task.start, task.target, any(task.half_extents)
-    for j, grown in enumerate(task.obstacles):
+    for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
-        course = task.courses[j]
         first, last = ([grown], [grown]) if course is None else (_places(grown, course, at) for at in (Fraction(0), course.t_c))
         if any(not place.apart(start.lower, start.upper) for place in first):
             when = "" if course is None or not course.moves else " where it is at t = 0"
