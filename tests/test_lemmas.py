@@ -21,7 +21,7 @@ from flint import arb
 from typer.testing import CliRunner
 
 from stt_codegen import rows
-from stt_codegen.certify import period, slack
+from stt_codegen.certify import moving, period, slack
 from stt_codegen.certify import update as update_module
 from stt_codegen.cli.main import app
 from stt_codegen.controller import logarithm
@@ -49,6 +49,7 @@ from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow
 from stt_codegen.program.print.python import PythonPrinter
 from stt_codegen.sampling import Setting, extremes, setting_of, statements, windows
+from stt_codegen.task.motion import Leg
 from stt_codegen.task.sets import BoxSet
 
 REFUTED = {
@@ -194,7 +195,10 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (statements, "_input", lambda s, seen, d, root: 0 * seen / d, "sampled.general_evaluated"),
         (slack, "halves", lambda piece: (piece, piece), "refined.halves"),
         (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
-        (slack.RowBlock, "told", lambda self, pieces: 2 * self._left(pieces), "rows.told"),
+        (slack.RowBlock, "told", lambda self, pieces, *when: 2 * self._left(pieces), "rows.told"),
+        (moving, "cut", lambda piece, a, b: piece, "moving.parts"),
+        (rows.Avoidance, "bounds", lambda one, leg, t: [[row.bound for _ in leg.places] for row in one.rows], "moving.bounds"),
+        (Leg, "at", lambda leg, t: tuple(a for a, _ in leg.places), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
         (rows, "state_rows", lambda task: rows.start_rows(task), "rows.plain"),
         (rows, "apart_rows", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),

@@ -15,6 +15,7 @@ from stt_codegen.lemmas import (
     first_exit,
     functions,
     kernels,
+    moving,
     plant,
     reach,
     refined,
@@ -50,6 +51,7 @@ FAMILIES = {
     ),
     "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
     "shapes": ("Shapes: normals, supports, distances", shapes.LEMMAS),
+    "moving": ("Sets that move: parts of a piece, bounds, places", moving.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),
 }
