@@ -292,6 +292,11 @@ def test_a_refusal_says_what_closes_the_way_and_when_and_what_opens_it() -> None
     with pytest.raises(NotCertified, match=r"gate \(from [\d.]+ s to [\d.]+ s\) closes it"):
         refine(parse_task(PLAIN + WALL.format(hours="0, 8.9")))
     assert build_task(parse_task(PLAIN + WALL.format(hours="0, 4"))).certificate.holds
+    late = HEAD.format(head="start_delay = 7.5", body="") + WALL.format(hours="8, 9")
+    with pytest.raises(NotCertified, match=r"a way opens at start_delay = 0, or at prescribed_time = 13.5"):
+        refine(parse_task(late))
+    assert build_task(parse_task(late.replace("start_delay = 7.5", ""))).certificate.holds
+    assert build_task(parse_task(late.replace("prescribed_time = 9", "prescribed_time = 13.5"))).certificate.holds
     gap = '[[unsafe]]\nname = "{}"\nlower = [2, {}]\nupper = [3, {}]\nduring = [0, 9]\n'
     with pytest.raises(NotCertified, match="tube.clearance = ") as told:
         refine(parse_task(PLAIN + gap.format("low", -0.2, 2) + gap.format("high", 2.1, 5.2)))

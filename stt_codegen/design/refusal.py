@@ -11,6 +11,7 @@ import numpy as np
 
 from stt_codegen.decimals import above, below
 from stt_codegen.design.arena import Arena, starting_box
+from stt_codegen.design.closed import why_closed
 from stt_codegen.design.shape import Shape
 from stt_codegen.design.timed import search_of
 from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
@@ -30,6 +31,8 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     limits = {name: given for name, given in limits.items() if given is not None}
     if limits and is_found(task.changed(tube=dict.fromkeys(limits))):
         return _limits_bind(task, limits, is_found, _needed(task, arena))
+    if arena.movers:
+        return why_closed(task, arena, segments_tried(task, arena)[0])
     free = replace(arena, max_speed=np.inf, max_speeds=np.full(arena.dimension, np.inf), max_acceleration=None)
     ladder = segments_tried(task, arena)
     count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
