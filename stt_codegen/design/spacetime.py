@@ -25,7 +25,7 @@ from stt_codegen.design.inner import inner_box
 CELLS = {1: (256,), 2: (100,), 3: (24, 40)}  # of every dimension; where the first are too coarse, the next
 QUICKEST = 3  # cells in one segment's time
 SLICE = 3  # dimensions that move through cells
-FAR = np.int64(1) << 40  # the cost where no way leads
+FAR = np.int32(1 << 30)  # the cost where no way leads
 PROFILES = ("even", "early", "late")  # how the dimensions move that are not in the slice
 PART = 0.3  # of the time that an early or late move takes
 
@@ -44,9 +44,9 @@ class Field:
     goal: npt.NDArray[np.bool_]
     first: Cell
 
-    def reached(self) -> list[npt.NDArray[np.int64]]:
+    def reached(self) -> list[npt.NDArray[np.int32]]:
         """The least sum of squared steps to every cell, by time."""
-        cost = np.full(self.goal.shape, FAR)
+        cost = np.full(self.goal.shape, FAR, dtype=np.int32)
         if self.free[(0, *self.first)]:
             cost[self.first] = 0
         found = [cost]
@@ -80,7 +80,7 @@ class Field:
         return points
 
 
-def _spread(cost: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def _spread(cost: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
     """The least over every cell and its neighbours, one dimension after the other."""
     for axis in range(cost.ndim):
         wide = cost.copy()

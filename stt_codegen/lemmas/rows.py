@@ -120,7 +120,7 @@ def _apart() -> Outcome:
     unit, slanted = rows.apart_rows(one, keep)
     found |= {"a normal of size 1": unit.keep - keep, "a slanted one": slanted.keep - 5 * keep}
     wrong += [f"needed {r.needed}" for r in (unit, slanted) if r.needed != 1]
-    task: Any = SimpleNamespace(obstacles=(one, one), tube=SimpleNamespace(clearance=keep))
+    task: Any = SimpleNamespace(obstacles=(one, one), courses=(None, None), tube=SimpleNamespace(clearance=keep))
     one.name = "a set"
     chosen = rows.avoid_rows(task)
     wrong += [f"{a}" for a in chosen if (a.name, a.rows) != ("a set", (unit, slanted))] + ["a set is missing"] * (
