@@ -18,7 +18,7 @@ from functools import cache
 
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
 from stt_codegen.task import Task
-from stt_codegen.task.motion import Course, Leg
+from stt_codegen.task.motion import Course
 from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
 
@@ -66,15 +66,6 @@ class Avoidance:
     rows: tuple[Row, ...]
     course: Course | None = None
     growing: tuple[Fraction, ...] = ()
-
-    def bounds(self, leg: Leg, t: Fraction) -> list[list[Fraction]]:
-        """For every row what its bound is, clearance included, at a time of a leg, for each of the leg's places."""
-        assert self.course is not None
-        grown, places = self.course.growth(t), leg.at(t)
-        return [
-            [row.bound + row.keep + g * grown + sum((c * by[i] for i, _, c in row.terms if by[i]), Fraction(0)) for by in places]
-            for row, g in zip(self.rows, self.growing, strict=True)
-        ]
 
 
 def least_width(task: Task) -> Fraction:

@@ -197,7 +197,7 @@ upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca
         (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
         (slack.RowBlock, "told", lambda self, pieces, *when: 2 * self._left(pieces), "rows.told"),
         (moving, "cut", lambda piece, a, b: piece, "moving.parts"),
-        (rows.Avoidance, "bounds", lambda one, leg, t: [[row.bound for _ in leg.places] for row in one.rows], "moving.bounds"),
+        (moving.Lines, "at", lambda lines, t: (lines.constant // lines.whole).tolist(), "moving.bounds"),
         (Leg, "at", lambda leg, t: tuple(a for a, _ in leg.places), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
         (rows, "state_rows", lambda task: rows.start_rows(task), "rows.plain"),

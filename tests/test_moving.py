@@ -186,7 +186,9 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
                     slack = []
                     for j in range(4):
                         left = sum(c * part[i, side, j] for i, side, c in row.terms)
-                        bound = max(one.bounds(leg, (a + (b - a) * Fraction(j, 3)) / per)[r]) / design.unit
+                        t = (a + (b - a) * Fraction(j, 3)) / per
+                        shift = max(sum(c * by[i] for i, _, c in row.terms) for by in leg.at(t))
+                        bound = (row.bound + row.keep + shift + one.growing[r] * one.course.growth(t)) / design.unit
                         slack.append(left - math.ceil(bound))
                     assert told[r] <= math.floor(min(slack) / row.per)
                     assert len(legs) > 1 or told[r] == math.floor(min(slack) / row.per)

@@ -162,7 +162,7 @@ class Course:
                 or not entries
                 or not all(isinstance(v, dict) and {*v} == {"at", "by"} for v in entries)
             ):
-                raise Unusable("the task has a motion that is no list of { at, by }")
+                raise Unusable("the task has a motion that is no list of { at, by }, 200 at most")
             given = [(_number(v["at"]), dict(zip(own, _each(v["by"], len(own))))) for v in entries]
             self.knots = [(at, [place.get(i, Fraction(0)) for i in range(len(names))]) for at, place in given]
         times = [at for at, _ in self.knots]

@@ -8,7 +8,7 @@ where the set is safe nothing is asked.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -20,15 +20,16 @@ import numpy.typing as npt
 from stt_codegen.certify.slack import ONE, ZERO, Found, Least, Pieces, RowBlock, pieces_of
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.rows import Avoidance
+from stt_codegen.task.motion import Leg
 
 FREE = 1 << 60  # the slack where nothing is asked, far above any other
 LARGEST = 1 << 62  # of whole numbers of 64 bits, with room for a sum
 
 
 @dataclass(frozen=True)
-class _Lines:
-    """The bounds of the rows from `begin` to `end` in spline time, in units of the table: (constant + slope u) / whole for each
-    row and place, (R, C) whole numbers."""
+class Lines:
+    """The bounds of a set's rows, clearance included, while nothing turns, from `begin` to `end`: (constant + slope t) / whole
+    for each row and place, (R, C) whole numbers. Times in parts of a unit of time, bounds in a unit of length, as asked for."""
 
     begin: Fraction
     end: Fraction
@@ -37,14 +38,39 @@ class _Lines:
     whole: int
 
     @classmethod
-    def between(cls, begin: Fraction, end: Fraction, bounds: Sequence[list[list[Fraction]]]) -> _Lines:
-        """From the bounds by row and place at the begin and at the end."""
-        first, last = bounds
-        slopes = [[(b - a) / (end - begin) for a, b in zip(*row, strict=True)] for row in zip(first, last, strict=True)]
-        starts = [[a - begin * s for a, s in zip(*row, strict=True)] for row in zip(first, slopes, strict=True)]
-        whole = math.lcm(*(v.denominator for rows in (slopes, starts) for row in rows for v in row))
-        constant, slope = (np.array([[int(v * whole) for v in row] for row in rows], dtype=object) for rows in (starts, slopes))
-        return cls(begin, end, constant, slope, whole)
+    def of(cls, one: Avoidance, leg: Leg, time: Fraction = ONE, length: Fraction = ONE) -> Lines:
+        """bound + keep + n.d(t) + growing growth(t), by rows and places; in whole numbers, for a motion may have many turns."""
+        assert one.course is not None
+        rows, ends = range(len(one.rows)), (leg.begin, leg.end)
+        grown = [one.course.growth(t) for t in ends]
+        still = [
+            [(row.bound + row.keep + g * more) / length for row, g in zip(one.rows, one.growing, strict=True)] for more in grown
+        ]
+        moved = [[[v / length for v in place[e]] for place in leg.places] for e in (0, 1)]
+        common = math.lcm(*(v.denominator for told in (*still, *(p for end in moved for p in end)) for v in told))
+        n = 1 + max(i for row in one.rows for i, _, _ in row.terms)
+        normal = np.zeros((len(one.rows), n), dtype=object)
+        for r, row in enumerate(one.rows):
+            for i, _, c in row.terms:
+                normal[r, i] = c
+        values = []
+        for told, end in zip(still, moved, strict=True):
+            places = np.array([[int(v * common) for v in place[:n]] for place in end], dtype=object)
+            values.append(np.array([int(v * common) for v in told], dtype=object)[:, None] + normal @ places.T)
+        a, b = (t / time for t in ends)
+        span = b - a
+        rise = (values[1] - values[0]) * (span.denominator * a.denominator)
+        constant = values[0] * (span.numerator * a.denominator) - (values[1] - values[0]) * (span.denominator * a.numerator)
+        whole = common * span.numerator * a.denominator
+        shared = math.gcd(whole, *map(int, rise.ravel()), *map(int, constant.ravel()))
+        return cls(a, b, constant // shared, rise // shared, whole // shared)
+
+    def at(self, t: Fraction) -> list[list[Fraction]]:
+        """The bounds at a time, by rows and places."""
+        return [
+            [(c + s * t) / self.whole for c, s in zip(*pair, strict=True)]
+            for pair in zip(self.constant.tolist(), self.slope.tolist(), strict=True)
+        ]
 
     def bounds(self, places: npt.NDArray[Any], per: int) -> Any:
         """The least whole numbers that are no less than any bound, at the times places / per, (P, 4): shape (P, R, 4)."""
@@ -59,17 +85,14 @@ class _Lines:
 class MovingBlock(RowBlock):
     """The rows of one set, of which one must hold at every moment at which it may be unsafe."""
 
-    lines: tuple[_Lines, ...]
+    lines: tuple[Lines, ...]
 
     @classmethod
     def moving(cls, one: Avoidance, design: RefinedDesign) -> MovingBlock:
         plain, course = RowBlock.choice([one], design.unit), one.course
         assert course is not None
-        per = Fraction(design.segments) / design.prescribed_time
-        lines = []
-        for leg in course.legs:
-            ends = [[[v / design.unit for v in row] for row in one.bounds(leg, t)] for t in (leg.begin, leg.end)]
-            lines.append(_Lines.between(leg.begin * per, leg.end * per, ends))
+        segment = design.prescribed_time / design.segments
+        lines = [Lines.of(one, leg, segment, design.unit) for leg in course.legs]
         return cls(plain.rows, plain.coefficient, plain.bound, plain.per, plain.first, plain.names, tuple(lines))
 
     def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:
@@ -96,14 +119,14 @@ class MovingBlock(RowBlock):
                     found[k] = np.minimum(found[k], self._part(pieces[k], line, begin + k * length, length, a - k, b - k))
         return found
 
-    def _part(self, piece: Pieces, line: _Lines, begin: Fraction, length: Fraction, a: Fraction, b: Fraction) -> Any:
+    def _part(self, piece: Pieces, line: Lines, begin: Fraction, length: Fraction, a: Fraction, b: Fraction) -> Any:
         """The slack of every row on a part of a piece, from the share a to the share b of it."""
         times = [begin + length * (a + (b - a) * Fraction(j, 3)) for j in range(4)]
         per = math.lcm(*(t.denominator for t in times))
         places = np.array([[int(t * per) for t in times]], dtype=object)
         return self._slack(cut(piece.astype(object), a, b)[None], line, places, per)[0]
 
-    def _slack(self, pieces: Pieces, line: _Lines, places: npt.NDArray[Any], per: int) -> Any:
+    def _slack(self, pieces: Pieces, line: Lines, places: npt.NDArray[Any], per: int) -> Any:
         """The slack of every row on pieces whose Bezier coefficients belong to the times places / per: (P, R), whole units."""
         left = (self.values(pieces) - line.bounds(places, per)).min(axis=-1)
         return left // self.per

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import sympy as sp
 
 from stt_codegen import rows
 from stt_codegen.certify import moving
-from stt_codegen.lemmas.lemma import Lemma, Outcome, cases, identity
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
 from stt_codegen.lemmas.rows import METHOD, N
 from stt_codegen.task.motion import Course, Leg
 
@@ -32,25 +31,37 @@ def _parts() -> Outcome:
 
 
 def _bounds() -> Outcome:
-    """The bound of a row on a leg at t is h(n) + clearance + n.d(t) + g(n) growth(t), for a place that moves evenly; at a place
-    between two others it is between theirs."""
-    t, p, q, late, rho, g, h, keep, share = sp.symbols("t p q l rho g h k sigma", positive=True)
-    u, v = (sp.symbols(f"{name}1:{N + 1}", real=True) for name in "uv")
-    normal = sp.symbols(f"n1:{N + 1}", real=True)
-    row: Any = SimpleNamespace(bound=h, keep=keep, terms=tuple((i, 0, c) for i, c in enumerate(normal)))
-    course: Any = SimpleNamespace(growth=lambda at: rho * (at + late))
-    leg = Leg(p, q, ((u, v),))
-    told = rows.Avoidance("", (row,), course, (g,)).bounds(leg, t)[0][0]
-    by = [a + (t - p) / (q - p) * (b - a) for a, b in zip(u, v, strict=True)]
-    wanted = h + keep + g * rho * (t + late) + sum(c * d for c, d in zip(normal, by, strict=True))
+    """The bound of a row on a leg is h(n) + clearance + n.d(t) + g(n) growth(t), of random rows, places and growth at random
+    times: both are lines, so two times would do. At a place between two others n.d is between theirs."""
+    share, wrong, draw = sp.Symbol("sigma", real=True), [], random.Random(10)
+    u, v, normal = (sp.symbols(f"{name}1:{N + 1}", real=True) for name in "uvn")
     between = sum(c * (a + share * (b - a)) for c, a, b in zip(normal, u, v, strict=True))
     ends = [sum(c * a for c, a in zip(normal, end, strict=True)) for end in (u, v)]
-    return identity(
-        {
-            "the bound": sp.simplify(sp.expand(told - wanted)),
-            "a place between": sp.expand(between - (1 - share) * ends[0] - share * ends[1]),
-        },
-        METHOD,
+
+    def number() -> Fraction:
+        return Fraction(draw.randint(-900, 900), draw.choice((1, 7, 100, 1024)))
+
+    for _ in range(DRAWN):
+        told = [tuple(draw.choice((-5, -1, 0, 2, 3)) for _ in range(N)) for _ in range(3)]
+        made = [
+            rows.Row(tuple((i, 0, c) for i, c in enumerate((*n[:-1], n[-1] or 1)) if c), number(), abs(number())) for n in told
+        ]
+        begin, late, growing = abs(number()), abs(number()), tuple(abs(number()) for _ in made)
+        places = tuple((tuple(number() for _ in range(N)), tuple(number() for _ in range(N))) for _ in range(2))
+        leg = Leg(begin, begin + abs(number()) + Fraction(1, 3), places)
+        course = Course(((Fraction(0), places[0][0]),), None, Fraction(0), late, abs(number()), leg.end)
+        time, length = abs(number()) + 1, Fraction(1, 1 << 20)
+        lines = moving.Lines.of(rows.Avoidance("", tuple(made), course, growing), leg, time, length)
+        t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
+        wanted = [
+            [r.bound + r.keep + g * course.growth(t) + sum(c * by[i] for i, _, c in r.terms) for by in leg.at(t)]
+            for r, g in zip(made, growing, strict=True)
+        ]
+        if [[v * length for v in row] for row in lines.at(t / time)] != wanted:
+            wrong.append(f"{leg} at {t}")
+    return all_of(
+        identity({"a place between": sp.expand(between - (1 - share) * ends[0] - share * ends[1])}, METHOD),
+        cases(DRAWN, wrong, "bound, clearance, displacement and growth"),
     )
 
 
@@ -95,7 +106,7 @@ LEMMAS = (
         "moving.bounds",
         "The bound of a moving set's row is a line in time, and between two places it is between theirs.",
         r"h(n) + c|n|_1 + n\cdot d(t) + \rho\,(t + l)\,g(n)",
-        (),
+        ("by cases",),
         "the evaluated code",
         _bounds,
     ),

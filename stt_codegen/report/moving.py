@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.patches import Polygon, Rectangle
 
+from stt_codegen.certify.moving import Lines
 from stt_codegen.report.drawn import COLOURS, Plane, frame, named, patch, target_outline
 from stt_codegen.rows import Avoidance
 from stt_codegen.task import Task
@@ -74,13 +75,10 @@ def bounds_over(one: Avoidance, t: Array) -> Array:
     """The bounds of a set's rows over time, without the clearance, (R, T); minus infinity while it is safe."""
     assert one.course is not None
     found = np.full((len(one.rows), len(t)), -np.inf)
+    keep = np.array([float(row.keep) for row in one.rows])[:, None]
     for leg in one.course.legs:
-        begin, end = float(leg.begin), float(leg.end)
-        here = (t >= begin) & (t <= end)
-        first, last = (
-            np.array([[float(v - row.keep) for v in told] for row, told in zip(one.rows, one.bounds(leg, at), strict=True)])
-            for at in (leg.begin, leg.end)
-        )
-        share = (t[here] - begin) / (end - begin)
-        found[:, here] = np.maximum(found[:, here], (first[..., None] + share * (last - first)[..., None]).max(axis=1))
+        lines = Lines.of(one, leg)
+        here = (t >= float(leg.begin)) & (t <= float(leg.end))
+        constant, slope = ((v / lines.whole).astype(float)[..., None] for v in (lines.constant, lines.slope))
+        found[:, here] = np.maximum(found[:, here], (constant + slope * t[here]).max(axis=1) - keep)
     return found

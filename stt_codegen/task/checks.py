@@ -12,6 +12,7 @@ from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import BoxSet, ConvexSet, Normal, Vector
 from stt_codegen.task.shapes import Box, Region, Target, Unsafe, UnsafeSet, corners_left
+from stt_codegen.task.values import MAX_TURNS
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -94,6 +95,8 @@ def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
 def _motion_problem(task: TaskTables, table: Unsafe | Target) -> str | None:
     """A motion whose times do not increase, or whose displacements are in other dimensions than the set."""
     wanted, t_c = len(table.axes or task.axis_names), task.prescribed_time
+    if table.motion is not None and len(table.motion) > MAX_TURNS:
+        return f"motion: has {len(table.motion)} entries; at most {MAX_TURNS} are taken"
     for k, point in enumerate(table.motion or ()):
         if len(point.by) != wanted:
             return f"motion[{k}].by: has {len(point.by)} entries; {wanted} are needed, one for each of the set's axes"

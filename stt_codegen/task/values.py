@@ -18,6 +18,7 @@ MAX_LABEL = 40
 MAX_POINTS = 64  # of a polytope in up to three dimensions,
 MAX_POINTS_BEYOND = 16  # in more; their faces are found exactly, which takes time
 MAX_NORMALS = 32  # half-spaces of a set
+MAX_TURNS = 200  # entries of a motion
 MAX_DIGITS = 40
 FILE = "file"  # in the context of a validation: the values are those of a file
 
