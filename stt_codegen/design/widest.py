@@ -21,7 +21,7 @@ from stt_codegen.design.timing import changes_at, least_times, time_plans
 from stt_codegen.task import Task
 
 SEGMENTS = (32, 48, 64, 96, 128, *(1 << k for k in range(8, 14)))  # tried in this order when the task names no number,
-TIMED = (64, 96)  # where sets move: segments are the steps of time too
+TIMED = (64, 96, 128, 192, 256)  # where sets move: segments are the steps of time too
 FEWEST, MOST = 0.5, 8  # between so many times the number of unsafe sets, but always up to PLENTY
 PLENTY = 128
 QUICK = 2  # numbers of segments that are tried for every width
