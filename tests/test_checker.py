@@ -356,6 +356,12 @@ def test_the_same_formula_that_rounds_otherwise_is_found(old: str, new: str, tmp
         ("upper = [5.0, 3.0]", "upper = [5.0]"),
         ("[control]", "[control]\nlaw = 2"),
         ("[[unsafe]]", "[[unsafe]]\nmotion = 1"),
+        ("[[unsafe]]", "[[unsafe]]\nmotion = [{at = 0, by = 0.5}]"),
+        ("[[unsafe]]", "[[unsafe]]\nmotion = [{at = 1, by = [0, 0]}, {at = 1, by = [1, 0]}]"),
+        ("[[unsafe]]", "[[unsafe]]\nduring = [3, 2]"),
+        ("[target_set]", "[target_set]\nradius = 0.01"),
+        ("lower = [4.0, 2.0]", "centre = [4.4, 2.4]\nradius = 0.2"),
+        ("[control]", "[[unsafe]]\nname = 'pillar'\nlower = [0, 0]\nupper = [0.1, 0.1]\n[control]"),
     ],
 )
 def test_a_task_that_is_none_is_not_checked(old: str, new: str, tmp_path, capsys) -> None:

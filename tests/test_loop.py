@@ -21,9 +21,9 @@ from stt_codegen.bench.loop import LONGER, Job, jobs, lines, rows
 from stt_codegen.bench.loop import run as run_job
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.loop.command import foretold, with_gain, with_wind
+from stt_codegen.loop.command import Request, foretold, simulate, with_gain, with_wind
 from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, starts
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import Controller, build, build_task
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task import load_task
@@ -317,6 +317,13 @@ def test_what_simulate_refuses(arguments: list[str], told: str) -> None:
     result = CliRunner().invoke(app, ["simulate", str(ROOT / "tasks" / "omni_s2.toml"), *arguments])
     assert isinstance(result.exception, Refused)
     assert told in str(result.exception)
+
+
+@pytest.mark.parametrize("most", ["0.1", "0.3", "0.7"])
+def test_the_bound_itself_is_within_the_bounds(most: str) -> None:
+    """A double may be above the decimal that it stands for."""
+    task = OMNI.changed(plant={"w_max": most})
+    assert simulate(build_task(task), Request(plant="bounds"), None).fulfilled
 
 
 def test_a_trace_reads_back() -> None:

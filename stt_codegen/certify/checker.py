@@ -117,6 +117,8 @@ class Task:
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
+        if len({name for name, _ in self.unsafe}) < len(self.unsafe):
+            raise Unusable("the task has two unsafe sets of one name")
         delay, timed, given = _number(document.get("start_delay", 0)), {"motion", "during", "spread"}, document.get("unsafe", [])
         self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for e in given]
         doubt = {name: str(_number(e["timing"])) for (name, _), e in zip(self.unsafe, given) if "timing" in e}
@@ -163,7 +165,7 @@ class Course:
                 or not all(isinstance(v, dict) and {*v} == {"at", "by"} for v in entries)
             ):
                 raise Unusable("the task has a motion that is no list of { at, by }, 200 at most")
-            given = [(_number(v["at"]), dict(zip(own, _each(v["by"], len(own))))) for v in entries]
+            given = [(_number(v["at"]), dict(zip(own, _vectors([v["by"]], len(own))[0]))) for v in entries]
             self.knots = [(at, [place.get(i, Fraction(0)) for i in range(len(names))]) for at, place in given]
         times = [at for at, _ in self.knots]
         self.first, self.last = _each(table["during"], 2) if "during" in table else (-self.early, t_c + self.late)
@@ -247,6 +249,8 @@ def _target(table: Any, names: list[str], space: Box, t_c: Fraction) -> tuple[Bo
     """The box of a target and the half-spaces that cut it, where it is at t_c; of a ball without a box its span, and in the other
     dimensions the state space."""
     by, own = Course(table, names, Fraction(0), t_c).displaced(t_c), _own(table, names)
+    if ("centre" in table) != ("radius" in table) or ("lower" in table) != ("upper" in table):
+        raise Unusable("the task has a target that is said by half")
     if "centre" in table and "lower" not in table:
         ball = dict(zip(own, _each(table["centre"], len(own))))
         low, high = (

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         found = pieces_of(bezier, RowBlock.of(rows, unit), error * _demand(rows))
         worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
         cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
-        return Claim(code, always, min(math.floor(slack[0]) for _, _, slack in worst), hints=cut)
+        return Claim(code, always, min(_whole(slack[0]) for _, _, slack in worst), hints=cut)
 
     def at(code: str, rows: Sequence[Row], piece: int, point: int) -> Claim:
         place = 0 if piece == 0 else segments
@@ -79,7 +80,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
                 pieces = pieces_of(bezier, RowBlock.choice([one], unit), required)
             else:
                 pieces = list(moving_pieces(one, design, required))
-            margin = min(math.floor(slack.max()) for _, _, slack in pieces)
+            margin = min(_whole(slack.max()) for _, _, slack in pieces)
             found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
         return found
 
@@ -106,6 +107,11 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
         *([] if second is None else [Claim("P6", always, second, order=2)]),
     ]
+
+
+def _whole(slack: Any) -> int:
+    """Rounded down, exactly: a NumPy number of 64 bits would go through a double."""
+    return math.floor(slack) if isinstance(slack, Fraction) else int(slack)
 
 
 def units_of_error(design: RefinedDesign, edge_error: Sequence[Fraction]) -> int:

@@ -22,7 +22,7 @@ from stt_codegen.designs import RefinedDesign
 from stt_codegen.rows import Avoidance
 from stt_codegen.task.motion import Leg
 
-FREE = 1 << 60  # the slack where nothing is asked, far above any other
+FREE = 1 << 400  # the slack where nothing is asked, far above any other
 LARGEST = 1 << 62  # of whole numbers of 64 bits, with room for a sum
 
 
@@ -94,8 +94,7 @@ class MovingBlock(RowBlock):
         return cls(plain.rows, plain.coefficient, plain.bound, plain.per, plain.first, plain.names, tuple(lines))
 
     def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:
-        kind: Any = pieces.dtype if pieces.dtype == np.int64 and self.coefficient.dtype == np.int64 else object
-        found = np.full((len(pieces), len(self.rows)), FREE, dtype=kind)
+        found = np.full((len(pieces), len(self.rows)), FREE, dtype=object)
         for line in self.lines:
             if not length:
                 if line.begin <= begin <= line.end:
@@ -127,7 +126,7 @@ class MovingBlock(RowBlock):
     def _slack(self, pieces: Pieces, line: Lines, places: npt.NDArray[Any], per: int) -> Any:
         """The slack of every row on pieces whose Bezier coefficients belong to the times places / per: (P, R), whole units."""
         left = (self.values(pieces) - line.bounds(places, per)).min(axis=-1)
-        return left // self.per
+        return (left // self.per).astype(object)
 
 
 def cut(piece: Pieces, a: Fraction, b: Fraction) -> Pieces:

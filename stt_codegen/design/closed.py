@@ -112,7 +112,7 @@ def _how_far(arena: Arena, segments: int) -> str:
     width, start = np.full(arena.dimension, arena.min_width), starting_box(arena)
     last = 0.0
     for field in fields(arena, (start[0] + start[1]) / 2, width, segments):
-        alive = [bool((cost < FAR).any()) for cost in field.reached()]
+        alive = [bool((cost < FAR).any()) for cost in field.reached(field.paces[-1])]
         last = max([last, *(k / segments for k, (a, b) in enumerate(pairwise([*alive, False])) if a and not b)])
     if last < 1:
         return f"after {last * arena.time_unit:.3g} s no place that can be reached is safe"

@@ -23,7 +23,7 @@ from stt_codegen.design.faces import Array
 from stt_codegen.design.inner import inner_box
 
 CELLS = {1: (256,), 2: (100,), 3: (24, 40)}  # of every dimension; where the first are too coarse, the next
-QUICKEST = 3  # cells in one segment's time
+QUICKEST, HASTE = 3, 12  # cells in one segment's time; where that finds no way so many, or what twice the even pace takes
 SLICE = 3  # dimensions that move through cells
 FAR = np.int32(1 << 30)  # the cost where no way leads
 PROFILES = ("even", "early", "late")  # how the dimensions move that are not in the slice
@@ -44,7 +44,12 @@ class Field:
     goal: npt.NDArray[np.bool_]
     first: Cell
 
-    def reached(self) -> list[npt.NDArray[np.int32]]:
+    @property
+    def paces(self) -> tuple[int, int]:
+        """How many cells in one segment's time are tried."""
+        return QUICKEST, max(HASTE, -(-2 * max(self.goal.shape) // (len(self.rest) - 1)))
+
+    def reached(self, quickest: int) -> list[npt.NDArray[np.int32]]:
         """The least sum of squared steps to every cell, by time."""
         cost = np.full(self.goal.shape, FAR, dtype=np.int32)
         if self.free[(0, *self.first)]:
@@ -52,22 +57,22 @@ class Field:
         found = [cost]
         for free in self.free[1:]:
             best, wider = cost, cost
-            for step in range(1, QUICKEST + 1):
+            for step in range(1, quickest + 1):
                 wider = _spread(wider)
                 best = np.minimum(best, wider + step * step)
             cost = np.where(free, np.minimum(best, FAR), FAR)
             found.append(cost)
         return found
 
-    def way(self) -> Array | None:
-        """The centre at every time, (K + 1, n); None where no way leads."""
-        costs = self.reached()
+    def way(self, quickest: int) -> Array | None:
+        """The centre at every time, (K + 1, n), with at most so many cells in one segment's time; None where no way leads."""
+        costs = self.reached(quickest)
         last = np.where(self.goal, costs[-1], FAR)
         if last.min() >= FAR:
             return None
         cell = tuple(int(v) for v in np.unravel_index(int(last.argmin()), last.shape))
         cells = [cell]
-        steps = np.array(list(itertools.product(range(-QUICKEST, QUICKEST + 1), repeat=len(self.own))))
+        steps = np.array(list(itertools.product(range(-quickest, quickest + 1), repeat=len(self.own))))
         price = np.abs(steps).max(axis=1) ** 2
         for cost in costs[-2::-1]:
             before = steps + cells[-1]
@@ -97,10 +102,11 @@ def way_in_time(arena: Arena, centre: Array, width: Array, segments: int) -> Arr
     """The centre of a tube of this width (n,) at the ends of its segments, (segments + 1, n), from `centre`; None where none is
     found."""
     for field in fields(arena, centre, width, segments):
-        way = field.way()
-        if way is not None:
-            way[0] = centre
-            return way
+        for quickest in field.paces:
+            way = field.way(quickest)
+            if way is not None:
+                way[0] = centre
+                return way
     return None
 
 

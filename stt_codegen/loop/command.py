@@ -108,7 +108,7 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     if request.plant == BOUNDS and request.disturbance == "none" and models[0].w_max:
         request = replace(request, disturbance="outward")
     scenario = request.scenario(task, models[0])
-    if request.plant == BOUNDS and scenario.strength > models[0].w_max:
+    if request.plant == BOUNDS and scenario.strength > float(models[0].w_max):
         raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(models[0].w_max):g}")
     windy = None if request.plant == BOUNDS else with_wind(models[0], scenario.strength)
     if request.gain is not None:
@@ -116,7 +116,7 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
         controller = with_gain(controller, _gain(request.gain, analysis, scenario.age))
     runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
     name, run = min(runs, key=lambda one: (one[1].good, one[1].margin))
-    written = () if out is None else tuple(write_run(controller, run, out, request.axes))
+    written = () if out is None else tuple(write_run(controller, run, out, request.axes, scenario.clock))
     return RunReport(controller, name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
 
 
@@ -215,13 +215,13 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
 
 
-def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str] = ()) -> list[str]:
+def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str] = (), clock: str = "stated") -> list[str]:
     """The trace and a picture of it; their paths."""
     from stt_codegen.loop.picture import draw_run
     from stt_codegen.report.picture import plane_named
 
     assert run.trace is not None
     name = f"{controller.task.name}.loop"
-    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task)})
+    write_files(folder, {f"{name}.csv": csv(run.trace, controller.task, clock)})
     draw_run(controller, run, folder / f"{name}.png", [plane_named(controller.task, text) for text in axes])
     return [str(folder / f"{name}.csv"), str(folder / f"{name}.png")]

@@ -240,12 +240,11 @@ def _hours(course: Course | None) -> list[float]:
 
 
 def doubtful(task: Task) -> list[str]:
-    """Unsafe sets that are judged by more than they are: grown by a body, polytopes of four and more dimensions have faces that
-    are not known here."""
-    if not any(task.half_extents):
-        return []
-    skew = [any(sum(map(bool, normal)) > 1 for normal in s.normals) for s in task.obstacles]
-    return [s.name for s, one in zip(task.obstacles, skew, strict=True) if one and not s.radius and len(s.own) > SOLID]
+    """Unsafe sets that are judged by more than they are: grown by a body, or in time, polytopes of four and more dimensions have
+    faces that are not known here."""
+    grown = any(task.half_extents)
+    found = [s for s, table in zip(task.obstacles, task.unsafe, strict=True) if (grown or table.spread) and not s.radius]
+    return [s.name for s in found if len(s.own) > SOLID and any(sum(map(bool, normal)) > 1 for normal in s.normals)]
 
 
 def _bounding(convex: ConvexSet) -> list[HalfSpace]:
@@ -293,12 +292,14 @@ def columns(task: Task) -> list[str]:
     return ["t", *(f"{name}{i + 1}" for name in ("x", "u", "lower", "upper", "w") for i in range(n)), "status", *own]
 
 
-def csv(trace: Array, task: Task) -> bytes:
-    """A trace as CSV; numbers in nine digits. Sets that move are where they are stated to be."""
+def csv(trace: Array, task: Task, clock: str = "stated") -> bytes:
+    """A trace as CSV; numbers in nine digits. Sets that move are where they are by that clock, by the worst as stated."""
     lines, courses = [",".join(columns(task))], [c for c in task.courses if c is not None]
+    behind = {c: {"early": -c.early, "late": c.late}.get(clock, Fraction(0)) for c in courses}
     for row in trace.tolist():
-        told, tau = [f"{v:.9g}" for v in row[:-1]] + [f"{int(row[-1])}"], Fraction(row[0])
+        told = [f"{v:.9g}" for v in row[:-1]] + [f"{int(row[-1])}"]
         for course in courses:
+            tau = Fraction(row[0]) + behind[course]
             told += [f"{float(v):.9g}" for v in course.displaced(tau)] + [f"{int(course.unsafe_at(tau))}"]
         lines.append(",".join(told))
     return ("\n".join(lines) + "\n").encode()

@@ -111,8 +111,6 @@ def _motion_problem(task: TaskTables, table: Unsafe | Target) -> str | None:
 def _hours_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
     """A window outside the task's time, or doubt about times that are not there."""
     window, t_c = unsafe.during, task.prescribed_time
-    if window is not None and len(window) != 2:
-        return f"during: has {len(window)} entries; two are needed, [from, to] in seconds"
     if window is not None and not 0 <= window[0] < window[1] <= t_c:
         told = f"[{decimal(window[0])}, {decimal(window[1])}]"
         return f"during: is {told}; from must be before to, and both between 0 and prescribed_time = {decimal(t_c)}"
@@ -228,7 +226,7 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
             return f"body[{i}]: the body does not fit into the state space; make it smaller"
     boxes: tuple[tuple[str, Region, BoxSet], ...] = (
         ("state_space", task.state_space, task.state_space.convex()),
-        ("target_set", task.target_set, task.target),
+        ("target_set", task.target_set, task.target_at_rest),
     )
     for field, region, box in boxes:
         own, cuts = task.own_axes(region), tuple(region.half_spaces())

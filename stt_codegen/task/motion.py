@@ -10,14 +10,17 @@ that holds the set at these corners holds it at all places between. Everything i
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 from stt_codegen.task.sets import ZERO, Bend, ConvexSet, Normal, Shadow, Vector
 
 Knot = tuple[Fraction, Vector]  # a time on the sets' clock, and the displacement then
+
+Window = tuple[Fraction, Fraction]  # from and to, on the sets' clock
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ class Course:
     grows by in a second; t_c."""
 
     knots: tuple[Knot, ...]
-    window: tuple[Fraction, Fraction] | None
+    window: Window | None
     early: Fraction
     late: Fraction
     spread: Fraction
@@ -51,12 +54,11 @@ class Course:
     def displaced(self, tau: Fraction) -> Vector:
         """d at a time on the sets' clock."""
         knots = self.knots
-        if tau <= knots[0][0]:
-            return knots[0][1]
-        for (a, here), (b, there) in pairwise(knots):
-            if tau <= b:
-                return tuple(v + (tau - a) / (b - a) * (w - v) for v, w in zip(here, there, strict=True))
-        return knots[-1][1]
+        k = bisect_left(knots, tau, key=lambda knot: knot[0])
+        if k in (0, len(knots)):
+            return knots[min(k, len(knots) - 1)][1]
+        (a, here), (b, there) = knots[k - 1], knots[k]
+        return tuple(v + (tau - a) / (b - a) * (w - v) for v, w in zip(here, there, strict=True))
 
     def unsafe_at(self, tau: Fraction) -> bool:
         """Whether the set is unsafe at a time on its clock; a window that ends at t_c stays closed."""
@@ -89,6 +91,19 @@ class Course:
     def moves(self) -> bool:
         """Whether it is ever displaced from where it was first."""
         return any(by != self.knots[0][1] for _, by in self.knots)
+
+
+@lru_cache(maxsize=1024)
+def course_of(
+    knots: tuple[Knot, ...],
+    window: tuple[Fraction, Fraction] | None,
+    early: Fraction,
+    late: Fraction,
+    spread: Fraction,
+    t_c: Fraction,
+) -> Course:
+    """The course, the same object for the same numbers: its legs are found once."""
+    return Course(knots, window, early, late, spread, t_c)
 
 
 class Moved(ConvexSet):

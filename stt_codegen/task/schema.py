@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
-from stt_codegen.task.motion import Course
+from stt_codegen.task.motion import Course, course_of
 from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet
 from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe
@@ -221,9 +221,14 @@ class TaskTables(Table):
         return self.initial_set.convex()
 
     @property
+    def target_at_rest(self) -> BoxSet:
+        """The target set, or the box that is cut to it, before it is displaced."""
+        return self.target_set.box(self.free_space, self.own_axes(self.target_set))
+
+    @property
     def target(self) -> BoxSet:
         """The target set T at t_c, or the box that is cut to it."""
-        box = self.target_set.box(self.free_space, self.own_axes(self.target_set))
+        box = self.target_at_rest
         by = self.target_course.displaced(self.prescribed_time)
         lower, upper = (tuple(v + d for v, d in zip(edges, by, strict=True)) for edges in (box.lower, box.upper))
         return BoxSet(lower, upper)
@@ -262,7 +267,7 @@ class TaskTables(Table):
     def _course(self, table: Unsafe | Target, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
         own, n = self.own_axes(table), self.dimension
         knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in table.motion or ()] or [(Fraction(0), {})]
-        return Course(
+        return course_of(
             tuple((at, tuple(place.get(i, Fraction(0)) for i in range(n))) for at, place in knots),
             None if during is None else (during[0], during[1]),
             timing,

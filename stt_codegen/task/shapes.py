@@ -26,8 +26,10 @@ from stt_codegen.task.values import (
     NotNegative,
     Positive,
     Vector,
+    Window,
     labels,
     points,
+    waypoints,
 )
 
 MOST_SPANNED = 6  # dimensions of a polytope: its faces are found exactly, which takes time
@@ -72,7 +74,7 @@ class Waypoint(Table):
     by: Vector = Field(description="one entry for each of the set's axes")
 
 
-Motion = Annotated[tuple[Waypoint, ...], BeforeValidator(points)]
+Motion = Annotated[tuple[Waypoint, ...], BeforeValidator(waypoints)]
 
 
 class Region(Box):
@@ -168,7 +170,7 @@ class Unsafe(Table):
     )
 
     motion: Motion | None = Field(default=None, description="displacements, linear between times, constant before and after")
-    during: Vector | None = Field(default=None, description="[from, to], seconds: unsafe only then; absent: always")
+    during: Window | None = Field(default=None, description="[from, to], seconds: unsafe only then; absent: always")
     timing: NotNegative | None = Field(default=None, description="seconds by which its times may be wrong; absent: 0")
     spread: NotNegative | None = Field(default=None, description="it grows by so much a second on every side; absent: 0")
 

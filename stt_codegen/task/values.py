@@ -171,6 +171,21 @@ def points(value: object) -> object:
     return given
 
 
+def waypoints(value: object) -> object:
+    if not isinstance(value, list | tuple) or not value:
+        told = "an empty list" if isinstance(value, list | tuple) else kind_of(value)
+        raise ValueError(f"is {told}; a list of {{ at, by }} is needed, seconds and displacement")
+    return value
+
+
+def window(value: object) -> object:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        told = f"has {len(value)} entries" if isinstance(value, list | tuple) else f"is {kind_of(value)}"
+        raise ValueError(f"{told}; two are needed, [from, to] in seconds")
+    return value
+
+
+Window = Annotated[tuple[Number, ...], BeforeValidator(window)]
 Labels = Annotated[tuple[str, ...], BeforeValidator(labels)]
 GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]
 GainOrAuto = Annotated[
