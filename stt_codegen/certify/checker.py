@@ -159,11 +159,8 @@ class Course:
         self.knots = [(Fraction(0), [Fraction(0)] * len(names))]
         if "motion" in table:
             entries = table["motion"]
-            if (
-                not isinstance(entries, list)
-                or not entries
-                or not all(isinstance(v, dict) and {*v} == {"at", "by"} for v in entries)
-            ):
+            listed = isinstance(entries, list) and 0 < len(entries) <= 200
+            if not listed or not all(isinstance(v, dict) and {*v} == {"at", "by"} for v in entries):
                 raise Unusable("the task has a motion that is no list of { at, by }, 200 at most")
             given = [(_number(v["at"]), dict(zip(own, _vectors([v["by"]], len(own))[0]))) for v in entries]
             self.knots = [(at, [place.get(i, Fraction(0)) for i in range(len(names))]) for at, place in given]
