@@ -43,6 +43,14 @@ DISCS = (
 )
 
 
+NOTES = (
+    "four, twenty: a way means cells of 0.05 and 200 steps that keep 0.1 and 0.13. Of the discs all that do not meet the start at "
+    "t = 0.",
+    "Whose discs these are (arXiv 2512.06151) reacts online and knows no motion beforehand: it arrives in 99, 92 and 19 of 100 (own "
+    "port). Ours is told the motion.",
+)
+
+
 @dataclass(frozen=True)
 class Movers:
     """Sets as boxes: lower corners (J, n) at t = 0, velocities (J, n), size; round: which are balls in these boxes."""
@@ -280,6 +288,7 @@ def main() -> int:
         made = run(task_of(f, start_delay=0.1), True).made
         delayed += [] if made is None else [made]
     lines += ["", loops(delayed, options.loops)]
+    lines += ["", *NOTES]
     text = "\n".join(lines)
     print(text)
     if options.record:
