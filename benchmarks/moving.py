@@ -44,7 +44,7 @@ DISCS = (
 
 
 NOTES = (
-    "four, twenty: a way means cells of 0.05 and 200 steps that keep 0.1 and 0.13. Of discs: all that do not meet the start at 0.",
+    "four, twenty: a way means cells of 0.05 and 200 steps keep 0.1 and 0.13. Of discs: all that do not meet the start at 0.",
     "Whose discs these are (arXiv 2512.06151) reacts online and knows no motion beforehand: it arrives in 99, 92 and 19 of 100",
     "(own port). Ours is told the motion.",
 )
