@@ -1,10 +1,11 @@
 """A way in space and time for the centre of a tube, where unsafe sets move or are unsafe only at times.
 
-Space is cut into cells and time into the tube's segments. A cell is free at the end of a segment where the box about its middle
-keeps off every set in that segment and the next. From a free cell the centre goes on to one at most QUICKEST cells away, or
-waits. Of all ways the one with the least sum of squared steps is taken, by dynamic programming: it is even in time. In more
-than SLICE dimensions some of them move through the cells of a slice and the others go straight to the target, early, evenly or
-late; every choice is tried until one leads.
+Space is cut into cells and time into the tube's segments. A cell is free in a segment where the box about its middle keeps off
+every set all that time; the centre is at the end of a segment in a cell that is free in it and in the next. In a segment it goes
+through free cells, at most QUICKEST of them one after the other, or HASTE where that finds no way; or it waits. Of all ways the
+one with the least sum of squared steps is taken, by dynamic programming: it is even in time. In more than SLICE dimensions some
+of them move through the cells of a slice and the others go straight to the target, early, evenly or late; every choice is tried
+until one leads.
 
 The search is complete on its cells. That it finds none does not say that there is none.
 """
@@ -35,7 +36,7 @@ Cell = tuple[int, ...]
 @dataclass(frozen=True)
 class Field:
     """The cells of a slice over time. own: the dimensions that move through them; axes: by own dimension the middles of its
-    cells; rest: where the others are, (K + 1, n), entries of `own` not read; free: by time and cell."""
+    cells; rest: where the others are, (K + 1, n), entries of `own` not read; free: by segment and cell."""
 
     own: tuple[int, ...]
     axes: list[Array]
@@ -50,39 +51,48 @@ class Field:
         return QUICKEST, max(HASTE, -(-2 * max(self.goal.shape) // (len(self.rest) - 1)))
 
     def reached(self, quickest: int) -> list[npt.NDArray[np.int32]]:
-        """The least sum of squared steps to every cell, by time."""
+        """The least sum of squared steps to every cell, by time; FAR where none leads."""
         cost = np.full(self.goal.shape, FAR, dtype=np.int32)
         if self.free[(0, *self.first)]:
             cost[self.first] = 0
         found = [cost]
-        for free in self.free[1:]:
-            best, wider = cost, cost
+        for k, free in enumerate(self.free):
+            best, wider = cost, np.where(free, cost, FAR)
             for step in range(1, quickest + 1):
-                wider = _spread(wider)
+                wider = np.where(free, _spread(wider), FAR)
                 best = np.minimum(best, wider + step * step)
-            cost = np.where(free, np.minimum(best, FAR), FAR)
+            after = self.free[min(k + 1, len(self.free) - 1)]
+            cost = np.where(free & after, np.minimum(best, FAR), FAR)
             found.append(cost)
         return found
 
     def way(self, quickest: int) -> Array | None:
-        """The centre at every time, (K + 1, n), with at most so many cells in one segment's time; None where no way leads."""
+        """The centre at every time, (K + 1, n), through at most so many cells in one segment's time; None where no way leads."""
         costs = self.reached(quickest)
         last = np.where(self.goal, costs[-1], FAR)
         if last.min() >= FAR:
             return None
-        cell = tuple(int(v) for v in np.unravel_index(int(last.argmin()), last.shape))
-        cells = [cell]
-        steps = np.array(list(itertools.product(range(-quickest, quickest + 1), repeat=len(self.own))))
-        price = np.abs(steps).max(axis=1) ** 2
-        for cost in costs[-2::-1]:
-            before = steps + cells[-1]
-            inside = ((before >= 0) & (before < cost.shape)).all(axis=1)
-            there, paid = before[inside], price[inside]
-            cells.append(tuple(int(v) for v in there[int((cost[tuple(there.T)] + paid).argmin())]))
+        cells = [tuple(int(v) for v in np.unravel_index(int(last.argmin()), last.shape))]
+        for k in range(len(self.free) - 1, -1, -1):
+            cells.append(self._before(cells[-1], costs[k], costs[k + 1], k, quickest))
         points = self.rest.copy()
         for q, i in enumerate(self.own):
             points[:, i] = [self.axes[q][c[q]] for c in cells[::-1]]
         return points
+
+    def _before(self, cell: Cell, earlier: npt.NDArray[np.int32], cost: npt.NDArray[np.int32], k: int, quickest: int) -> Cell:
+        """Where the centre was at the begin of segment k: the nearest cell from which it comes here at the cell's cost."""
+        part = tuple(slice(max(v - quickest, 0), v + quickest + 1) for v in cell)
+        corner = [p.start for p in part]
+        free, wanted = self.free[k][part], earlier[part]
+        away = np.full(free.shape, FAR, dtype=np.int32)
+        away[tuple(v - c for v, c in zip(cell, corner, strict=True))] = 0
+        for step in range(quickest + 1):
+            there = np.argwhere((away < FAR) & (wanted + step * step == cost[cell]))
+            if len(there):
+                return tuple(int(v) + c for v, c in zip(there[0], corner, strict=True))
+            away = np.where(free, _spread(away), FAR)
+        raise AssertionError("a cost comes from somewhere")
 
 
 def _spread(cost: npt.NDArray[np.int32]) -> npt.NDArray[np.int32]:
@@ -149,29 +159,31 @@ def _field(
         axes.append(space[0, i] + (np.arange(count) + 0.5) * size)
     shape = tuple(len(a) for a in axes)
     grid = _Grid(own, others, axes, arena.clearance + half)
-    free = np.ones((segments + 1, *shape), dtype=bool)
-    times = range(segments + 1)
+    free = np.ones((segments, *shape), dtype=bool)
+    times = range(segments)
+    ends = [(rest[k], rest[k + 1]) for k in times]  # where the other dimensions are in a segment
     for j in range(len(arena.names)):
         x = arena.faces.of(j)
         normal = np.concatenate([_axes(arena.dimension), arena.faces.normal[x]])
         bound, along = np.concatenate([_ends(arena.unsafe[j]), arena.faces.bound[x]]), grid.along(arena.faces.normal[x])
         for k in times if others else (0,):
-            grid.block(free[k : k + 1] if others else free, normal, bound, along, rest[k])
+            for place in ends[k]:
+                grid.block(free[k : k + 1] if others else free, normal, bound, along, place)
     walls, least = arena.walls.normal, arena.walls.bound + arena.walls.length(half)
     for along, normal, bound in zip(grid.along(walls), walls, least, strict=True):
         for k in times:
-            free[k] &= along + grid.elsewhere(normal[None], rest[k]) >= bound
+            for place in ends[k]:
+                free[k] &= along + grid.elsewhere(normal[None], place) >= bound
     known, along = b"", np.empty(0)
     for mover in arena.movers:
         slanted = mover.normal[2 * arena.dimension :]
         if slanted.tobytes() != known:  # balls have their normals in common
             known, along = slanted.tobytes(), grid.along(slanted)
         bounds = mover.bounds(segments).max(axis=2)  # (N, K)
-        padded = np.concatenate([bounds[:, :1], bounds, bounds[:, -1:]], axis=1)
         for k in times:
-            bound = np.maximum(padded[:, k], padded[:, k + 1])
-            if bound[0] > -np.inf:
-                grid.block(free[k : k + 1], mover.normal, bound, along, rest[k])
+            if bounds[0, k] > -np.inf:
+                for place in ends[k] if others else ends[k][:1]:
+                    grid.block(free[k : k + 1], mover.normal, bounds[:, k], along, place)
     wanted = np.ones(shape, dtype=bool)
     for q, (i, a) in enumerate(zip(own, axes, strict=True)):
         size = a[1] - a[0]
