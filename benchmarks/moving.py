@@ -9,8 +9,7 @@
   The tubes of that paper know no motion beforehand and react online; ours is told the motion and plans with it.
 
 A way: cells of 0.05 in space, 200 steps of time, one cell a step; the middle keeps 0.1 (twenty: 0.13) from every set, by
-component. The discs of the last families are certified of all that can be asked: where a disc meets the start at t = 0, or the
-target at t_c, no tube can be.
+component. For crossing, five and discs a way is not computed: all count that do not meet the start at t = 0.
 """
 
 from __future__ import annotations

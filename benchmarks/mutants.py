@@ -266,9 +266,7 @@ def region_beside(dice: Random, b: Base, kind: str) -> Mutant:
     if kind == "ball":
         centre = tuple(short(Fraction(dice.uniform(float(low), -float(high)))) for low, high in last)
         far = math.sqrt(sum(max(c - low, -high - c) ** 2 for c, (low, high) in zip(centre, last, strict=True)))
-        radius = short(
-            Fraction(far) * dice.choice((1, 1, Fraction("1.003"), Fraction("1.006"), Fraction("1.05"))) - slack(dice, b)
-        )
+        radius = short(Fraction(far) * dice.choice(SIZES) - slack(dice, b))
         return with_task(b, target_set=Target(axes=axes, centre=centre, radius=radius))
     name = dice.choice(("state_space", "target_set"))
     out = [dice.randint(-9, 9) for _ in own]

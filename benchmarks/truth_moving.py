@@ -53,8 +53,9 @@ def stretches(task: Task, unsafe: Any, clock: Fraction, segments: int) -> Iterat
     """Segments, and from where to where in them (0 to 1), between all times at which something turns, while the set is unsafe."""
     t_c, per = task.prescribed_time, task.prescribed_time / segments
     first, last = unsafe.during or (-(10**9), 10**9)
+    last = 10**9 if last == t_c else last  # a window that ends at t_c stays closed
     begin, end = max(Fraction(0), first - clock), min(t_c, last - clock)
-    turns = [p.at - clock for p in unsafe.motion or ()]
+    turns = [-clock, *(p.at - clock for p in unsafe.motion or ())]  # at -clock growth begins
     cuts = sorted(
         {begin, end, *(v for v in turns if begin < v < end), *(k * per for k in range(segments + 1) if begin < k * per < end)}
     )

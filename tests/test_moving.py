@@ -236,7 +236,7 @@ def test_the_picture_shows_the_arena_at_several_times(made: dict[str, Controller
 
 def test_header_and_certificate_speak_of_the_clock_only_where_it_matters(made: dict[str, Controller]) -> None:
     told = made["doubted cart"].files
-    assert b"t = 0 is when the clock of the moving sets shows 0, or at most 0.4 s after" in told["hall.h"]
+    assert b"t = 0 is when the clock of the sets shows 0, or at most 0.4 s after" in told["hall.h"]
     assert b"cart 0.2 s" in told["hall.h"]
     assert b'"clock": {"start_delay": "2/5", "timing": {"cart": "1/5"}}' in told["hall.certificate.json"]
     plain = build_task(parse_task(PLAIN)).files

@@ -37,7 +37,7 @@ def why_closed(task: Task, arena: Arena, segments: int) -> str:
 
     told = "P4 avoid: no way was found from the initial set to the target set among the unsafe sets as they move"
     if way(arena):
-        return f"{told}: there is a route, but no spline tube along it; lower tube.min_width or tube.clearance, or give more time"
+        return f"{told}: cells have a way, but no spline tube was found along it; lower tube.min_width or tube.clearance"
     few = len(arena.movers) <= NAMED
     closing = [text for j in range(len(arena.movers)) if few and (text := _closes(arena, j, way))]
     what = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it" if closing else _how_far(arena, segments)
@@ -115,5 +115,5 @@ def _how_far(arena: Arena, segments: int) -> str:
         alive = [bool((cost < FAR).any()) for cost in field.reached(field.paces[-1])]
         last = max([last, *(k / segments for k, (a, b) in enumerate(pairwise([*alive, False])) if a and not b)])
     if last < 1:
-        return f"after {last * arena.time_unit:.3g} s no place that can be reached is safe"
-    return "no set alone closes it"
+        return f"the search reached no free place after {last * arena.time_unit:.3g} s"
+    return "no moving set alone closes it"

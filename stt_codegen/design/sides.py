@@ -260,8 +260,6 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
 def _beside(arena: Arena, mover: Mover, bezier: Array, count: int, start: Array | None) -> npt.NDArray[np.int64]:
     """For every segment the half-space of a mover with most room, -1 where it is safe: (count,)."""
     bounds = mover.bounds(count)
-    if start is not None and bezier.shape[-1] == 1:
-        bezier = np.repeat(bezier, 4, axis=-1)
     with np.errstate(invalid="ignore"):
         rooms = mover.room(bezier, bounds).min(axis=-1)
     first = mover.at_start()

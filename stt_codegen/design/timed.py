@@ -21,11 +21,17 @@ SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the narrower of start and target: the w
 class TimedSearch(Search):
     """A search whose arena has movers."""
 
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """Those that are wider than the least width."""
+        least = self.width(0.0)
+        return tuple(share for share in SHARES if (self.width(share) > least).any())
+
     def widest(self) -> Shape | None:
         """The widest tube that is found no faster than ROOM times the least speed; else the slowest of all that were found."""
         found: list[Shape] = []
         slowest: Shape | None = None
-        for share in SHARES:
+        for share in self.shares:
             shape = self.of_share(share)
             if shape is None:
                 continue
@@ -42,7 +48,7 @@ class TimedSearch(Search):
         return min(found, key=lambda s: s.speed, default=None)
 
     def family(self) -> Iterator[Shape]:
-        for share in (*SHARES, 0.0):
+        for share in (*self.shares, 0.0):
             shape = self.of_share(share)
             if shape is not None and self.keeps(shape):
                 yield shape

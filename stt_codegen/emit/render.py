@@ -120,7 +120,7 @@ def _clock(task: Task) -> str:
     if not task.timed:
         return ""
     late = f", or at most {decimal(task.start_delay)} s after" if task.start_delay else ""
-    return f"; t = 0 is when the clock of the moving sets shows 0{late}"
+    return f"; t = 0 is when the clock of the sets shows 0{late}"
 
 
 def _stated(task: Task) -> list[str]:
@@ -133,7 +133,7 @@ def _stated(task: Task) -> list[str]:
     told += f"; their times may be wrong by as much as the task says ({', '.join(doubt)})." if doubt else "."
     told += " Nothing is shown for sets that move in another way."
     growing = [s.name for s in task.unsafe if s.spread]
-    told += f" Of what grows ({', '.join(growing)}) the tube keeps clear until t_c." if growing else ""
+    told += f" Of what grows ({', '.join(growing)}) the tube keeps clear until t_c, not for every t." if growing else ""
     return textwrap.wrap(told, 115)
 
 

@@ -34,14 +34,15 @@ def places(convex: ConvexSet, course: Course | None, t: Fraction) -> list[Convex
     return [Moved(convex.spread(course.growth(t)), by) for leg in here[:1] for by in dict.fromkeys(leg.at(t))]
 
 
-def draw_faint(axis: Any, convex: ConvexSet, course: Course, plane: Plane) -> None:
-    """A set that moves, at several times."""
+def draw_faint(axis: Any, convex: ConvexSet, course: Course, plane: Plane, told: bool) -> None:
+    """A set that moves, at several times; with its name where that is `told`."""
     first, last = course.legs[0].begin, course.legs[-1].end
     count = FAINT if course.moves else 1
     shown = [place for k in range(count) for place in places(convex, course, first + (last - first) * k / max(count - 1, 1))]
     for place in shown:
         axis.add_patch(patch(place, COLOURS["unsafe"], plane, alpha=0.12, linewidth=0.8))
-    named(axis, shown[0], convex.name, plane, "white", 1)
+    if told:
+        named(axis, shown[0], convex.name, plane, "white", 1)
 
 
 def draw_times(figure: Any, task: Task, t: Array, low: Array, high: Array, plane: Plane, path: Array | None = None) -> None:

@@ -206,11 +206,11 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
     frame(axis, task, plane)
     told, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
     for s, grown, course in zip(task.bare, task.obstacles, task.courses, strict=True):
-        if course is not None:
-            draw_faint(axis, s, course, plane)
-            continue
         if not any(_bounded(task, s, i) for i in plane):
             continue  # it is everywhere in this plane, and says something in another
+        if course is not None:
+            draw_faint(axis, s, course, plane, told)
+            continue
         alpha = 0.4 if any(_bounded(task, s, i) for i in others) else 0.75
         if any(task.half_extents[i] for i in plane):
             axis.add_patch(patch(grown, COLOURS["unsafe"], plane, fill=False, hatch="////", alpha=0.35, linewidth=0))

@@ -243,7 +243,8 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                 if sign * end > sign * limit:
                     round_ = field == "target_set" and task.target_set.centre is not None and not task.target_set.lower
                     what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
-                    return f"{field}: {what} lies outside the state space{body}; use {most} {decimal(limit)}"
+                    when = ", where it is at t_c" if field == "target_set" and task.target_set.motion is not None else ""
+                    return f"{field}: {what} lies outside the state space{body}{when}; use {most} {decimal(limit)}"
     for normal, offset in task.space_cuts:
         if task.start.support(normal) > offset:
             return f"initial_set: lies outside the state space{body}, where {_half_space(task, normal, offset)}"
