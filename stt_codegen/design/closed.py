@@ -5,23 +5,29 @@ Ways are asked for, not tubes: a value that is named opens a way, and whether a 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import itertools
+from bisect import bisect_left
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from stt_codegen.decimals import below, decimal
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
+from stt_codegen.design.faces import Array
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.spacetime import FAR, fields, way_in_time
+from stt_codegen.design.movers import Mover
+from stt_codegen.design.spacetime import Field, fields, leads
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.task import Task
 
-NARROWING = 12  # halvings to find the value of an option, or a time
-NAMED = 40  # up to so many sets, those are named that close the way
+NARROWING = 8  # halvings to find the value of an option: cells are a hundredth of the room
+NAMED = 40  # so many sets are asked whether they close the way,
+ASKED = 6  # each on so many of the fields that are searched: all where no more than three dimensions move
 LONGER = (Fraction(5, 4), Fraction(3, 2), Fraction(2), Fraction(3))  # times prescribed_time
 
 
@@ -30,19 +36,23 @@ def why_closed(task: Task, arena: Arena, segments: int) -> str:
 
     def way(trial: Arena) -> bool:
         with suppress(NotCertified):
-            box = starting_box(trial)
-            width = np.full(trial.dimension, trial.min_width)
-            return way_in_time(trial, (box[0] + box[1]) / 2, width, segments) is not None
+            return leads(trial, *_least(trial), segments)
         return False
 
     told = "P4 avoid: no way was found from the initial set to the target set among the unsafe sets as they move"
     if way(arena):
         return f"{told}: cells have a way, but no spline tube was found along it; lower tube.min_width or tube.clearance"
-    few = len(arena.movers) <= NAMED
-    closing = [text for j in range(len(arena.movers)) if few and (text := _closes(arena, j, way))]
-    what = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it" if closing else _how_far(arena, segments)
+    searched = list(itertools.islice(fields(arena, *_least(arena), segments), ASKED))
+    closing = [text for mover in arena.movers[:NAMED] if (text := _closes(arena, mover, searched))]
+    what = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it" if closing else _how_far(arena, searched)
     opens = [*_numbers(arena, way), *_options(task, way)]
     return f"{told}: {what}; " + (f"a way opens at {', or at '.join(opens)}" if opens else "move a set, or make more room")
+
+
+def _least(arena: Arena) -> tuple[Array, Array]:
+    """The centre of gamma(0), and the least width."""
+    box = starting_box(arena)
+    return (box[0] + box[1]) / 2, np.full(arena.dimension, arena.min_width)
 
 
 def _numbers(arena: Arena, way: Callable[[Arena], bool]) -> Iterator[str]:
@@ -85,18 +95,31 @@ def _opens(task: Task, change: dict[str, object], way: Callable[[Arena], bool]) 
     return False
 
 
-def _closes(arena: Arena, j: int, way: Callable[[Arena], bool]) -> str | None:
+def _closes(arena: Arena, mover: Mover, searched: Sequence[Field]) -> str | None:
     """A set without which there would be a way, and when it is in the way; None for another."""
+    for one in searched:
+        alone = np.ones_like(one.free)
+        one.cells.block(alone, mover)
+        if alone.all():
+            continue
+        others = one.cells.free(arena)
+        for other in arena.movers:
+            if other is not mover:
+                one.cells.block(others, other)
+        others[0][one.first] = True
+        if not replace(one, free=others).leads():
+            continue
+        count = len(one.free)
 
-    def without(begin: float, end: float) -> Arena:
-        return replace(arena, movers=tuple(m.without(begin, end) if k == j else m for k, m in enumerate(arena.movers)))
+        def safe(begin: int, end: int, one: Field = one, others: npt.NDArray[np.bool_] = others) -> bool:
+            """Whether a way leads where the set is safe in these segments."""
+            return replace(one, free=np.concatenate([one.free[:begin], others[begin:end], one.free[end:]])).leads()
 
-    if not way(without(0.0, 1.0)):
-        return None
-    latest = _border(lambda v: way(without(v, 1.0)), 0.0, 1.0)
-    earliest = _border(lambda v: way(without(latest, v)), 1.0, latest)
-    begin, end = (f"{v * arena.time_unit:.3g}" for v in (latest, earliest))
-    return f"{arena.movers[j].name} (from {begin} s to {end} s)"
+        begin = bisect_left(range(count), True, key=lambda v: not safe(v, count)) - 1
+        end = bisect_left(range(begin + 1, count), True, key=lambda v: safe(begin, v)) + begin + 1
+        first, last = (f"{v / count * arena.time_unit:.3g}" for v in (begin, end))
+        return f"{mover.name} (from {first} s to {last} s)"
+    return None
 
 
 def _border(holds: Callable[[float], bool], good: float, bad: float) -> float:
@@ -107,13 +130,12 @@ def _border(holds: Callable[[float], bool], good: float, bad: float) -> float:
     return good
 
 
-def _how_far(arena: Arena, segments: int) -> str:
+def _how_far(arena: Arena, searched: Sequence[Field]) -> str:
     """Where no set alone closes the way: until when any place is left to be at."""
-    width, start = np.full(arena.dimension, arena.min_width), starting_box(arena)
     last = 0.0
-    for field in fields(arena, (start[0] + start[1]) / 2, width, segments):
-        alive = [bool((cost < FAR).any()) for cost in field.reached(field.paces[-1])]
-        last = max([last, *(k / segments for k, (a, b) in enumerate(pairwise([*alive, False])) if a and not b)])
+    for one in searched:
+        alive = [bool(here.any()) for here in one.reached()]
+        last = max([last, *(k / len(one.free) for k, (a, b) in enumerate(pairwise([*alive, False])) if a and not b)])
     if last < 1:
         return f"the search reached no free place after {last * arena.time_unit:.3g} s"
     return "no moving set alone closes it"

@@ -49,16 +49,6 @@ class Mover:
         stages = [Stage(s.begin / time, s.end / time, s.first / length, s.last / length) for s in self.stages]
         return Mover(self.name, self.normal, tuple(stages))
 
-    def without(self, begin: float, end: float) -> Mover:
-        """As if it were safe between two times."""
-        found = []
-        for s in self.stages:
-            for a, b in ((s.begin, min(s.end, begin)), (max(s.begin, end), s.end)):
-                if a < b:
-                    first, last = ((1 - v) * s.first + v * s.last for v in ((t - s.begin) / (s.end - s.begin) for t in (a, b)))
-                    found.append(Stage(a, b, first, last))
-        return Mover(self.name, self.normal, tuple(sorted(found, key=lambda s: s.begin)))
-
     def at_start(self) -> Array | None:
         """The bounds at t = 0, (N,); None where the set is safe then."""
         first = self.stages[0] if self.stages else None

@@ -12,6 +12,7 @@ import numpy as np
 from stt_codegen.decimals import above, below
 from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.closed import why_closed
+from stt_codegen.design.route import shortest_route
 from stt_codegen.design.shape import Shape
 from stt_codegen.design.timed import search_of
 from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
@@ -32,6 +33,8 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     if limits and is_found(task.changed(tube=dict.fromkeys(limits))):
         return _limits_bind(task, limits, is_found, _needed(task, arena))
     if arena.movers:
+        still = replace(arena, movers=())
+        shortest_route(still, starting_box(arena), np.full(arena.dimension, arena.min_width))  # raises where these shut the way
         return why_closed(task, arena, segments_tried(task, arena)[0])
     free = replace(arena, max_speed=np.inf, max_speeds=np.full(arena.dimension, np.inf), max_acceleration=None)
     ladder = segments_tried(task, arena)

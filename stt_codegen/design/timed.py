@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.faces import Array
 from stt_codegen.design.shape import Shape, slowest_shape
 from stt_codegen.design.sides import limits_in_time
-from stt_codegen.design.spacetime import way_in_time
+from stt_codegen.design.spacetime import leads, way_in_time
 from stt_codegen.design.widest import ROOM, Search
 
 SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the narrower of start and target: the widths that are tried, then the least
@@ -20,6 +22,11 @@ SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the narrower of start and target: the w
 
 class TimedSearch(Search):
     """A search whose arena has movers."""
+
+    @property
+    def centre(self) -> Array:
+        """Of gamma(0)."""
+        return np.asarray((self.start[0] + self.start[1]) / 2)
 
     @property
     def shares(self) -> tuple[float, ...]:
@@ -34,6 +41,8 @@ class TimedSearch(Search):
         for share in self.shares:
             shape = self.of_share(share)
             if shape is None:
+                if not found and not self.leads():
+                    return None
                 continue
             if self.within(shape, ROOM * self.straight):
                 return shape
@@ -46,6 +55,10 @@ class TimedSearch(Search):
         last = self.slowest() if slowest is None else slowest
         found += [] if last is None else [last]
         return min(found, key=lambda s: s.speed, default=None)
+
+    def leads(self) -> bool:
+        """Whether there is a way for the least width, with any number of segments: where there is none, none is wider."""
+        return any(leads(self.arena, self.centre, self.width(0.0), segments) for segments in self.ladder)
 
     def family(self) -> Iterator[Shape]:
         for share in (*self.shares, 0.0):
@@ -63,7 +76,7 @@ class TimedSearch(Search):
         """A tube of that share, with the fewest segments that find one."""
         width = self.width(share)
         for segments in self.ladder:
-            way = way_in_time(self.arena, (self.start[0] + self.start[1]) / 2, width, segments)
+            way = way_in_time(self.arena, self.centre, width, segments)
             if way is None:
                 continue
             limits = limits_in_time(self.arena, self.start, way, width)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from stt_codegen.certify.moving import Lines
 from stt_codegen.report.drawn import COLOURS, Plane, frame, named, patch, target_outline
 from stt_codegen.rows import Avoidance
 from stt_codegen.task import Task
-from stt_codegen.task.motion import Course, Moved
+from stt_codegen.task.motion import Course, places
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
@@ -24,14 +23,6 @@ FAINT = 5  # places of a set that are drawn where all times are one picture
 def moves(task: Task) -> bool:
     """Whether a picture of one moment is not enough."""
     return any(c is not None for c in task.courses)
-
-
-def places(convex: ConvexSet, course: Course | None, t: Fraction) -> list[ConvexSet]:
-    """Where a set may be at a time of the controller's, at the corners of the path that it may be on; none while it is safe."""
-    if course is None:
-        return [convex]
-    here = [leg for leg in course.legs if leg.begin <= t <= leg.end]
-    return [Moved(convex.spread(course.growth(t)), by) for leg in here[:1] for by in dict.fromkeys(leg.at(t))]
 
 
 def draw_faint(axis: Any, convex: ConvexSet, course: Course, plane: Plane, told: bool) -> None:

@@ -6,11 +6,11 @@ import keyword
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
-from stt_codegen.task.motion import Course, Moved
+from stt_codegen.task.motion import places
 from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.sets import BoxSet, ConvexSet, Normal, Vector
+from stt_codegen.task.sets import BoxSet, Normal, Vector
 from stt_codegen.task.shapes import Box, Region, Target, Unsafe, UnsafeSet, corners_left
 from stt_codegen.task.values import MAX_TURNS
 
@@ -283,7 +283,7 @@ def unsafe_problem(task: TaskTables) -> str | None:
     start, target, body = task.start, task.target, any(task.half_extents)
     for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
-        first, last = ([grown], [grown]) if course is None else (_places(grown, course, at) for at in (Fraction(0), course.t_c))
+        first, last = (places(grown, course, at) for at in (Fraction(0), task.prescribed_time))
         if any(not place.apart(start.lower, start.upper) for place in first):
             when = "" if course is None or not course.moves else " where it is at t = 0"
             return f"initial_set: meets {label}{when}; move or shrink one of them"
@@ -291,8 +291,3 @@ def unsafe_problem(task: TaskTables) -> str | None:
             when = "" if course is None or not course.moves else " where it is at t_c"
             return f"target_set: lies inside {label}{when}; move or shrink one of them"
     return None
-
-
-def _places(grown: ConvexSet, course: Course, t: Fraction) -> list[ConvexSet]:
-    """Where a set may be at a time of the controller's, at the corners of the path that it may be on."""
-    return [Moved(grown, by) for leg in course.legs if leg.begin <= t <= leg.end for by in leg.at(t)]

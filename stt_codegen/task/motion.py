@@ -159,3 +159,13 @@ class Moved(ConvexSet):
 
     def covers(self, lower: Vector, upper: Vector) -> bool:
         return self.inner.covers(self._back(lower), self._back(upper))
+
+
+def places(convex: ConvexSet, course: Course | None, t: Fraction) -> list[ConvexSet]:
+    """Where a set may be at a time of the controller's, as large as it may be, at the corners of the path that it may be on; none
+    while it is safe."""
+    if course is None:
+        return [convex]
+    found = dict.fromkeys(by for leg in course.legs if leg.begin <= t <= leg.end for by in leg.at(t))
+    grown = convex.spread(course.growth(t)) if course.spread else convex
+    return [Moved(grown, by) for by in found]
