@@ -150,13 +150,13 @@ def way_in_time(arena: Arena, centre: Array, width: Array, segments: int) -> Arr
     """The centre of a tube of this width (n,) at the ends of its segments, (segments + 1, n), from `centre`; None where none is
     found."""
     for one in fields(arena, centre, width, segments):
-        if not one.leads():
-            continue
-        for quickest in one.paces:
-            way = one.way(quickest)
-            if way is not None:
-                way[0] = centre
-                return way
+        quick, haste = one.paces
+        way = one.way(quick)
+        if way is None and one.leads():
+            way = one.way(haste)
+        if way is not None:
+            way[0] = centre
+            return way
     return None
 
 
