@@ -17,6 +17,7 @@ from fractions import Fraction
 from functools import cache
 
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
+from stt_codegen.program.number import round_down
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course
 from stt_codegen.task.polytopes import HalfSpace
@@ -116,6 +117,34 @@ def speed_rows(task: Task) -> tuple[Row, ...]:
 def acceleration_rows(task: Task) -> tuple[Row, ...]:
     """P6, for all t before t_c: both edges of every dimension within max_acceleration; none where there is no bound."""
     return _rates(task.max_acceleration, 2)
+
+
+def spare_input(task: Task) -> tuple[Fraction, ...]:
+    """By component, how fast an input within u_max, as it is emitted, moves the state at least against all that may push it the
+    other way: g_min u_max - |f| - |w| - |g_ij| u_max of the others. Negative where it cannot."""
+    assert task.u_max is not None
+    limit = [round_down(v, task.emit.scalar) for v in task.u_max]
+    plant, (g_min, _) = task.plant, task.g_range
+    push = (plant.f_max or 0) + (plant.w_max or 0)
+    return tuple(g_min * v - push - (plant.g_cross or 0) * (sum(limit, Fraction(0)) - v) for v in limit)
+
+
+def limit_rows(task: Task) -> tuple[Row, ...]:
+    """P8, for all t: no edge comes towards the state faster than an input within u_max can move it away, L_i' and -R_i' below
+    `spare_input`; none where that is not asked for."""
+    if not task.limits_are_demanded:
+        return ()
+    pairs = enumerate(spare_input(task))
+    return tuple(Row(((i, side, sign),), -v, order=1) for i, v in pairs for side, sign in ((LOWER, -1), (UPPER, 1)))
+
+
+def fastest_edges(task: Task) -> tuple[Fraction, ...] | None:
+    """How fast a search lets the edges be, by component: max_speed, and what P8 leaves, though an edge that gives way could be
+    faster; None for no bound."""
+    if not task.limits_are_demanded:
+        return task.max_speed
+    spare = spare_input(task)
+    return spare if task.max_speed is None else tuple(map(min, spare, task.max_speed))
 
 
 def _rates(most: Sequence[Fraction] | None, order: int) -> tuple[Row, ...]:

@@ -1,5 +1,5 @@
-"""What a certificate says: the properties P1 to P7, and P9 where the task has a period, each with its margin and the place where
-the margin is least."""
+"""What a certificate says: the properties P1 to P7, P8 where u is limited and the plant has bounds, P9 where the task has a
+period, each with its margin and the place where the margin is least."""
 
 from __future__ import annotations
 
@@ -17,16 +17,17 @@ TITLES = {
     "P5": "reach",
     "P6": "smooth",
     "P7": "arithmetic",
-    "P9": "period",  # P8, limits, comes with plants that have them
+    "P8": "limits",
+    "P9": "period",
 }
 
 
 @dataclass(frozen=True)
 class Finding:
     """One property. It holds when `margin` >= `required` (task's units; seconds for P9, but a length where initial_state is
-    outside the share); then `margin` is a proved lower bound on the slack, least in the time interval `time` (seconds),
-    `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place where it fails, not
-    necessarily the worst."""
+    outside the share; units per second for P8); then `margin` is a proved lower bound on the slack, least in the time interval
+    `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place where it
+    fails, not necessarily the worst."""
 
     code: str
     statement: str
@@ -59,7 +60,7 @@ class Finding:
 
     def fault(self, axes: Sequence[str] = ()) -> str:
         """What fails, where and by how much; axes as for `place`."""
-        where, unit = self.place(axes), " s" if self.code == "P9" and self.time is None else ""
+        where, unit = self.place(axes), {"P8": " units/s", "P9": " s" if self.time is None else ""}.get(self.code, "")
         return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
@@ -109,8 +110,8 @@ class Certificate:
 
     @property
     def tube_holds(self) -> bool:
-        """Whether P1 to P7 do, whatever becomes of P9."""
-        return self.proves and all(f.holds for f in self.findings if f.code != "P9")
+        """Whether P1 to P7 do, whatever becomes of P8 and P9."""
+        return self.proves and all(f.holds for f in self.findings if f.code not in ("P8", "P9"))
 
     def refusal(self) -> str:
         """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where

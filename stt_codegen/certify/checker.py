@@ -5,8 +5,9 @@
 
 It reads the task's numbers as exact decimals and every token of the C, runs the C's statements on symbols, and finds that they
 compute the tube of the C's table and the control law of the task: every branch, every index, every constant. It repeats the proof
-that this tube starts, keeps its width, stays, avoids, arrives and is smooth (P1 to P6) and, where the task has a period, that a
-sampled loop keeps the state in it (P9), in exact fractions, with a bound of its own on the rounding of the statements read (P7).
+that this tube starts, keeps its width, stays, avoids, arrives and is smooth (P1 to P6), that u can hold the state in it where it
+is limited (P8), and that a sampled loop does where the task has a period (P9), in exact fractions, with a bound of its own on the
+rounding of the statements read (P7).
 Every claim of the certificate is compared; a claim that it does not know is refused. docs/certificate-format.md says what it all
 means. It speaks about refined tubes; for others it says that it cannot.
 
@@ -147,6 +148,12 @@ class Task:
         not_negative = [self.clearance, self.latency, delay, *body, *(v for v in self.plant.values() if v is not None)]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
+
+    @property
+    def limited(self) -> bool:
+        """Whether P8 is asked for."""
+        bounded = any(v is not None for k, v in self.plant.items() if k != "noise")
+        return self.u_max is not None and bounded and self.period is None
 
 
 class Course:
@@ -1258,7 +1265,7 @@ def apart(
             yield math.floor(min(room) / size)
 
 
-def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts: int) -> None:
+def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts: int, bits: int) -> None:
     """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
     unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
     need(all(task.start[0][i] < task.start[1][i] for i in dims), "the initial set is empty")
@@ -1317,6 +1324,8 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
         room = None if most is None else min(math.floor(most[i] * scale) - tube.fastest(i, order) for i in dims)
         if order == 1 or room is not None:
             claim("P6", [0, end], room, 0, **({} if order == 1 else {"order": order}))
+    if task.limited:
+        claim("P8", [0, end], spare(task, tube, bits), 1)
     need(not claims, "the certificate claims more than is known")
 
 
@@ -1345,6 +1354,28 @@ def _artanh(z: Fraction, bits: int = 80, terms: int = 26) -> tuple[Fraction, Fra
     return ends[0] - left, ends[1] + left
 
 
+def g_range(task: Task) -> tuple[Fraction, Fraction]:
+    """g_min and g_max; where one is missing it is 1, or the other one where 1 contradicts it."""
+    low, high = task.plant["g_min"], task.plant["g_max"]
+    g_min = low if low is not None else min(Fraction(1), Fraction(1) if high is None else high)
+    return g_min, high if high is not None else max(Fraction(1), g_min)
+
+
+def spare(task: Task, tube: Tube, bits: int) -> int:
+    """P8: by how much an input within u_max, as it is emitted, moves the state faster than any edge comes towards it, against all
+    that pushes: units of the table in a segment's time."""
+    limit = [rounded(v, bits, math.floor) for v in task.u_max or []]
+    push, cross = ((task.plant[k] or Fraction(0)) for k in ("w_max", "g_cross"))
+    push += task.plant["f_max"] or Fraction(0)
+    room = [g_range(task)[0] * v - push - cross * (sum(limit) - v) for v in limit]
+    least: list[int] = []
+    for piece in tube.pieces:
+        for (low, high), most in zip(piece, room):
+            towards = max(3 * max(b - a for a, b in zip(low, low[1:])), 3 * max(a - b for a, b in zip(high, high[1:])))
+            least.append(math.floor(most * task.t_c / tube.segments / tube.unit) - towards)
+    return min(least)
+
+
 def sampled(
     task: Task, tube: Tube, gain: list[Fraction], bits: int, rho: list[Fraction], shift: list[Fraction]
 ) -> list[Fraction]:
@@ -1352,9 +1383,7 @@ def sampled(
     `Failed` where a condition does not hold. docs/certificate-format.md has the statement, the lemma book its proof."""
     assert task.period is not None
     p, n = {k: v or Fraction(0) for k, v in task.plant.items()}, range(task.n)
-    low, high = task.plant["g_min"], task.plant["g_max"]
-    g_min = low if low is not None else min(Fraction(1), Fraction(1) if high is None else high)
-    g_max = high if high is not None else max(Fraction(1), g_min)
+    g_min, g_max = g_range(task)
     need(g_min <= g_max, "P9 does not hold: g_min is above g_max")
     r, tau, segment = (
         Fraction(LAW["inline" if task.inline else "libm"][bits]),
@@ -1477,7 +1506,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(limits == wanted, "the certificate's u_max is not the task's, as the C has it")
 
     need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
-    prove(task, tube, max(certificate["edge_error"]), [dict(claim) for claim in certificate["claims"]], cuts)
+    prove(task, tube, max(certificate["edge_error"]), [dict(claim) for claim in certificate["claims"]], cuts, source.bits)
     narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
     computes(source, task, gain, narrowest - 2 * max(error) > LEAST_WIDTH)
     _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"]))
@@ -1558,7 +1587,7 @@ def main(arguments: list[str]) -> int:
     except (RecursionError, ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
         print(f"checker: cannot check: give task, C file, certificate ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
-    proved = "P1 to P7" + (" and P9" if task.period is not None else "")
+    proved = "P1 to " + ("P8" if task.limited else "P7") + (" and P9" if task.period is not None else "")
     size = f"{tube.segments} segments, {task.n} dimensions"
     print(f"checker: yes: {task.name}: {proved} hold, and the C computes this tube and this law; {size}")
     return 0

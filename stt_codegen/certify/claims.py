@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.certify.limits import least_spare
 from stt_codegen.certify.moving import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
 from stt_codegen.designs import RefinedDesign
@@ -56,7 +57,7 @@ class Claim:
 
 
 def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
-    """The claims P1 to P6, in that order; P4 for every unsafe set."""
+    """The claims P1 to P6, and P8, in that order; P4 for every unsafe set."""
     unit, bezier, segments = design.unit, design.bezier(), design.segments
     error = units_of_error(design, certificate.edge_error)
     always, n = (0, segments), task.dimension
@@ -97,6 +98,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
             (int((c * edges[:, i, e]).min()) - math.ceil(r.bound * scale) for r in rows for i, e, c in r.terms), default=None
         )
 
+    spare = least_spare(task, design)
     second = within(2, acceleration_rows(task))
     return [
         every("P1", width_rows(task)),
@@ -106,6 +108,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         at("P5", reach_rows(task), -1, -1),
         Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
         *([] if second is None else [Claim("P6", always, second, order=2)]),
+        *([] if spare is None else [Claim("P8", always, spare.slack)]),
     ]
 
 

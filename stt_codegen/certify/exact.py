@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
+from stt_codegen.certify.limits import certify_limits
 from stt_codegen.certify.moving import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.controller.arithmetic import edge_error
@@ -39,7 +40,7 @@ from stt_codegen.task import Task
 
 
 def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Certificate:
-    """P1 to P7 for the tube that the program emits, and P9 where the task has a period."""
+    """P1 to P7 for the emitted tube; P8 where u is limited and the plant has bounds, P9 where there is a period."""
     error = edge_error(design, program)
     certificate = certify_refined(task, design, error)
     seventh = Finding(
@@ -54,7 +55,7 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         ),
     )
     if task.control.period is None:
-        return replace(certificate, findings=(*certificate.findings, seventh))
+        return replace(certificate, findings=(*certificate.findings, seventh, *certify_limits(task, design)))
     from stt_codegen.certify.period import certify_period
 
     ninth, proved = certify_period(task, design, error)

@@ -37,7 +37,6 @@ from stt_codegen.sampling import (
     setting_of,
 )
 from stt_codegen.sampling.gains import MUCH, natural_gain, rounded_gain
-from stt_codegen.sampling.plant import g_range
 from stt_codegen.sampling.setting import ROUNDING, back
 from stt_codegen.task import Task
 
@@ -148,7 +147,7 @@ class SharpStatement:
     def _kept(self, i: int, c: Component, rho: Fraction, u: list[Fraction]) -> bool:
         """The conditions on component i in one window."""
         task, plant, r, tau = self.task, self.task.plant, self.rounding, self.age
-        g_min, g_max = g_range(task)
+        g_min, g_max = task.g_range
         others = (plant.g_cross or 0) * (sum(u, Fraction(0)) - u[i])
         push = (plant.f_max or 0) + (plant.w_max or 0) + c.speed + others
         if c.narrow / 2 * ((rho - 1) / (rho + 1) - r) <= (push + g_max * u[i]) * tau + self.shift[i]:
@@ -247,7 +246,7 @@ def _bounds(values: tuple[Fraction, ...]) -> str:
 def _told(task: Task) -> str:
     plant, control = task.plant, task.control
     assert control.period is not None
-    g_min, g_max = g_range(task)
+    g_min, g_max = task.g_range
     push = decimal((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)))
     g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
     g = f"{g_ii} = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= {g_ii} <= {decimal(g_max)}"

@@ -19,7 +19,7 @@ from stt_codegen.design.faces import Array, Cuts, Faces
 from stt_codegen.design.lattice import Lattice, lattice_of
 from stt_codegen.design.movers import Mover, mover_of
 from stt_codegen.errors import NotCertified
-from stt_codegen.rows import Avoidance, Row, avoid_rows, reach_rows, start_rows, stay_rows, width_rows
+from stt_codegen.rows import Avoidance, Row, avoid_rows, fastest_edges, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
 
@@ -109,7 +109,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
                     )
                 )
     inset = 2 * allowance
-    speeds, accelerations = task.max_speed, task.max_acceleration
+    speeds, accelerations = fastest_edges(task), task.max_acceleration
     return Arena(
         names=tuple(one.name for one in sets),
         axes=task.axis_words,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -28,9 +28,10 @@ Given = Fraction | tuple[Fraction, ...]
 
 def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     """Why there is no tube for the task, whose arena this is, in one sentence, and what would do."""
-    limits = {name: getattr(task.tube, name) for name in ("max_speed", "max_acceleration")}
+    limits = {f"tube.{name}": getattr(task.tube, name) for name in ("max_speed", "max_acceleration")}
+    limits["control.u_max"] = task.control.u_max if task.limits_are_demanded else None
     limits = {name: given for name, given in limits.items() if given is not None}
-    if limits and is_found(task.changed(tube=dict.fromkeys(limits))):
+    if limits and is_found(_with(task, dict.fromkeys(limits))):
         return _limits_bind(task, limits, is_found, _needed(task, arena))
     if arena.movers:
         still = replace(arena, movers=())
@@ -40,6 +41,15 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     ladder = segments_tried(task, arena)
     count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
     return f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, free, ladder)}"
+
+
+def _with(task: Task, values: Mapping[str, Given | None]) -> Task:
+    """The task with other values for fields of its tables, such as "tube.max_speed"."""
+    tables: dict[str, dict[str, Given | None]] = {}
+    for name, value in values.items():
+        table, field = name.split(".")
+        tables.setdefault(table, {})[field] = value
+    return task.changed(**tables)
 
 
 def _needed(task: Task, arena: Arena) -> float:
@@ -56,17 +66,23 @@ def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess:
     """The refusal where it is the limits that leave no tube. Every value that is named was tried, as it is printed."""
     told = []
     for name, given in limits.items():
-        factor = _least(lambda f, name=name, given=given: is_found(task.changed(tube={name: _times(given, f)})), guess)  # type: ignore[misc]
+        factor = _least(lambda f, name=name, given=given: is_found(_with(task, {name: _times(given, f)})), guess)  # type: ignore[misc]
         if factor is not None:
-            told.append(f"raise tube.{name} to {_shown(_times(given, factor))}")
+            told.append(f"raise {name} to {_shown(_times(given, factor))}")
     longer = _least(lambda f: is_found(task.changed(prescribed_time=_times(task.prescribed_time, f))), guess)
     if longer is not None:
         told.append(f"raise prescribed_time to {_shown(_times(task.prescribed_time, longer))} s")
-    words = {"max_speed": "speed", "max_acceleration": "acceleration"}
-    bounds = " and ".join(f"tube.{name} {_shown(value)}" for name, value in limits.items())
+    pushes = {f"plant.{k}": v for k in ("f_max", "w_max") if (v := getattr(task.plant, k))}
+    if "control.u_max" in limits and pushes:
+        less = _least(lambda f: is_found(_with(task, {k: _times(v, 1 / f) for k, v in pushes.items()})), 1.0)
+        if less is not None:
+            told.append(f"lower {' and '.join(f'{k} to {_shown(_times(v, 1 / less))}' for k, v in pushes.items())}")
+    words = {"tube.max_speed": "P6 speed", "tube.max_acceleration": "P6 acceleration", "control.u_max": "P8 limits"}
+    bounds = " and ".join(f"{name} {_shown(value)}" for name, value in limits.items())
     found = ", or ".join(told) or "no value of one alone would do; leave both out"
     more = "; whether control.period is proved then shows in the next run" if told and task.control.period is not None else ""
-    return f"P6 {' and '.join(words[name] for name in limits)}: no tube was found within {bounds}; {found}{more}"
+    what = " and ".join(words[name] for name in limits).replace(" and P6", " and")
+    return f"{what}: no tube was found within {bounds}; {found}{more}"
 
 
 def _least(holds: Callable[[float], bool], guess: float) -> float | None:

@@ -103,6 +103,11 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             for comparison in (" <= ", " = ", " < "):  # is not broken over two lines
                 told = told.replace(comparison, comparison.replace(" ", NO_BREAK))
             lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(told, 115)]
+        elif any(f.code == "P8" for f in certificate.findings):
+            lines.append(
+                "For every plant within [plant] of the task |u| <= u_max is enough to hold the state in it (P8), in continuous"
+            )
+            lines.append("time. What this gain holds against, and how fast it must be sampled, `stt-codegen prove` tells.")
         elif task.u_max is not None:
             lines.append("u is saturated: the proof that the state stays in the tube assumes that it is not.")
         return lines

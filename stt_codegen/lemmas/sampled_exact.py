@@ -43,6 +43,7 @@ def _loop(limited: bool) -> tuple[Any, list[Any], list[Formula], dict[Any, Any]]
     task: Any = SimpleNamespace(
         dimension=len(EVERY),
         plant=plant,
+        g_range=(plant.g_min, plant.g_max),
         control=SimpleNamespace(period=own["T"], latency=symbol("l")),
         emit=SimpleNamespace(scalar="float", math="libm"),
         e_max=(Fraction(999, 1000),) * len(EVERY),
@@ -146,6 +147,7 @@ def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: 
     task: Any = SimpleNamespace(
         dimension=1,
         plant=plant,
+        g_range=(plant.g_min, plant.g_max),
         control=SimpleNamespace(period=Fraction(1, 1000), latency=Fraction(0)),
         emit=SimpleNamespace(scalar="float", math="libm"),
         e_max=(Fraction(999, 1000),),

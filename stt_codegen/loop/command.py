@@ -20,7 +20,6 @@ from stt_codegen.record.files import write_files
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import above_float, below_float
 from stt_codegen.sampling import least, most_room
-from stt_codegen.sampling.plant import g_range
 from stt_codegen.task import Task
 
 BOUNDS = "bounds"  # the name of the plants within_bounds
@@ -131,7 +130,7 @@ def within_bounds(task: Task) -> list[Plant]:
     """Plants at the corners of what P9 is about: every g_ii the weakest or the strongest (of -g for a negative gain), every g_ij
     as large as may be with either sign, and f counted to w, which pushes wherever the disturbance says."""
     sign = 1 if task.gain[0] > 0 else -1
-    g_min, g_max = (sign * float(v) for v in g_range(task))
+    g_min, g_max = (sign * float(v) for v in task.g_range)
     cross, push = float(task.plant.g_cross or 0), (task.plant.f_max or Fraction(0)) + (task.plant.w_max or Fraction(0))
 
     def plant(words: str, own: float, other: float) -> Plant:

@@ -35,7 +35,7 @@ from stt_codegen.report.bounds import (
     rounded,
 )
 from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, most_room, setting_of
-from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm
+from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated
 from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
 from stt_codegen.sampling.statements import STATEMENTS
@@ -176,8 +176,9 @@ class Analysis:
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
-            free = self.period is not None or bool((effort(s) <= s.law.u_max).all())
-            yield Hypothesis("saturation", "control.u_max is at least what the law may ask for", free)
+            free = self.period is not None or bool((effort(s) <= s.law.u_max).all()) or holds_saturated(s)
+            told = "control.u_max is at least what the law may ask for, or outdoes all that pushes (P8)"
+            yield Hypothesis("saturation", told, free)
         if task.emit.tick_period is not None:
             period = self.period
             enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds

@@ -39,6 +39,13 @@ def effort(s: Setting) -> Array:
     return np.where(s.cross.sum(axis=(0, 2)) > 0, np.inf, np.maximum(held * (1 + 1e-9), first))
 
 
+def holds_saturated(s: Setting) -> bool:
+    """Whether the law that u_max saturates keeps |eps| below eps(e_max) under continuous control, for g that couples nothing:
+    eps* is below that, and in every window g_min u_max > P (the lemma `limits.saturated`)."""
+    enough = (np.minimum(s.law.u_max, 1e300) * s.least * (1 - 1e-12) > s.push).all()
+    return bool(enough and (epsilon_star(s) < s.law.farthest).all())
+
+
 def _inverse_q(need: Array, most: Array) -> Array:
     """The least E (rounded up) with q(E) >= need, shown in balls; infinite above `most`."""
     low, high = np.zeros(need.shape), np.array(most)

@@ -51,17 +51,10 @@ def bounds_of_task(task: Task) -> Bounds:
     bounds every |g_ij|, and without it inputs count as decoupled (g diagonal) in the statements that go by component."""
     n, plant = task.dimension, task.plant
     push = _double((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)), math.inf)
-    low, high = g_range(task)
+    low, high = task.g_range
     least, most = _double(low, -math.inf), _double(high, math.inf)
     cross = _double(plant.g_cross or Fraction(0), math.inf) * (1 - np.eye(n))
     return Bounds(np.full(n, push), np.full(n, least), np.full(n, most), cross, push, least, most)
-
-
-def g_range(task: Task) -> tuple[Fraction, Fraction]:
-    """g_min and g_max; where one is missing it is 1, or the other one where 1 contradicts it."""
-    low, high = task.plant.g_min, task.plant.g_max
-    least = low if low is not None else min(Fraction(1), high or Fraction(1))
-    return least, high if high is not None else max(Fraction(1), least)
 
 
 def _double(value: Fraction, toward: float) -> float:

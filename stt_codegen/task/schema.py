@@ -2,6 +2,8 @@
 
 A frozen `Task` of frozen tables. Decimals stay exact: every number is a `Fraction`. `values.py` has the kinds of numbers,
 `load.py` makes a task of a file, `checks.py` looks at how the fields fit together.
+
+Long because every field of a task file stands here once, and what is made of it.
 """
 
 from __future__ import annotations
@@ -189,6 +191,19 @@ class TaskTables(Table):
     def u_max(self) -> tuple[Fraction, ...] | None:
         """The saturation of u by component; None for none."""
         return None if self.control.u_max is None else self._each(self.control.u_max)
+
+    @property
+    def g_range(self) -> tuple[Fraction, Fraction]:
+        """g_min and g_max; where one is missing it is 1, or the other one where 1 contradicts it."""
+        low, high = self.plant.g_min, self.plant.g_max
+        least = low if low is not None else min(Fraction(1), high or Fraction(1))
+        return least, high if high is not None else max(Fraction(1), least)
+
+    @property
+    def limits_are_demanded(self) -> bool:
+        """Whether P8 is asked for: u is limited, the plant has bounds, and no period is to be proved, which asks for more."""
+        bounded = any(getattr(self.plant, name) is not None for name in ("f_max", "w_max", "g_min", "g_max", "g_cross"))
+        return self.control.u_max is not None and bounded and self.control.period is None and self.tube.design == "refined"
 
     @property
     def max_speed(self) -> tuple[Fraction, ...] | None:

@@ -1,0 +1,187 @@
+"""P8: a task whose u is limited and whose plant has bounds gets a tube that needs no more, or is told what would do."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import controller_of
+
+import stt_codegen as stt
+from stt_codegen.certify import checker
+from stt_codegen.certify.certificate import Certificate
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.emit.render import render
+from stt_codegen.loop.simulate import KINDS, Loop, Scenario
+from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
+from stt_codegen.plants import PLANTS
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.rows import spare_input
+from stt_codegen.sampling.continuous import holds_saturated
+from stt_codegen.task import Task
+
+CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "pushed": ({"u_max": "1"}, {"w_max": "0.3"}),
+    "weak": ({"u_max": ["1.3", "1.1"]}, {"w_max": "0.1", "f_max": "0.1", "g_min": "0.8"}),
+    "coupled": ({"u_max": ["1.2", "1.3"]}, {"w_max": "0.2", "g_cross": "0.1"}),
+    "double": ({"u_max": "1"}, {"g_max": "2"}),
+}
+
+
+def task_with(control: dict[str, Any], plant: dict[str, Any], **more: Any) -> Task:
+    return controller_of("omni_s2").task.changed(control=control, plant=plant, **more)
+
+
+def eighth(certificate: Certificate) -> Any:
+    (found,) = (f for f in certificate.findings if f.code == "P8")
+    return found
+
+
+def claimed(task: Task, made: Controller, certificate: Certificate, folder: Path) -> list[str]:
+    """The files, with a certificate that claims success."""
+    files = render(task, made.design, made.program, certificate)
+    proof = f"{task.name}.certificate.json"
+    files[proof] = json.dumps({**json.loads(files[proof]), "certified": True}).encode()
+    for name, data in files.items():
+        (folder / name).write_bytes(data)
+    (folder / "task.toml").write_text(told(task))
+    return [str(folder / name) for name in ("task.toml", f"{task.name}.c", proof)]
+
+
+def told(task: Task) -> str:
+    """The task file of omni_s2 with another [control] and [plant]."""
+    text = (Path(__file__).parent.parent / "tasks" / "omni_s2.toml").read_text()
+    head = text[: text.index("[control]")]
+
+    def table(name: str, fields: Any) -> str:
+        shown = {k: v for k, v in fields if v is not None and k in fields_of[name]}
+        lines = [f"{k} = {[float(x) for x in v] if isinstance(v, tuple) else float(v)}" for k, v in shown.items()]
+        return "\n".join([f"[{name}]", *lines, ""])
+
+    fields_of = {"control": task.control.model_fields_set, "plant": task.plant.model_fields_set}
+    emit = f'[emit]\nscalar = "{task.emit.scalar}"\n' if task.emit.model_fields_set else ""
+    return head + table("control", task.control) + table("plant", task.plant) + emit
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_tube_needs_no_more_than_u_max(name: str, tmp_path: Path) -> None:
+    """Seen densely at the exact edges; the checker finds the same number."""
+    task = task_with(*CASES[name])
+    made = build_task(task)
+    finding = eighth(made.certificate)
+    t = np.linspace(0, 9, 20001)
+    low, high = made_rates(made, t)
+    spare = np.array([float(v) for v in spare_input(task)])
+    assert (low.max(axis=0) < spare).all()
+    assert (-high.min(axis=0) < spare).all()
+    seen = min((spare - low.max(axis=0)).min(), (spare + high.min(axis=0)).min())
+    assert 0 < float(finding.margin) <= seen + 1e-9  # Bezier coefficients bound what is seen between them
+    assert checker.main(claimed(task, made, made.certificate, tmp_path)) == 0
+
+
+def made_rates(made: Controller, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rates of the exact edges by differences of the spline's control points."""
+    assert isinstance(made.design, RefinedDesign)
+    table = made.design.integers() * float(made.design.unit)
+    k = np.minimum((t / 9 * made.design.segments).astype(int), made.design.segments - 1)
+    s = t / 9 * made.design.segments - k
+    weights = np.stack([-3 * (1 - s) ** 2, 9 * s**2 - 12 * s, -9 * s**2 + 6 * s + 3, 3 * s**2])
+    rates = sum(weights[j][:, None, None] * table[k + j] for j in range(4)) * made.design.segments / 9
+    return rates[..., 0], rates[..., 1]
+
+
+def test_a_tube_that_is_too_fast_for_its_limit_is_refused_by_both(tmp_path: Path) -> None:
+    """Tubes of a task without limits, judged by ever lower ones: tool and checker agree, and turn where the fastest edge is."""
+    free = controller_of("omni_s2")
+    fastest = max(float(v) for v in free.certificate.speed)
+    answers = []
+    for k, factor in enumerate((2.0, 1.1, 1.001, 0.999, 0.9, 0.5)):
+        task = task_with({"u_max": f"{0.3 + factor * fastest:.6f}"}, {"w_max": "0.3"})
+        certificate = certify(task, free.design, build_program(task, free.design))
+        folder = tmp_path / str(k)
+        folder.mkdir()
+        answer = checker.main(
+            claimed(task, dataclasses.replace(free, task=task, program=build_program(task, free.design)), certificate, folder)
+        )
+        assert (answer == 0) == certificate.holds == eighth(certificate).holds
+        answers.append(answer == 0)
+    assert answers[0]
+    assert not answers[-1]
+    assert answers == sorted(answers, reverse=True)
+
+
+def test_p8_is_asked_for_only_where_limits_and_a_plant_are_stated_without_a_period() -> None:
+    for control, plant in (({"u_max": "1"}, {}), ({}, {"w_max": "0.1"}), ({"u_max": "2"}, {"noise": "0.001"})):
+        made = build_task(task_with(control, plant))
+        assert not [f for f in made.certificate.findings if f.code == "P8"]
+        assert made.design == controller_of("omni_s2").design  # nothing else is asked of the tube
+    sampled = build_task(task_with({"u_max": "1.3", "gain": "0.05", "period": "0.02"}, {"w_max": "0.3"}))
+    assert not [f for f in sampled.certificate.findings if f.code == "P8"]  # P9 asks for more
+
+
+@pytest.mark.parametrize(
+    ("control", "plant"),
+    [
+        ({"u_max": "0.9"}, {"w_max": "0.3"}),
+        ({"u_max": "0.25"}, {"w_max": "0.3"}),
+        ({"u_max": "0.9"}, {"f_max": "0.1", "w_max": "0.2"}),
+    ],
+)
+def test_what_a_refusal_advises_does(control: dict[str, str], plant: dict[str, str]) -> None:
+    task = task_with(control, plant)
+    with pytest.raises(
+        stt.NotCertified, match=r"P8 limits: no tube was found within control.u_max 0\.\d+; raise control.u_max to"
+    ) as e:
+        build_task(task)
+    said = str(e.value)
+    assert build_task(task.changed(control={"u_max": re.findall(r"u_max to ([\d.]+)", said)[0]})).certificate.holds
+    for longer in re.findall(r"prescribed_time to ([\d.]+)", said):
+        assert build_task(task.changed(prescribed_time=longer)).certificate.holds
+    milder = dict(re.findall(r"plant\.(\w+) to ([\d.]+\d)", said))
+    if milder:
+        assert build_task(task.changed(plant=milder)).certificate.holds
+
+
+def test_a_saturated_law_keeps_the_state_where_prove_says_so() -> None:
+    """A high gain that saturates most of the time, pushed as hard as the bounds allow, in practice continuous."""
+    task = task_with({"u_max": "1", "gain": "5"}, {"w_max": "0.3"})
+    made = build_task(task)
+    analysis = Analysis(made)
+    (free,) = (h for h in analysis.hypotheses() if h.name == "saturation")
+    assert free.holds
+    loop = Loop(made, PLANTS["integrator"])
+    for kind in KINDS[1:]:
+        run = loop.run(Scenario(20000.0, kind, 0.3, 1))
+        assert run.kept, kind
+        assert max(run.u) <= 1
+    law = analysis.setting.with_law
+    assert holds_saturated(analysis.setting)
+    assert not holds_saturated(law(gain=np.full(2, 1e-4)))  # asks for too little even at the clamp
+    assert not holds_saturated(law(u_max=np.full(2, 0.3 + 0.9 * float(min(made.certificate.speed)))))
+
+
+def test_what_is_needed_is_needed() -> None:
+    """Where P8 fails the state is pushed out at that edge, whatever the gain."""
+    free = controller_of("omni_s2")
+    speed = min(float(v) for v in free.certificate.speed)
+    task = task_with({"u_max": f"{0.3 + 0.5 * speed:.4f}", "gain": "20"}, {"w_max": "0.3"})
+    design = design_tube(free.task)
+    program = build_program(task, design)
+    assert not certify(task, design, program).holds
+    made = dataclasses.replace(
+        free, task=task, program=program, files=render(task, design, program, certify(task, design, program))
+    )
+    runs = [Loop(made, PLANTS["integrator"]).run(Scenario(20000.0, kind, 0.3, 1)) for kind in KINDS[1:]]
+    assert any(not run.kept for run in runs)
+
+
+def test_the_header_says_what_is_proved() -> None:
+    made = build_task(task_with(*CASES["pushed"]))
+    assert b"enough to hold the state in it (P8)" in made.files["omni_s2.h"]
+    assert Fraction(1, 1) == made.task.u_max[0]  # type: ignore[index]
