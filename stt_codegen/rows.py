@@ -131,8 +131,8 @@ def spare_input(task: Task) -> tuple[Fraction, ...]:
 
 def limit_rows(task: Task) -> tuple[Row, ...]:
     """P8, for all t: no edge comes towards the state faster than an input within u_max can move it away, L_i' and -R_i' below
-    `spare_input`; none where that is not asked for."""
-    if not task.limits_are_demanded:
+    `spare_input`; none where that is not asked for, and for order 2, where it is about accelerations."""
+    if not task.limits_are_demanded or task.order == 2:
         return ()
     pairs = enumerate(spare_input(task))
     return tuple(Row(((i, side, sign),), -v, order=1) for i, v in pairs for side, sign in ((LOWER, -1), (UPPER, 1)))
@@ -141,7 +141,7 @@ def limit_rows(task: Task) -> tuple[Row, ...]:
 def fastest_edges(task: Task) -> tuple[Fraction, ...] | None:
     """How fast a search lets the edges be, by component: max_speed, and what P8 leaves, though an edge that gives way could be
     faster; None for no bound."""
-    if not task.limits_are_demanded:
+    if not task.limits_are_demanded or task.order == 2:
         return task.max_speed
     spare = spare_input(task)
     return spare if task.max_speed is None else tuple(map(min, spare, task.max_speed))

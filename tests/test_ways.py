@@ -158,7 +158,10 @@ def in_many(n: int, hours: str) -> Task:
 
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_what_closes_the_way_is_named_in_any_dimension(n: int) -> None:
-    with pytest.raises(NotCertified, match=r"gate \(from [\d.]+ s to [\d.]+ s\) closes it; a way opens at prescribed_time"):
+    with pytest.raises(
+        NotCertified,
+        match=r"gate \(a way would open if it were safe from [\d.]+ s to [\d.]+ s\) closes it; a way opens at, for example, prescribed_time",
+    ):
         build_task(in_many(n, "8.9999"))
 
 

@@ -120,8 +120,10 @@ class Certificate:
             return 'P1 to P6 hold at the samples, but this design is not proved between them; use tube.design = "refined"'
         broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
         faults: dict[str, list[str]] = {}
-        for f in broken or self.failures:
-            faults.setdefault(f.advice, []).append(f.fault(self.axes))
+        seventh = next((f.advice for f in self.findings if f.code == "P7"), "")
+        for f in broken or self.failures:  # what has a margin, but less than the arithmetic takes, no other set would mend
+            narrow = f.margin >= 0 and f.code in ("P1", "P2", "P3", "P4", "P5")
+            faults.setdefault(seventh if narrow and seventh else f.advice, []).append(f.fault(self.axes))
         told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
         return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
 

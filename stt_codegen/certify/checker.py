@@ -1458,7 +1458,8 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(not unknown, f"the certificate lacks a claim or has one that is not known: {', '.join(sorted(unknown))}")
     told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": 1, **clock}
     for key, value in told.items():
-        need(type(certificate[key]) is type(value) and certificate[key] == value, f"the certificate's {key} is not {value!r}")
+        same = type(certificate[key]) is type(value) and certificate[key] == value
+        need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
     scalar, p = certificate["scalar"], task.name
     need(scalar in ("float", "double"), "the certificate's scalar is not known")
     source = Source(text, task, scalar == "float")

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.certify.inertia import filtered_width, spare_acceleration, starts
 from stt_codegen.certify.limits import least_spare
 from stt_codegen.certify.moving import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
@@ -86,7 +87,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         return found
 
     table = design.integers()
-    kink = int(np.abs(table[-1] - table[-3]).max())
+    kink = int(np.abs(table[-task.order :] - table[-3]).max())
 
     def within(order: int, rows: Sequence[Row]) -> int | None:
         """The least room of rates, or accelerations, in units of the table by one segment's time to that power."""
@@ -98,7 +99,13 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
             (int((c * edges[:, i, e]).min()) - math.ceil(r.bound * scale) for r in rows for i, e, c in r.terms), default=None
         )
 
-    spare = least_spare(task, design)
+    if task.order == 2:
+        width, first, pushed = filtered_width(design), starts(task, design), spare_acceleration(task, design)
+        inert = [Claim("P1", always, width.units, order=2), Claim("P2", (0, 0), first.units, order=2)]
+        inert += [] if pushed is None else [Claim("P8", always, pushed.units)]
+    else:
+        spare = least_spare(task, design)
+        inert = [] if spare is None else [Claim("P8", always, spare.slack)]
     second = within(2, acceleration_rows(task))
     return [
         every("P1", width_rows(task)),
@@ -108,7 +115,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         at("P5", reach_rows(task), -1, -1),
         Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
         *([] if second is None else [Claim("P6", always, second, order=2)]),
-        *([] if spare is None else [Claim("P8", always, spare.slack)]),
+        *inert,
     ]
 
 

@@ -16,10 +16,11 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
+from stt_codegen.certify.inertia import certify_inertia
 from stt_codegen.certify.limits import certify_limits
 from stt_codegen.certify.moving import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
-from stt_codegen.controller.arithmetic import edge_error
+from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.decimals import above, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Program
@@ -49,11 +50,15 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         min((f.margin - f.required for f in certificate.findings if f.required > 0), default=Fraction(0)),
         Fraction(0),
         advice=(
-            'the task needs more room than single precision leaves: use emit.scalar = "double" or shift the origin'
+            'the task needs more room than single precision leaves: use emit.scalar = "double", shift the origin, or, where the '
+            "tube is fast, raise prescribed_time"
             if program.scalar == "float"
-            else "the task needs more room than the tube's grid leaves: shift the origin near the task"
+            else "the task needs more room than the tube's grid leaves: shift the origin near the task, or raise prescribed_time"
         ),
     )
+    if task.order == 2:
+        more = certify_inertia(task, design, error, rate_error(design, program))
+        return replace(certificate, findings=(*certificate.findings, seventh, *more))
     if task.control.period is None:
         return replace(certificate, findings=(*certificate.findings, seventh, *certify_limits(task, design)))
     from stt_codegen.certify.period import certify_period
@@ -156,7 +161,10 @@ class _Tube:
         standing = [one for one in sets if one.course is None]
         if len(standing) == len(sets):
             return self.always("P4", statement, RowBlock.choice(sets, self.design.unit), advice)
-        return self.avoid_moving(sets, standing, f"{statement}, as they are stated to move", advice)
+        doubt = [f"start_delay {decimal(self.task.start_delay)} s"] if self.task.start_delay else []
+        doubt += [f"timing of {s.name} {decimal(s.timing)} s" for s in self.task.unsafe if s.timing]
+        told = f", within {', '.join(doubt)}" if doubt else ""
+        return self.avoid_moving(sets, standing, f"{statement}, as they are stated to move{told}", advice)
 
     def avoid_moving(self, sets: Sequence[Avoidance], standing: Sequence[Avoidance], statement: str, advice: str) -> Finding:
         """P4 where some sets move, or are unsafe only at times."""
@@ -193,18 +201,22 @@ def _speed(design: RefinedDesign, bezier: npt.NDArray[np.int64]) -> tuple[Fracti
 
 
 def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], speed: tuple[Fraction, ...]) -> Finding:
-    """P6: C2 inside (a uniform cubic B-spline is), C1 at t_c, and within max_speed when the task bounds it."""
+    """P6: C2 inside (a uniform cubic B-spline is), C1 at t_c, for order 2 C2 there too, and within max_speed when the task bounds
+    it."""
     at = (design.prescribed_time, design.prescribed_time)
     table = design.integers()
-    kink = np.abs(table[-1] - table[-3]).max(axis=1)
+    kink = np.abs(table[-task.order :] - table[-3]).max(axis=(0, 2))
+    smooth = "gamma is C2, C1 at t_c" if task.order == 1 else "gamma is C2, at t_c too"
     if kink.any():
         i = int(kink.argmax())
-        return Finding(
-            "P6", "gamma is C2 up to t_c and C1 there", -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None,
-            "the last control point must equal the last but two",
-        )  # fmt: skip
+        told, advice = (
+            ("gamma is C2 up to t_c and C1 there", "the last control point must equal the last but two")
+            if task.order == 1
+            else (smooth, "the last three control points must agree")
+        )
+        return Finding("P6", told, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
     bound = ", ".join(f"{above(v, 4):g}" for v in speed)
-    statement = f"gamma is C2, C1 at t_c; |gammadot| <= {bound}"
+    statement = f"{smooth}; |gammadot| <= {bound}"
     return _limited(task, design, bezier, speed_rows(task), statement, "max_speed") or Finding(
         "P6", statement, Fraction(0), Fraction(0)
     )

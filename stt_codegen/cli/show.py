@@ -220,6 +220,8 @@ def show_run(report: RunReport) -> None:
         under.append(f"u {_time(s.latency)} late")
     if s.lost:
         under.append(f"up to {s.lost} lost in a row")
+    if any(c is not None for c in task.courses):
+        under.append(f"clock of the sets {s.clock}")
     kind = report.controller.design.kind
     console.print(f"[bold]{task.name}[/bold] ({kind}) drives {escape(report.plant)}: {verdict}; {', '.join(under)}")
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"

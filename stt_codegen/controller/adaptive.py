@@ -24,6 +24,7 @@ from stt_codegen.controller.adaptive_parts import (
 )
 from stt_codegen.controller.law import (
     MARGIN_DOC,
+    Between,
     control_component,
     control_law_of,
     inside_of,
@@ -216,7 +217,7 @@ def _control(task: Task, frame: Frame) -> Function:
         low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
         x = block.let("x_i", Load("x", i))
         u_max = law.limit(block, i)
-        place = place_of(block, law.share(block, i), (low, high), x, law.signed_gain(block, i))
+        place = place_of(block, law.share(block, i), Between(low, high, x), law.signed_gain(block, i))
         loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
         block.store("u", i, control_component(block, law, place, u_max))
     block.leave(Select(outside, OUTSIDE, OK))
@@ -243,7 +244,7 @@ def _margin(frame: Frame) -> Function:
         i = loop.index
         least = loop.carry("margin", real(Fraction(1, 2)))
         low, high = edges_of(block, frame, lines_of(block, frame, i, held, sigma, None), alphas_of(block, frame, i))
-        share = margin_component(block, (low, high), block.let("x_i", Load("x", i)))
+        share = margin_component(block, Between(low, high, block.let("x_i", Load("x", i))))
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
     params = (Param("t", None), Param("alpha", 2 * n), Param("x", n))

@@ -3,6 +3,8 @@
 Clamping e to [-e_max, e_max] is the same as keeping both distances a = x - gamma_L and b = gamma_U - x within
 [c, 1 - c] times the width, c = (1 - e_max) / 2. Only the lesser of them can be below c, and the other one is what the width
 leaves: so one comparison clamps, nothing overflows and no division is by zero, whatever x is.
+
+Long because a component's law is one piece: place, clamp, transform, law, margin, for every kind of tube.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
+from typing import Protocol
 
 from stt_codegen.controller.logarithm import without_library
 from stt_codegen.designs import LEAST_WIDTH
@@ -142,11 +145,34 @@ class Place:
     empty: Var | None
 
 
-def _nearest(block: Block, lower_edge: Operand, upper_edge: Operand, x: Operand) -> tuple[Var, Var]:
-    """Statements for the distance of x to the nearer edge and whether that is the upper one. It is above 0 just where
-    lower < x < upper: a difference of two numbers has the sign of their comparison, gradual underflow included."""
-    to_lower = block.op("to_lower", "sub", x, lower_edge)
-    to_upper = block.op("to_upper", "sub", upper_edge, x)
+@dataclass(frozen=True)
+class Between:
+    """A number between two edges."""
+
+    lower: Operand
+    upper: Operand
+    x: Operand
+
+    def room(self, block: Block) -> Var:
+        """Statements for how far the edges are apart."""
+        return block.op("room", "sub", self.upper, self.lower)
+
+    def distances(self, block: Block) -> tuple[Var, Var]:
+        """Statements for the distances to both edges."""
+        return block.op("to_lower", "sub", self.x, self.lower), block.op("to_upper", "sub", self.upper, self.x)
+
+
+class Apart(Protocol):
+    """What the law asks of a component: how far its edges are apart, and how far it is from both."""
+
+    def room(self, block: Block) -> Var: ...
+    def distances(self, block: Block) -> tuple[Var, Var]: ...
+
+
+def nearest_of(block: Block, apart: Apart) -> tuple[Var, Var]:
+    """Statements for the distance to the nearer edge and whether that is the upper one. Between two edges it is above 0 just
+    where lower < x < upper: a difference of two numbers has the sign of their comparison, gradual underflow included."""
+    to_lower, to_upper = apart.distances(block)
     upper_nearer = block.op("upper_nearer", "lt", to_upper, to_lower)
     return block.select("nearest", upper_nearer, to_upper, to_lower), upper_nearer
 
@@ -159,20 +185,18 @@ def _width(block: Block, room: Var) -> Var:
 def place_of(
     block: Block,
     share: Operand,
-    edges: tuple[Operand, Operand],
-    x: Operand,
+    apart: Apart,
     signed_gain: tuple[Operand, Operand],
     guarded: bool = True,
 ) -> Place:
-    """Statements for where x stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, c = `share`, roundings
-    apart. A NaN counts as outside. signed_gain: k and -k. guarded=False: the caller has proved that the edges are more than
-    LEAST_WIDTH apart."""
-    lower_edge, upper_edge = edges
-    room = block.op("room", "sub", upper_edge, lower_edge)
+    """Statements for where a component stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, c = `share`,
+    roundings apart. A NaN counts as outside. signed_gain: k and -k. guarded=False: the caller has proved that the edges are more
+    than LEAST_WIDTH apart."""
+    room = apart.room(block)
     filled = block.op("filled", "lt", real(0), room) if guarded else None
     empty = block.op("empty", "not", filled) if filled is not None else None
     width = _width(block, room) if guarded else room
-    nearest, upper_nearer = _nearest(block, lower_edge, upper_edge, x)
+    nearest, upper_nearer = nearest_of(block, apart)
     signed = block.select("gain", upper_nearer, signed_gain[1], signed_gain[0])
     least = block.op("least", "mul", width, share)
     if filled is None:
@@ -228,12 +252,11 @@ def control_component(block: Block, law: Law, place: Place, u_max: Operand | Non
     return _clamp(block, "u_held", u, minus, u_max)
 
 
-def margin_component(block: Block, edges: tuple[Operand, Operand], x: Operand, guarded: bool = True) -> Var:
-    """Statements for the distance of x to the nearer edge over the width, at least -1. `guarded` as in `place_of`."""
-    lower_edge, upper_edge = edges
-    room = block.op("room", "sub", upper_edge, lower_edge)
+def margin_component(block: Block, apart: Apart, guarded: bool = True) -> Var:
+    """Statements for the distance to the nearer edge over the width, at least -1. `guarded` as in `place_of`."""
+    room = apart.room(block)
     width = _width(block, room) if guarded else room
-    nearest, _ = _nearest(block, lower_edge, upper_edge, x)
+    nearest, _ = nearest_of(block, apart)
     share = block.op("share", "div", nearest, width)
     beyond = block.op("beyond", "lt", share, real(-1))
     return block.select("held_share", beyond, real(-1), share)
@@ -254,7 +277,7 @@ def transform_function(law: Law, n: int) -> Function:
         lower_edge = block.let("lower_edge", Load("lower", i))
         upper_edge = block.let("upper_edge", Load("upper", i))
         x = block.let("x_i", Load("x", i))
-        d = place_of(block, law.share(block, i), (lower_edge, upper_edge), x, (real(1), real(-1)))
+        d = place_of(block, law.share(block, i), Between(lower_edge, upper_edge, x), (real(1), real(-1)))
         a = block.select("a", d.upper_nearer, d.far, d.near)
         b = block.select("b", d.upper_nearer, d.near, d.far)
         (raw,) = block.call(law.normalized_error, a, b, d.width, names=("e_raw",))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
-from functools import cache
 
-from stt_codegen.controller.arithmetic import edge_error
+from stt_codegen.controller.arithmetic import edge_error, rate_error
+from stt_codegen.controller.inertia import Filter, inertial_functions
 from stt_codegen.controller.law import (
     MARGIN_DOC,
+    Between,
     Law,
     control_component,
     control_law_of,
@@ -18,12 +19,13 @@ from stt_codegen.controller.law import (
     place_of,
     transform_function,
 )
+from stt_codegen.controller.spline import SplineKernels, edge, entry, kernels_of_the_tube, segment_of, start
 from stt_codegen.controller.ticks import segment_at_tick, ticks_of
 from stt_codegen.controller.words import axes_doc, inward_doc, law_doc
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign
+from stt_codegen.designs.filtered import filtered
 from stt_codegen.errors import BadInput
-from stt_codegen.paper import refined_tube
 from stt_codegen.program import (
     FALSE,
     NAN,
@@ -34,63 +36,49 @@ from stt_codegen.program import (
     Block,
     Const,
     Function,
-    IsFinite,
     Kernel,
     Load,
-    Operand,
     Param,
     Program,
     Select,
     Status,
     Table,
-    Trunc,
     Var,
-    integer,
     real,
 )
-from stt_codegen.program.lower import lower
-from stt_codegen.program.number import FORMATS, largest_below
+from stt_codegen.program.number import FORMATS
 from stt_codegen.task import Task
 
 OK, OUTSIDE, BAD = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE, Status.BAD_INPUT))
 
 
-@dataclass(frozen=True)
-class SplineKernels:
-    """The kernels of the refined tube."""
-
-    segment: Kernel
-    basis: Kernel
-    basis_rate: Kernel
-    blend: Kernel
-
-
 def refined_program(task: Task, design: RefinedDesign) -> Program:
     """Everything that is emitted for a refined design. Raises `BadInput` when the law's constants do not fit the scalar."""
     n = design.dimension
-    spline = SplineKernels(_segment(design, task.emit.scalar), *_kernels_of_the_tube())
+    spline = SplineKernels(segment_of(design, task.emit.scalar), *kernels_of_the_tube())
     law = control_law_of(task)
-    tables = [_coefficients(design, task.emit.scalar), *law.tables]
+    tables = [_coefficients(design, task.emit.scalar), *(Filter.of(design).tables if design.filter else []), *law.tables]
     period = task.emit.tick_period
     clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
-    guarded = Program(
+
+    def functions(guarded: bool) -> tuple[Function, ...]:
+        """Those of the law."""
+        if design.filter:
+            return inertial_functions(task, spline, design, law, guarded, clock)
+        return (*_controls(task, spline, law, n, guarded, clock), _margin(spline, n, guarded))
+
+    made = Program(
         prefix=task.name,
         dimension=n,
         scalar=task.emit.scalar,
         tables=tuple(tables),
         kernels=(spline.segment, *clock, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
-        functions=(
-            _tube(spline, n),
-            _tube_rate(spline, design, n),
-            *_controls(task, spline, law, n, True, clock),
-            _margin(spline, n, True),
-            transform_function(law, n),
-        ),
+        functions=(_tube(spline, n), _tube_rate(spline, design, n), *functions(True), transform_function(law, n)),
     )
-    if not _always_wide(design, guarded):
-        return guarded
-    unguarded = {f.name: f for f in (*_controls(task, spline, law, n, False, clock), _margin(spline, n, False))}
-    return replace(guarded, functions=tuple(unguarded.get(f.name, f) for f in guarded.functions))
+    if not _always_wide(design, made):
+        return made
+    unguarded = {f.name: f for f in functions(False)}
+    return replace(made, functions=tuple(unguarded.get(f.name, f) for f in made.functions))
 
 
 def _always_wide(design: RefinedDesign, program: Program) -> bool:
@@ -98,16 +86,13 @@ def _always_wide(design: RefinedDesign, program: Program) -> bool:
     the control points' widths, and the arithmetic moves each edge by no more than P7's bound."""
     table = design.integers()
     narrowest = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
-    return narrowest - 2 * max(edge_error(design, program)) > 2 * LEAST_WIDTH
-
-
-@cache  # they depend on no task
-def _kernels_of_the_tube() -> tuple[Kernel, Kernel, Kernel]:
-    return (
-        lower(refined_tube.basis(), ("6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6.",)),
-        lower(refined_tube.basis_rate(), ("Derivative of the weights with respect to s.",)),
-        lower(refined_tube.blend(), ("An edge of the tube (or its slope in spline time): sum of w_j q_j.",)),
-    )
+    if narrowest - 2 * max(edge_error(design, program)) <= 2 * LEAST_WIDTH:
+        return False
+    if not design.filter:
+        return True
+    pieces, wrong = filtered(design), zip(edge_error(design, program), rate_error(design, program), design.filter, strict=True)
+    room = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
+    return room - 2 * max(r + v * e for e, r, v in wrong) > 2 * LEAST_WIDTH
 
 
 def _coefficients(design: RefinedDesign, scalar: str) -> Table:
@@ -129,70 +114,13 @@ def _coefficients(design: RefinedDesign, scalar: str) -> Table:
     )
 
 
-def _segment(design: RefinedDesign, scalar: str) -> Kernel:
-    """t -> index of the segment's first table entry, and the place s in the segment, for finite t held within [0, t_c].
-
-    Spline time is held at the last number below K: its floor is then a segment whatever t is, without a second clamp."""
-    k = design.segments
-    t = Var("t", REAL)
-    block = Block({"t", "row", "s"})
-    positive = block.op("positive", "lt", real(0), t)
-    started = block.select("started", positive, t, real(0))
-    scaled = block.op("scaled", "mul", started, real(Fraction(k) / design.prescribed_time))
-    end = real(largest_below(Fraction(k), scalar))
-    u = block.select("u", block.op("early", "lt", scaled, end), scaled, end)
-    index = block.let("segment", Trunc(u))
-    s = block.op("place", "sub", u, block.op("base", "real", index))
-    row = block.op("first", "imul", index, integer(2 * design.dimension))
-    return Kernel(
-        name="segment",
-        inputs=(t,),
-        body=tuple(block.statements),  # type: ignore[arg-type]
-        outputs=(row, s),
-        output_names=("row", "s"),
-        doc=(
-            f"Spline time u = {k} t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).",
-            f"Before 0 the start; from t_c on the last number below {k} (t_c = {decimal(design.prescribed_time)} s).",
-        ),
-    )
-
-
-def _edge(block: Block, spline: SplineKernels, n: int, at: Operand, weights: tuple[Var, ...], side: int, name: str) -> Var:
-    """Statements for one edge: four table entries, a row apart from table index `at` on, blended by the weights."""
-    label = name.split("_", maxsplit=1)[0]
-    entries = []
-    for j in range(4):
-        offset = 2 * n * j + side
-        index = block.op(f"{label}_{j}", "iadd", at, integer(offset)) if offset else at
-        entries.append(block.let(f"{label}_q{j}", Load("coefficients", index)))
-    (edge,) = block.call(spline.blend, *weights, *entries, names=(name,))
-    return edge
-
-
-def _entry(block: Block, row: Operand, i: Operand) -> Var:
-    """Table index of the first entry of dimension i."""
-    return block.op("at", "iadd", row, block.op("pair", "imul", i, integer(2)))
-
-
-def _start(names: set[str], spline: SplineKernels, fill: tuple[str, ...], n: int) -> tuple[Block, Var, Var]:
-    """Finite test of t (outputs NaN where it fails), then the segment."""
-    block = Block(names)
-    finite = block.let("finite", IsFinite(Var("t", REAL)))
-    bad = block.op("bad", "not", finite)
-    with block.leave_when(bad), block.loop("j", n) as loop:
-        for name in fill:
-            block.store(name, loop.index, NAN)
-    row, s = block.call(spline.segment, Var("t", REAL))
-    return block, row, s
-
-
 def _tube(spline: SplineKernels, n: int) -> Function:
-    block, row, s = _start({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
+    block, row, s = start({"t", "lower", "upper"}, spline, ("lower", "upper"), n)
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
-        at = _entry(block, row, loop.index)
+        at = entry(block, row, loop.index)
         for name, side in (("lower", LOWER), ("upper", UPPER)):
-            block.store(name, loop.index, _edge(block, spline, n, at, weights, side, f"{name}_edge"))
+            block.store(name, loop.index, edge(block, spline, n, at, weights, side, f"{name}_edge"))
     block.leave()
     return Function(
         "tube",
@@ -207,14 +135,14 @@ def _tube(spline: SplineKernels, n: int) -> Function:
 
 
 def _tube_rate(spline: SplineKernels, design: RefinedDesign, n: int) -> Function:
-    block, row, s = _start({"t", "lower_rate", "upper_rate"}, spline, ("lower_rate", "upper_rate"), n)
+    block, row, s = start({"t", "lower_rate", "upper_rate"}, spline, ("lower_rate", "upper_rate"), n)
     weights = block.call(spline.basis_rate, s)
     over = block.op("moving", "lt", Var("t", REAL), real(design.prescribed_time))
     per_second = block.select("per_second", over, real(Fraction(design.segments) / design.prescribed_time), real(0))
     with block.loop("i", n) as loop:
-        at = _entry(block, row, loop.index)
+        at = entry(block, row, loop.index)
         for name, side in (("lower", LOWER), ("upper", UPPER)):
-            slope = _edge(block, spline, n, at, weights, side, f"{name}_slope")
+            slope = edge(block, spline, n, at, weights, side, f"{name}_slope")
             block.store(f"{name}_rate", loop.index, block.op(f"{name}_speed", "mul", slope, per_second))
     block.leave()
     return Function(
@@ -239,10 +167,10 @@ def _margin(spline: SplineKernels, n: int, guarded: bool) -> Function:
     weights = block.call(spline.basis, s)
     with block.loop("i", n) as loop:
         least = loop.carry("margin", real(Fraction(1, 2)))
-        at = _entry(block, row, loop.index)
-        lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
-        upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
-        share = margin_component(block, (lower_edge, upper_edge), block.let("x_i", Load("x", loop.index)), guarded)
+        at = entry(block, row, loop.index)
+        lower_edge = edge(block, spline, n, at, weights, LOWER, "lower_edge")
+        upper_edge = edge(block, spline, n, at, weights, UPPER, "upper_edge")
+        share = margin_component(block, Between(lower_edge, upper_edge, block.let("x_i", Load("x", loop.index))), guarded)
         loop.update(least, block.select("margin_next", block.op("less", "lt", share, least), share, least))
     block.leave(least)
     return Function("margin", (Param("t", None), Param("x", n)), tuple(block.statements), False, MARGIN_DOC, True)
@@ -268,11 +196,11 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
     with block.loop("i", n) as loop:
         i = loop.index
         outside = loop.carry("outside", FALSE)
-        at = _entry(block, row, i)
-        lower_edge = _edge(block, spline, n, at, weights, LOWER, "lower_edge")
-        upper_edge = _edge(block, spline, n, at, weights, UPPER, "upper_edge")
+        at = entry(block, row, i)
+        lower_edge = edge(block, spline, n, at, weights, LOWER, "lower_edge")
+        upper_edge = edge(block, spline, n, at, weights, UPPER, "upper_edge")
         x = block.let("x_i", Load("x", i))
-        place = place_of(block, law.share(block, i), (lower_edge, upper_edge), x, law.signed_gain(block, i), guarded)
+        place = place_of(block, law.share(block, i), Between(lower_edge, upper_edge, x), law.signed_gain(block, i), guarded)
         loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
         block.store("u", i, control_component(block, law, place, law.limit(block, i)))
     block.leave(Select(outside, OUTSIDE, OK))

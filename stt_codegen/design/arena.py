@@ -35,7 +35,7 @@ class Arena:
     search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
     bound. allowance: what rounding of the coefficients and of the emitted arithmetic may move an edge by, see
     `Lattice.allowance`. length_unit, time_unit: what lengths and times here must be multiplied by to be the task's; origin:
-    where in the task 0 is, by dimension.
+    where in the task 0 is, by dimension. order: of the plant; where it is 2 edges are to be as little accelerated as they can be.
     """
 
     names: tuple[str, ...]
@@ -58,6 +58,7 @@ class Arena:
     allowance: float
     origin: tuple[Fraction, ...]
     movers: tuple[Mover, ...] = ()
+    order: int = 1
     length_unit: float = 1.0
     time_unit: float = 1.0
 
@@ -130,6 +131,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
         origin=origin,
+        order=task.order,
         movers=tuple(mover_of(one, origin) for _, one in found if one.course is not None),
     )
 

@@ -46,7 +46,8 @@ def why_closed(task: Task, arena: Arena, segments: int) -> str:
     closing = [text for mover in arena.movers[:NAMED] if (text := _closes(arena, mover, searched))]
     what = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it" if closing else _how_far(arena, searched)
     opens = [*_numbers(arena, way), *_options(task, way)]
-    return f"{told}: {what}; " + (f"a way opens at {', or at '.join(opens)}" if opens else "move a set, or make more room")
+    nothing = "move a set, or let it be safe earlier or longer"
+    return f"{told}: {what}; " + (f"a way opens at, for example, {', or at '.join(opens)}" if opens else nothing)
 
 
 def _least(arena: Arena) -> tuple[Array, Array]:
@@ -69,22 +70,39 @@ def _numbers(arena: Arena, way: Callable[[Arena], bool]) -> Iterator[str]:
 
 
 def _options(task: Task, way: Callable[[Arena], bool]) -> Iterator[str]:
-    """Less doubt about the clock, no growth, more time: what alone opens a way."""
-    tries: list[tuple[str, dict[str, object]]] = []
+    """Less doubt about the clock, less growth, more time: what alone opens a way, near the value at which it does."""
     if task.start_delay:
-        tries.append(("start_delay = 0", {"start_delay": Fraction(0)}))
-    for field in ("timing", "spread"):
-        sets = [s.name for s in task.unsafe if getattr(s, field)]
+        most = _shorter(task.start_delay, lambda v: _opens(task, {"start_delay": v}, way))
+        yield from () if most is None else (f"start_delay = {decimal(most)}",)
+    for name in ("timing", "spread"):
+        sets = [s.name for s in task.unsafe if getattr(s, name)]
         if sets:
-            less = tuple(s.model_copy(update={field: Fraction(0)}) if getattr(s, field) else s for s in task.unsafe)
-            tries.append((f"{field} = 0 of {' and '.join(sets)}", {"unsafe": less}))
-    for name, change in tries:
-        if _opens(task, change, way):
-            yield name
+
+            def less(share: Fraction, name: str = name) -> dict[str, object]:
+                pairs = ((s, getattr(s, name)) for s in task.unsafe)
+                return {"unsafe": tuple(s.model_copy(update={name: share * v}) if v else s for s, v in pairs)}
+
+            share = _shorter(Fraction(1), lambda v, less=less: _opens(task, less(v), way))  # type: ignore[misc]
+            if share is not None:
+                values = sorted({share * getattr(s, name) for s in task.unsafe if getattr(s, name)})
+                told = " and ".join(decimal(v) for v in values)
+                yield f"{name} = {told} of {' and '.join(sets)}"
     for factor in LONGER:
         if _opens(task, {"prescribed_time": factor * task.prescribed_time}, way):
-            yield f"prescribed_time = {decimal(factor * task.prescribed_time)}"
+            before = max([Fraction(1), *(f for f in LONGER if f < factor)])
+            best = factor
+            for part in (Fraction(1, 8), Fraction(1, 4), Fraction(1, 2)):
+                trial = before + part * (factor - before)
+                if _opens(task, {"prescribed_time": trial * task.prescribed_time}, way):
+                    best = trial
+                    break
+            yield f"prescribed_time = {decimal(best * task.prescribed_time)}"
             return
+
+
+def _shorter(given: Fraction, opens: Callable[[Fraction], bool]) -> Fraction | None:
+    """A share of what is given, as large as few tries find, with which there is a way; None where there is none without it."""
+    return next((v for part in (7, 6, 5, 4, 3, 2, 1, 0) if opens(v := given * Fraction(part, 8))), None)
 
 
 def _opens(task: Task, change: dict[str, object], way: Callable[[Arena], bool]) -> bool:
@@ -118,7 +136,7 @@ def _closes(arena: Arena, mover: Mover, searched: Sequence[Field]) -> str | None
         begin = bisect_left(range(count), True, key=lambda v: not safe(v, count)) - 1
         end = bisect_left(range(begin + 1, count), True, key=lambda v: safe(begin, v)) + begin + 1
         first, last = (f"{v / count * arena.time_unit:.3g}" for v in (begin, end))
-        return f"{mover.name} (from {first} s to {last} s)"
+        return f"{mover.name} (a way would open if it were safe from {first} s to {last} s)"
     return None
 
 

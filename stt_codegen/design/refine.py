@@ -18,6 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
+from stt_codegen.design.filter import with_filter
 from stt_codegen.design.lattice import STEP_BITS, lattice_of
 from stt_codegen.design.refusal import refusal
 from stt_codegen.design.shape import Shape, calmest
@@ -40,7 +41,13 @@ def refine(task: Task) -> RefinedDesign:
     if found is None:
         raise NotCertified(refusal(task, arena, _is_found))
     search, shape = found
-    return _finished(task, search, shape)
+    try:
+        return _finished(task, search, shape)
+    except NotCertified:  # of order 2: a narrower tube presses less
+        slow = search_of(search.arena, search.start, search.ladder).slowest() if task.order == 2 else None
+        if slow is None:
+            raise
+        return _finished(task, search, slow)
 
 
 def family(task: Task) -> list[RefinedDesign]:
@@ -116,7 +123,7 @@ def _preferred(task: Task, search: Search, shapes: list[Shape]) -> Shape | None:
 
 
 def _finished(task: Task, search: Search, shape: Shape) -> RefinedDesign:
-    return round_design(task, calmest(search.arena, search.start, shape))
+    return with_filter(task, round_design(task, calmest(search.arena, search.start, shape)))
 
 
 def _longest_period(task: Task, design: RefinedDesign) -> float:
@@ -139,6 +146,6 @@ def round_design(task: Task, shape: Shape) -> RefinedDesign:
     lattice = lattice_of(task)
     integers = np.rint(np.ldexp(shape.points / 6, STEP_BITS)).astype(np.int64)
     integers += np.array(lattice.offsets, dtype=np.int64)[:, None]
-    integers[:, :, -1] = integers[:, :, -3]
+    integers[:, :, -task.order :] = integers[:, :, -3:-2]
     table = tuple(tuple((low, high) for low, high in row) for row in integers.transpose(2, 1, 0).tolist())
     return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table)

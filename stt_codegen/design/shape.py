@@ -34,12 +34,13 @@ BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 /
 @dataclass(frozen=True)
 class Shape:
     """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
-    moves in one segment's time. limits, width: what it was made within."""
+    moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within."""
 
     points: Array
     paces: Array
     limits: Limits
     width: Array
+    order: int = 1
 
     @property
     def pace(self) -> float:
@@ -52,8 +53,9 @@ class Shape:
 
     @property
     def speed(self) -> float:
-        """The peak speed of an edge, with t_c as the unit of time."""
-        return self.pace * self.segments
+        """The peak speed of an edge, with t_c as the unit of time; for order 2 a quarter of the peak acceleration. From rest to
+        rest no edge that goes a way of this length has less."""
+        return self.pace * (self.segments if self.order == 1 else self.segments * self.segments / 4)
 
     def bezier(self) -> Array:
         """Coefficients of every segment: shape (2, n, K, 4)."""
@@ -70,17 +72,17 @@ class Shape:
 
 
 def slowest_shape(
-    arena: Arena, start: Array, limits: Limits, width: Array, floor: float, solvers: Solvers | None = None
+    arena: Arena, start: Array, limits: Limits, width: Array, length: float, solvers: Solvers | None = None
 ) -> Shape | None:
-    """The slowest tube of this width (n,), with sides chosen anew while that helps; None when there is none. floor: a bound on
-    the pace from below."""
+    """The slowest tube of this width (n,), with sides chosen anew while that helps; None when there is none. length: of the way,
+    a bound on the speed from below."""
     solvers = solvers or Solvers()
     best = shape_within(arena, start, limits, width, solvers)
     if best is None:
         return None
     here = limits
     for _ in range(ROUNDS):
-        if best.pace <= CLOSE * floor:
+        if best.speed <= CLOSE * length:
             break
         others = limits_of_tube(arena, best.bezier())
         if others.same(here):
@@ -101,7 +103,7 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
         if found is None:
             return None
         points[:, members], paces[members] = found
-    return Shape(points, paces, limits, width)
+    return Shape(points, paces, limits, width, arena.order)
 
 
 def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
@@ -171,7 +173,9 @@ def _group(
 ) -> tuple[Array, float] | None:
     """Control points (2, m, K + 3) of some dimensions, all with one pace, and it: the slowest; of a given pace the calmest."""
     segments, told = len(limits.edges), pace is not None
-    template = template_of(segments, min(WIDENED, segments), told or arena.max_acceleration is not None, told)
+    bent = told or (arena.order == 1 and arena.max_acceleration is not None)
+    steps = arena.order == 2 and bool(np.isfinite(arena.max_speeds).any())
+    template = template_of(segments, min(WIDENED, segments), bent, told, arena.order, steps)
     each = template.columns - 1
     last = each * len(members)
     parts, bounds, edges = [], [], limits.coefficients(arena)
@@ -181,16 +185,18 @@ def _group(
         bounds.append(_bounds(arena, start[:, i], edges[..., i], float(width[i]), template, i))
     couplings = [c for c in _couplings(arena, limits) if c.first in members]
     if couplings:
-        rows, low = _coupled(couplings, width, members, each, segments)
+        rows, low = _coupled(couplings, width, members, each, template)
         parts.append(rows)
         bounds.append((low, np.full(len(low), np.inf)))
     lower, upper, cost = np.full(last + 1, -np.inf), np.full(last + 1, np.inf), np.zeros(last + 1)
     lower[last], cost[last] = 0.0, 0.0 if told else 1.0
     if pace is not None:
         upper[last] = pace + SPARE
+    elif arena.order == 2:
+        upper[last] = min(_bend(arena, segments, i) for i in members)
     widened = min(WIDENED, segments)
     for k, i in enumerate(members):
-        z = slice(k * each + segments + 2, k * each + segments + 2 + widened)
+        z = slice(k * each + template.points, k * each + template.points + widened)
         bends = slice(z.stop, (k + 1) * each)
         lower[z], cost[z] = 0.0, NARROWS / widened
         lower[bends], cost[bends] = 0.0, 1.0
@@ -205,11 +211,11 @@ def _group(
         return None
     points = np.empty((2, len(members), segments + 3))
     for k, i in enumerate(members):
-        low = solution[k * each : k * each + segments + 2]
+        low = solution[k * each : k * each + template.points]
         high = low + float(width[i])
-        high[:widened] += solution[k * each + segments + 2 : k * each + segments + 2 + widened]
+        high[:widened] += solution[k * each + template.points : k * each + template.points + widened]
         for edge, value in ((LOWER, low), (UPPER, high)):
-            points[edge, k] = np.concatenate([value, value[segments : segments + 1]])
+            points[edge, k] = value[list(template.column)]
     return points, float(solution[last])
 
 
@@ -245,6 +251,13 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
         upper[place[name]] = 0.0
     for name in ("fall", "fall, wider"):
         lower[place[name]] = 0.0
+    for name, low_, high_ in (("rest", -np.inf, 0.0), ("rest, wider", 0.0, np.inf)):
+        if name in place:
+            lower[place[name]], upper[place[name]] = low_, high_
+    for name in ("step", "step, wider"):
+        if name in place:
+            most = float(arena.max_speeds[i]) / segments - arena.allowance
+            lower[place[name]], upper[place[name]] = -most, most
     for name in ("bend", "bend, wider"):
         if name in place:
             most = 0.0 if template.told else _bend(arena, segments, i)
@@ -252,11 +265,11 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     return lower, upper
 
 
-def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each: int, segments: int) -> tuple[Rows, Array]:
+def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each: int, template: Template) -> tuple[Rows, Array]:
     """The rows of couplings, and what they are at least."""
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
     bound: list[float] = []
-    widened = min(WIDENED, segments)
+    widened = min(WIDENED, len(template.column) - 3)
     place = {i: k for k, i in enumerate(members)}
     for one in couplings:
         constant = sum(c * float(width[i]) for i, c in enumerate(one.normal) if c < 0)
@@ -267,10 +280,10 @@ def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each:
                     continue
                 first = place[i] * each
                 for point, w in zip(range(s, s + 4), weights, strict=True):
-                    own = first + (segments if point == segments + 2 else point)  # the last control points are one column
+                    own = first + template.column[point]
                     terms[own] = terms.get(own, 0.0) + c * w
                     if c < 0 and point < widened:
-                        terms[first + segments + 2 + point] = c * w
+                        terms[first + template.points + point] = c * w
             rows.append((tuple(terms), tuple(terms.values())))
             bound.append(limit - constant)
     return Rows.of(rows), np.array(bound)

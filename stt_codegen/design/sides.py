@@ -185,9 +185,10 @@ def limits_by_stretch(
     return limits
 
 
-def limits_along(arena: Arena, start: Array, route: Route, width: Array, segments: int, hold: float) -> Limits:
+def limits_along(arena: Arena, start: Array, route: Route, width: Array, segments: int, hold: float, ramp: float = 0.0) -> Limits:
     """What the box of this width leaves that follows the route at constant speed, in the largest component: for every segment and
-    unsafe set the side with most room. hold: segments that it stands at every corner."""
+    unsafe set the side with most room. hold: segments that it stands at every corner; ramp: the share of the time in which it
+    gets up to speed, and as long to rest."""
     points = route.points
     steps = arena.distance(points[1:] - points[:-1])
     rest = hold * float(np.cumsum(steps)[-1]) / segments if len(steps) else 0.0
@@ -198,16 +199,22 @@ def limits_along(arena: Arena, start: Array, route: Route, width: Array, segment
         if hold and k < len(steps) - 1:
             knots.append(knots[-1] + rest)
             places.append(points[k + 1])
-    centre = _polyline(np.array(knots), np.array(places), segments)  # (n, K + 1)
+    centre = _polyline(np.array(knots), np.array(places), segments, ramp)  # (n, K + 1)
     half = width[:, None] / 2
     low, high = np.minimum(centre[:, 1:], centre[:, :-1]) - half, np.maximum(centre[:, 1:], centre[:, :-1]) + half
     low[:, 0], high[:, 0] = np.minimum(low[:, 0], start[0]), np.maximum(high[:, 0], start[1])
     return _by_room(arena, low, high, np.stack([low, high])[..., None], start)
 
 
-def _polyline(knots: Array, places: Array, count: int) -> Array:
-    """Places (P, n) at count + 1 equal parts of the knots: (n, count + 1). NumPy's interpolation differs by machine."""
+def _polyline(knots: Array, places: Array, count: int, ramp: float = 0.0) -> Array:
+    """Places (P, n) at count + 1 equal times, through the knots at one speed but for the ramps at both ends: (n, count + 1).
+    NumPy's interpolation differs by machine."""
     t = knots[-1] * np.arange(count + 1) / count
+    if ramp:
+        share = np.arange(count + 1) / count
+        rest = np.minimum(share, 1 - share)  # to the nearer end
+        way = np.where(rest < ramp, rest * rest / (2 * ramp), rest - ramp / 2) / (1 - ramp)
+        t = knots[-1] * np.where(share < 0.5, way, 1 - way)
     k = np.minimum(np.searchsorted(knots, t, side="right") - 1, len(knots) - 2)
     length = knots[k + 1] - knots[k]
     part = np.where(length > 0, (t - knots[k]) / np.where(length > 0, length, 1.0), 1.0)

@@ -15,20 +15,29 @@ BEND = (1.0, -2.0, 1.0)  # a second difference
 
 @dataclass(frozen=True)
 class Template:
-    """The rows of one dimension for K segments, m widened points. Columns are L's K + 2 control points (point K + 2 is point K),
-    then z's m, then where bends are told how much each is, up and down, then the pace. place: which rows are which."""
+    """The rows of one dimension for K segments, m widened points. Columns are L's control points, K + 2 (point K + 2 is point K)
+    or K + 1 for order 2 (the last three are one), then z's m, then where bends are told how much each is, up and down, then the
+    pace: what an edge moves at most in one segment's time, for order 2 by how much two such moves differ. place: which rows are
+    which."""
 
     rows: Rows
     place: dict[str, slice]
     columns: int
     told: bool
+    column: tuple[int, ...]  # of every control point
+
+    @property
+    def points(self) -> int:
+        """How many columns L has."""
+        return max(self.column) + 1
 
 
 @cache
-def template_of(segments: int, widened: int, bends: bool, told: bool) -> Template:
-    """bends: with rows of second differences; told: in columns of their own, for a cost."""
-    points = segments + 2
-    column = [*range(points), segments]
+def template_of(segments: int, widened: int, bends: bool, told: bool, order: int = 1, steps: bool = False) -> Template:
+    """bends: with rows of second differences; told: in columns of their own, for a cost; steps: for order 2, with rows of the
+    differences of neighbours too."""
+    points = segments + 3 - order
+    column = [*range(points), *[segments] * order]
     early_bends = min(widened, segments + 1)  # second differences in which z counts
     pace = points + widened + (2 * (segments + 1 + early_bends) if told else 0)
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
@@ -62,12 +71,21 @@ def template_of(segments: int, widened: int, bends: bool, told: bool) -> Templat
     add("start", [lower((0, 1, 2), JOINT)])
     add("start, wider", [upper((0, 1, 2), JOINT)])
     # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0
+    slope = ((2, 0), (0.5, -0.5))
+    moves = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, segments + 1)), slope]
+    early_moves = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, widened)), slope]
+    turns = [((j, j + 1, j + 2), BEND) for j in range(segments + 1)]
+    paced, early_paced = (moves, early_moves) if order == 1 else (turns, turns[:early_bends])
     for name, sign in (("rise", -1.0), ("fall", 1.0)):
-        steps = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, segments + 1)), ((2, 0), (0.5, -0.5))]
-        early_steps = [*(((j + 1, j), (1.0, -1.0)) for j in range(1, widened)), ((2, 0), (0.5, -0.5))]
-        for what, edge, which in ((name, lower, steps), (f"{name}, wider", upper, early_steps)):
+        for what, edge, which in ((name, lower, paced), (f"{name}, wider", upper, early_paced)):
             found = [edge(places, values) for places, values in which]
             add(what, [((*c, pace), (*v, sign)) for c, v in found])
+    if order == 2:
+        add("rest", [lower(*slope)])
+        add("rest, wider", [upper(*slope)])
+    if steps:
+        add("step", [lower(*move) for move in moves])
+        add("step, wider", [upper(*move) for move in early_moves])
     if bends:
         # the second derivative is linear between the second differences of control points
         first = points + widened
@@ -77,4 +95,4 @@ def template_of(segments: int, widened: int, bends: bool, told: bool) -> Templat
                 found = [((*c, first + 2 * j, first + 2 * j + 1), (*v, -1.0, 1.0)) for j, (c, v) in enumerate(found)]
                 first += 2 * count
             add(what, found)
-    return Template(Rows.of(rows), place, pace + 1, told)
+    return Template(Rows.of(rows), place, pace + 1, told, tuple(column))

@@ -80,7 +80,7 @@ class TimedSearch(Search):
             if way is None:
                 continue
             limits = limits_in_time(self.arena, self.start, way, width)
-            shape = slowest_shape(self.arena, self.start, limits, width, self.straight / segments, self.solvers)
+            shape = slowest_shape(self.arena, self.start, limits, width, self.straight, self.solvers)
             if shape is not None:
                 return shape
         return None

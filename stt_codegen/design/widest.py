@@ -33,7 +33,8 @@ FIRST = (1.0, 0.95)  # of the widest share: a spline loses a segment at each end
 TRIES = 3  # shares between the least width and one that is too fast, where the speed between them would meet the limit,
 LEAST_STEP, MOST_STEP = 0.35, 0.9  # but so much of the way at least, and at most
 TIGHT = 0.02  # to this part of start and target the widest share is found
-HOLDS = (0.0, 1.0)  # segments of standing at every corner of a route
+HOLDS = ((0.0, 0.0), (1.0, 0.0))  # segments of standing at every corner of a route; the share of the time to get up to speed
+RAMPS = ((0.0, 0.5), (0.0, 0.25), (1.0, 0.25))  # the same for order 2
 NEAR = 1.12  # a tube this much faster than the limit is not mended by more segments
 GOOD, FAIR = 1.08, 1.1  # times its route over t_c a tube is slow enough to try no rests at corners, no stays
 FEWER = 0.97  # more segments count where the tube is slower by that
@@ -63,11 +64,15 @@ class Search:
 
     def most(self, segments: int) -> float:
         """The largest peak speed that max_speed allows, less what rounding the control points may add: 6 steps to a difference
-        of two, a fifth of the allowance."""
+        of two, a fifth of the allowance. For order 2 the programs know all limits."""
+        if self.arena.order == 2:
+            return np.inf
         return self.arena.max_speed - ROUNDED * self.arena.allowance * segments
 
     def keeps(self, shape: Shape) -> bool:
         """Whether every dimension keeps to its own bound on speed."""
+        if self.arena.order == 2:
+            return True
         speeds = shape.paces * self.arena.swiftness * shape.segments
         return bool((speeds <= self.arena.max_speeds - ROUNDED * self.arena.allowance * shape.segments).all())
 
@@ -202,9 +207,9 @@ class Search:
     def moved(self, width: Array, route: Route, segments: int, limit: float) -> Shape | None:
         """Sides of the box that moves along the route at one speed, with or without a rest at its corners."""
         best: Shape | None = None
-        for hold in HOLDS:
-            limits = limits_along(self.arena, self.start, route, width, segments, hold)
-            shape = slowest_shape(self.arena, self.start, limits, width, route.length / segments, self.solvers)
+        for hold, ramp in HOLDS if self.arena.order == 1 else RAMPS:
+            limits = limits_along(self.arena, self.start, route, width, segments, hold, ramp)
+            shape = slowest_shape(self.arena, self.start, limits, width, route.length, self.solvers)
             if shape is not None and (best is None or shape.pace < best.pace):
                 best = shape
             if best is not None and best.speed <= max(limit, GOOD * route.length):
@@ -223,7 +228,7 @@ class Search:
             if changes is None:
                 continue
             limits = limits_by_stretch(arena, sides, changes, segments)
-            shape = slowest_shape(arena, self.start, limits, width, timing.length / segments, self.solvers)
+            shape = slowest_shape(arena, self.start, limits, width, timing.length, self.solvers)
             if shape is not None:
                 return shape
         return None

@@ -26,13 +26,15 @@ class RefinedDesign:
     """A refined tube.
 
     table: control points over 6 in units of 2**-bits, `table[j][i]` = (lower, upper) for control point j = 0..K+2 and
-    dimension i. prescribed_time: t_c in seconds.
+    dimension i. prescribed_time: t_c in seconds. filter: lambda by component, for a plant of order 2 whose v + lambda x is held
+    in the tube (L' + lambda L, R' + lambda R); empty for order 1.
     """
 
     prescribed_time: Fraction
     segments: int
     bits: int
     table: tuple[tuple[tuple[int, int], ...], ...]
+    filter: tuple[Fraction, ...] = ()
 
     kind = "refined"
     stateful = False  # the tube is a function of time alone

@@ -110,7 +110,7 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
         "period": str(proved.period),
         "latency": str(proved.latency),
         "share": str(proved.share),
-        "plant": {name: None if value is None else str(value) for name, value in task.plant},
+        "plant": {name: None if value is None else str(value) for name, value in task.plant.bounds.items()},
         "rho": [str(v) for v in proved.rho],
         "u": [str(Fraction(str(above(v)))) for v in proved.u],
         "shift": [str(v) for v in proved.shift],

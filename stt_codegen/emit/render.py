@@ -77,7 +77,10 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
 
 def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
-    data = {"task": task.digest, "scalar": task.emit.scalar, "design": dataclasses.asdict(design)}
+    numbers = dataclasses.asdict(design)
+    if not numbers.get("filter"):  # of order 2 alone
+        numbers.pop("filter", None)
+    data = {"task": task.digest, "scalar": task.emit.scalar, "design": numbers}
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 

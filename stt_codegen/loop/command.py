@@ -106,6 +106,8 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension)]
     if request.plant == BOUNDS and request.disturbance == "none" and models[0].w_max:
         request = replace(request, disturbance="outward")
+    if request.clock != "stated" and not any(c is not None for c in task.courses):
+        raise BadInput(f"--clock {request.clock}: no unsafe set of the task moves or has hours; leave it out")
     scenario = request.scenario(task, models[0])
     if request.plant == BOUNDS and scenario.strength > float(models[0].w_max):
         raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(models[0].w_max):g}")

@@ -1,6 +1,8 @@
 """What Theorem 4.1 and the sampled statements give for one controller and one plant: hypotheses, and bounds with numbers.
 
 `design` shows the short form, `prove TASK` writes all of it to <p>.bounds.json; bounds.py has both as data.
+
+Long because every number of the report is asked of one setting, which stands here.
 """
 
 from __future__ import annotations
@@ -100,8 +102,13 @@ class Analysis:
     def name(self) -> str:
         if self.plant is not None:
             return self.plant.name
-        told = self.controller.task.plant.model_dump(exclude_none=True)
-        return "[plant] of the task" if told else "xdot = u" if self.controller.task.gain[0] > 0 else "xdot = -u"
+        return (
+            "[plant] of the task"
+            if self.controller.task.plant.stated
+            else "xdot = u"
+            if self.controller.task.gain[0] > 0
+            else "xdot = -u"
+        )
 
     # ------------------------------------------------------------------------------------ sampled control
 
@@ -127,7 +134,7 @@ class Analysis:
         task, found = self.controller.task, []
         if self.state_is_outside:
             found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
-        if self.plant is None and task.plant.model_dump(exclude_none=True):
+        if self.plant is None and task.plant.stated:
             if task.plant.g_cross is None and task.dimension > 1:
                 found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:

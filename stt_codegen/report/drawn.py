@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,12 @@ def hull_of(points: Array) -> Array:
 def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
     """A set as matplotlib draws it."""
     return Polygon(outline(convex, plane), closed=True, color=colour, **style)
+
+
+def swept(sets: Sequence[ConvexSet], colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
+    """The hull of several places of a set: what is avoided where it may be at any of them, or between."""
+    points = np.array([point for convex in sets for point in convex.shadow(*plane)])
+    return Polygon(hull_of(points), closed=True, color=colour, **style)
 
 
 def target_outline(task: Task, plane: Plane) -> Array:

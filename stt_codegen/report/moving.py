@@ -9,7 +9,7 @@ import numpy.typing as npt
 from matplotlib.patches import Polygon, Rectangle
 
 from stt_codegen.certify.moving import Lines
-from stt_codegen.report.drawn import COLOURS, Plane, frame, named, patch, target_outline
+from stt_codegen.report.drawn import COLOURS, Plane, frame, named, swept, target_outline
 from stt_codegen.rows import Avoidance
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course, places
@@ -28,12 +28,12 @@ def moves(task: Task) -> bool:
 def draw_faint(axis: Any, convex: ConvexSet, course: Course, plane: Plane, told: bool) -> None:
     """A set that moves, at several times; with its name where that is `told`."""
     first, last = course.legs[0].begin, course.legs[-1].end
-    count = FAINT if course.moves else 1
-    shown = [place for k in range(count) for place in places(convex, course, first + (last - first) * k / max(count - 1, 1))]
-    for place in shown:
-        axis.add_patch(patch(place, COLOURS["unsafe"], plane, alpha=0.12, linewidth=0.8))
+    count = FAINT if course.moves or course.spread else 1
+    shown = [places(convex, course, first + (last - first) * k / max(count - 1, 1)) for k in range(count)]
+    for here in shown:
+        axis.add_patch(swept(here, COLOURS["unsafe"], plane, alpha=0.12, linewidth=0.8))
     if told:
-        named(axis, shown[0], convex.name, plane, "white", 1)
+        named(axis, shown[0][0], convex.name, plane, "white", 1)
 
 
 def draw_times(figure: Any, task: Task, t: Array, low: Array, high: Array, plane: Plane, path: Array | None = None) -> None:
@@ -48,8 +48,8 @@ def draw_times(figure: Any, task: Task, t: Array, low: Array, high: Array, plane
         now = task.prescribed_time * k / (TIMES - 1)
         frame(axis, task, plane)
         for convex, course, alpha in sets:
-            for place in places(convex, course, now):
-                axis.add_patch(patch(place, COLOURS["unsafe"], plane, alpha=alpha, linewidth=0))
+            if here := places(convex, course, now):
+                axis.add_patch(swept(here, COLOURS["unsafe"], plane, alpha=alpha, linewidth=0))
         by = task.target_course.displaced(now)
         shift = np.array([float(by[i] - end[i]) for i in plane])
         axis.add_patch(

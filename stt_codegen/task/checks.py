@@ -1,4 +1,7 @@
-"""What no schema can see: how the fields of a task must fit together. Each check returns the message, or None."""
+"""What no schema can see: how the fields of a task must fit together. Each check returns the message, or None.
+
+Long because every message stands where its check is.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,7 @@ import keyword
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
-from stt_codegen.task.motion import places
+from stt_codegen.task.motion import Course, places
 from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
@@ -50,10 +53,12 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         given = getattr(task.control, name)
         if isinstance(given, tuple):
             vectors.append((f"control.{name}", given))
-    for name in ("max_speed", "max_acceleration"):
+    for name in ("max_speed", "max_acceleration", "filter"):
         given = getattr(task.tube, name)
         if isinstance(given, tuple):
             vectors.append((f"tube.{name}", given))
+    if isinstance(task.initial_set.speed, tuple):
+        vectors.append(("initial_set.speed", task.initial_set.speed))
     vectors += [(name, given) for name in ("axes", "units") if (given := getattr(task, name)) is not None]
     for field, vector in vectors:
         if len(vector) != n:
@@ -101,7 +106,8 @@ def _motion_problem(task: TaskTables, table: Unsafe | Target) -> str | None:
         if len(point.by) != wanted:
             return f"motion[{k}].by: has {len(point.by)} entries; {wanted} are needed, one for each of the set's axes"
         if point.at > t_c:
-            return f"motion[{k}].at: is {decimal(point.at)}, after prescribed_time = {decimal(t_c)}; from then on sets stand"
+            told = f"is {decimal(point.at)}, after prescribed_time = {decimal(t_c)}; from then on sets stand"
+            return f"motion[{k}].at: {told}, so use at most {decimal(t_c)}"
         if k and table.motion and point.at <= table.motion[k - 1].at:
             before = decimal(table.motion[k - 1].at)
             return f"motion[{k}].at: is {decimal(point.at)}, not after the entry before, {before}; times must increase"
@@ -158,11 +164,34 @@ def _options_problem(task: TaskTables) -> str | None:
     for field, (other, value) in unread.items():
         if value is not None and kind == other:
             return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
-    if problem := _limits_problem(task):
+    if problem := _limits_problem(task) or _order_problem(task):
         return problem
     low, high = task.plant.g_min, task.plant.g_max
     if low is not None and high is not None and low > high:
         return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
+    return None
+
+
+def _order_problem(task: TaskTables) -> str | None:
+    """What is for plants of order 2 alone, and what is not for them."""
+    filter_, speed = task.tube.filter, task.initial_set.speed
+    if task.order == 1:
+        given = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
+        field = next((name for name, value in given.items() if value is not None), None)
+        return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
+    if task.order == 2:
+        return "plant.order: is 2; plants of order 2 are not known yet, use 1"
+    if task.tube.design != "refined":
+        return f"plant.order: is 2, which the {task.tube.design} design does not know; use the refined design"
+    for name, value, least in (("tube.filter", filter_, "greater than 0"), ("initial_set.speed", speed, "0 or greater")):
+        entries = () if value is None or isinstance(value, str) else value if isinstance(value, tuple) else (value,)
+        for i, entry in enumerate(entries):
+            if entry < 0 or (not entry and name == "tube.filter"):
+                return f"{name}{f'[{i}]' if isinstance(value, tuple) else ''}: is {decimal(entry)}; it must be {least}"
+    if task.control.period is not None:
+        return "control.period: is not proved for plants of order 2 yet; leave it out"
+    if task.emit.selftest:
+        return "emit.selftest: is not there for plants of order 2 yet; leave it out"
     return None
 
 
@@ -243,8 +272,13 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                 if sign * end > sign * limit:
                     round_ = field == "target_set" and task.target_set.centre is not None and not task.target_set.lower
                     what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
-                    when = ", where it is at t_c" if field == "target_set" and task.target_set.motion is not None else ""
-                    return f"{field}: {what} lies outside the state space{body}{when}; use {most} {decimal(limit)}"
+                    if field == "target_set" and task.target_set.motion is not None:
+                        by = task.target_course.displaced(task.prescribed_time)[i]
+                        told = (
+                            f"use {most} {decimal(limit - by)} here, or a motion that ends by {most} {decimal(limit - end + by)}"
+                        )
+                        return f"{field}: displaced by {decimal(by)} at t_c, {what} lies outside the state space{body}; {told}"
+                    return f"{field}: {what} lies outside the state space{body}; use {most} {decimal(limit)}"
     for normal, offset in task.space_cuts:
         if task.start.support(normal) > offset:
             return f"initial_set: lies outside the state space{body}, where {_half_space(task, normal, offset)}"
@@ -256,6 +290,13 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                 f"use a value between {decimal(a)} and {decimal(b)}"
             )
     return None
+
+
+def _may(course: Course) -> str:
+    """How sure it is where a set is."""
+    doubt = [name for name, value in (("timing", course.early), ("start_delay", course.late - course.early)) if value]
+    doubt += ["spread"] if course.spread else []
+    return f"may be (with its {' and '.join(doubt)})" if doubt else "is"
 
 
 def _half_space(task: TaskTables, normal: Normal, offset: Fraction) -> str:
@@ -285,9 +326,16 @@ def unsafe_problem(task: TaskTables) -> str | None:
         label = f"unsafe[{j}]" + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
         first, last = (places(grown, course, at) for at in (Fraction(0), task.prescribed_time))
         if any(not place.apart(start.lower, start.upper) for place in first):
-            when = "" if course is None or not course.moves else " where it is at t = 0"
+            when = "" if course is None or not course.moves else f" where it {_may(course)} at t = 0"
             return f"initial_set: meets {label}{when}; move or shrink one of them"
         if any(place.covers(target.lower, target.upper) for place in last):
-            when = "" if course is None or not course.moves else " where it is at t_c"
+            closes = course is not None and course.window is not None and course.window[1] < course.t_c
+            when = (
+                ""
+                if course is None
+                else f", which {_may(course)} unsafe at t_c"
+                if closes
+                else f" where it {_may(course)} at t_c"
+            )
             return f"target_set: lies inside {label}{when}; move or shrink one of them"
     return None

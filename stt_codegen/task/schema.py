@@ -20,6 +20,7 @@ from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsaf
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
+    EachOrAuto,
     GainOrAuto,
     Labels,
     NotNegative,
@@ -40,6 +41,7 @@ class InitialSet(Box):
     share: Annotated[Positive, AfterValidator(below_one)] = Field(
         default=Fraction(9, 10), description="starts that sampling is proved for: this share of gamma(0)'s half widths"
     )
+    speed: Each | None = Field(default=None, description="bound on the speed of these starts, for order 2; absent: at rest")
 
 
 def _from_box(value: object) -> object:
@@ -70,6 +72,9 @@ class TubeOptions(Table):
     max_speed: Each | None = Field(default=None, description="bound on the speed of every edge, or one for each component")
     max_acceleration: Each | None = Field(
         default=None, description="bound on the acceleration of every edge, or one for each component; refined only"
+    )
+    filter: EachOrAuto | None = Field(
+        default=None, description='lambda of order 2, in 1/s: what is held is v + lambda x; "auto" or absent: chosen'
     )
     segments: Annotated[int, BeforeValidator(whole)] | None = Field(
         default=None, ge=4, le=8192, description="spline segments; chosen when absent"
@@ -106,12 +111,29 @@ class EmitOptions(Table):
 class PlantBounds(Table):
     """Bounds on the plant for the effort and sampling statements; the controller itself needs none of them."""
 
+    order: Annotated[int, BeforeValidator(whole)] = Field(
+        default=1, ge=1, le=2, description="1: u makes speeds; 2: accelerations, and the bounds here are of these"
+    )
     f_max: NotNegative | None = Field(default=None, description="bound on |f|; absent: 0")
     w_max: NotNegative | None = Field(default=None, description="bound on |w|; absent: 0")
     g_min: Positive | None = Field(default=None, description="bound on g_s from below; absent: 1, or g_max where that is less")
     g_max: Positive | None = Field(default=None, description="bound on |g|; absent: 1, or g_min where that is more")
     g_cross: NotNegative | None = Field(default=None, description="bound on every |g_ij|, i not j; absent: 0, no coupling")
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
+    noise_v: NotNegative | None = Field(
+        default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
+    )
+
+    @property
+    def bounds(self) -> dict[str, Fraction | None]:
+        """What the task says of each bound, those of order 2 only there."""
+        names = ("f_max", "w_max", "g_min", "g_max", "g_cross", "noise", *(("noise_v",) if self.order == 2 else ()))
+        return {name: getattr(self, name) for name in names}
+
+    @property
+    def stated(self) -> bool:
+        """Whether the task says anything about the plant but its order."""
+        return any(v is not None for v in self.bounds.values())
 
 
 def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
@@ -209,6 +231,22 @@ class TaskTables(Table):
     def max_speed(self) -> tuple[Fraction, ...] | None:
         """The bound on the speed of the tube's edges by dimension; None for none."""
         return None if self.tube.max_speed is None else self._each(self.tube.max_speed)
+
+    @property
+    def order(self) -> int:
+        """Of the plant: 1 where u makes speeds, 2 where it makes accelerations."""
+        return self.plant.order
+
+    @property
+    def filter(self) -> tuple[Fraction, ...] | None:
+        """lambda by component; None where it is to be chosen."""
+        given = self.tube.filter
+        return None if given is None or isinstance(given, str) else self._each(given)
+
+    @property
+    def start_speed(self) -> tuple[Fraction, ...]:
+        """The bound on the speed at the start, by component."""
+        return self._each(self.initial_set.speed or Fraction(0))
 
     @property
     def max_acceleration(self) -> tuple[Fraction, ...] | None:

@@ -264,7 +264,18 @@ class UnsafeHalfSpaces(Unsafe):
             )
         if spanned(found) < len(lower):
             raise ValueError("normals: what they leave of the state space has no interior; move two of the offsets apart")
+        if self.motion is not None and set(found) != set(self._corners(lower, upper)):
+            raise ValueError(
+                "motion: the half-spaces leave the set open, so it ends at the state space, and what ends there would move as a "
+                "whole; close it with more normals, or give its vertices"
+            )
         return Polytope(found, self.name)
+
+    def _corners(self, lower: Vector, upper: Vector) -> tuple[Vector, ...]:
+        """The corners in a state space that is larger on every side."""
+        size = [b - a for a, b in zip(lower, upper, strict=True)]
+        wider = (tuple(v + s * d for v, d in zip(edge, size, strict=True)) for edge, s in ((lower, -1), (upper, 1)))
+        return corners_left(*wider, tuple(half_spaces(self.normals, self.offsets)))
 
 
 class UnsafeBall(Unsafe):

@@ -146,6 +146,10 @@ Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
 Each = Annotated[  # one number for all components, or one for each
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
+EachOrAuto = Annotated[
+    Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
+    Discriminator(_number_or_list),
+]
 Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return_type=float), WithJsonSchema({"type": "number"})]
 
 
