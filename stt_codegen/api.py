@@ -282,8 +282,8 @@ class Controller(pipeline.Controller):
         lower, upper = self._at("tube_rate", t)
         return lower, upper
 
-    def control(self, t: npt.ArrayLike, x: npt.ArrayLike) -> tuple[Any, Array]:
-        """Status and input at times t for states x.
+    def control(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> tuple[Any, Array]:
+        """Status and input at times t for states x, of order 2 with their speeds v, of x's shape.
 
         Returns
         -------
@@ -298,18 +298,26 @@ class Controller(pipeline.Controller):
         >>> int(status), bool(u[0] > 0 > u[1])
         (0, True)
         """
-        status, u = self._at("control", t, x)
+        status, u = self._at("control", t, x, v)
         return status, u
 
-    def margin(self, t: npt.ArrayLike, x: npt.ArrayLike) -> Any:
-        """How far x is from leaving the tube, as a share of its width: 0.5 in the middle, 0 at an edge; a number, or (P,).
+    def filtered_tube(self, t: npt.ArrayLike) -> tuple[Array, Array]:
+        """Of order 2, lower and upper edges for v + lambda x at times t, each of shape (n,) or (P, n), in units per second."""
+        if self.task.order == 1:
+            raise BadInput(f"{self.task.name}: is of order 1; only a plant of order 2 has a filtered tube")
+        lower, upper = self._at("filtered_tube", t)
+        return lower, upper
+
+    def margin(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Any:
+        """How far x is from leaving the tube, as a share of its width: 0.5 in the middle, 0 at an edge; a number, or (P,). Of
+        order 2 the lesser of that and the same of v + lambda x in its own tube.
 
         Examples
         --------
         >>> round(float(build("tasks/omni_s2.toml").margin(0.0, [0.25, 0.25])), 3)
         0.5
         """
-        (share,) = self._at("margin", t, x)
+        (share,) = self._at("margin", t, x, v)
         return share
 
     def distance(self, t: npt.ArrayLike, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Array:
@@ -328,20 +336,23 @@ class Controller(pipeline.Controller):
             raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed, with one time or more")
         return np.atleast_1d(times), times.ndim == 0
 
-    def _at(self, name: str, t: npt.ArrayLike, x: npt.ArrayLike | None = None) -> list[Any]:
+    def _at(self, name: str, t: npt.ArrayLike, *state: npt.ArrayLike | None) -> list[Any]:
         """An emitted function at every time; outputs without the first axis where t is a number and x is one state."""
         times, single = self._times(t)
-        n = self.task.dimension
-        arguments: list[Any] = []
-        if x is not None:
-            states = np.asarray(x, dtype=float)
+        n, arguments = self.task.dimension, list[Any]()
+        given = [(label, v) for label, v in zip(("x", "v"), state, strict=False) if v is not None or self.task.order == 2]
+        if len(given) > self.task.order:
+            raise BadInput("v: the plant is of order 1, whose law takes x alone")
+        for label, value in given:
+            states = np.asarray(np.nan if value is None else value, dtype=float)
             if states.ndim not in (1, 2) or states.shape[-1] != n or (states.ndim == 2 and len(times) not in (1, len(states))):
                 wanted = f"({n},) or ({'P' if single else len(times)}, {n})"
-                raise BadInput(f"x: has shape {states.shape}; {wanted} is needed, one number for each dimension")
+                told = "is missing" if value is None else f"has shape {states.shape}"
+                raise BadInput(f"{label}: {told}; {wanted} is needed, one number for each dimension")
             single = single and states.ndim == 1
             count = len(states) if states.ndim == 2 else len(times)
             times, states = np.broadcast_to(times, count), np.broadcast_to(states, (count, n))
-            arguments = [states]
+            arguments.append(states)
         if self.design.stateful:
             arguments = [np.atleast_2d(self.alpha(times)), *arguments]
         function = getattr(self.module, name)
@@ -460,7 +471,7 @@ class Controller(pipeline.Controller):
         from stt_codegen.loop.simulate import Loop, Scenario, of_task
         from stt_codegen.plants import plant_of
 
-        model = plant_of(plant, self.task.dimension) if isinstance(plant, str) else plant
+        model = plant_of(plant, self.task.dimension, self.task.order) if isinstance(plant, str) else plant
         if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension")):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:

@@ -89,9 +89,11 @@ def settled(task: Task, design: Design) -> Task:
     if not task.gain_chosen or not isinstance(design, RefinedDesign):
         return task
     from stt_codegen.certify.period import chosen_gain
-    from stt_codegen.controller.arithmetic import edge_error
+    from stt_codegen.controller.arithmetic import edge_error, rate_error
 
-    return task.with_gain(chosen_gain(task, design, edge_error(design, build_program(task, design))))
+    program = build_program(task, design)
+    rate = rate_error(design, program) if task.order == 2 else ()
+    return task.with_gain(chosen_gain(task, design, edge_error(design, program), rate))
 
 
 def design_tube(task: Task) -> Design:

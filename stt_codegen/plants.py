@@ -1,5 +1,5 @@
-"""Plants xdot = f(x) + g(x) u + w: what the controller does not know, for the statements about effort and sampling and for
-simulation.
+"""Plants xdot = f(x) + g(x) u + w, or of order 2: what the controller does not know, for the statements about effort and sampling
+and for simulation.
 
 A plant of your own is a Python file with `f(x)` and `g(x)`, CasADi expressions of a column x (lists of entries and of rows
 will do), and, where you know one, `w_max`, a bound on the norm of w:
@@ -14,12 +14,15 @@ will do), and, where you know one, `w_max`, a bound on the norm of w:
 
     w_max = 0.1
 
+For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x and v.
+
 CasADi is imported only where a plant is evaluated.
 """
 
 from __future__ import annotations
 
 import contextlib
+import inspect
 import runpy
 import sys
 from collections.abc import Callable, Sequence
@@ -32,17 +35,19 @@ from stt_codegen.errors import BadInput
 
 
 class Model(Protocol):
-    """What a plant must have. f, g: CasADi expressions of the column x, shapes (n,) and (n, n); w_max: a bound on |w|, in
-    units per second; dimension: n, or None where any will do."""
+    """What a plant must have. f, g: CasADi expressions of the column x, for order 2 of x and v, shapes (n,) and (n, n); w_max: a
+    bound on |w|, in units per second, for order 2 per second squared; dimension, order: None where any will do."""
 
     @property
     def name(self) -> str: ...
     @property
     def dimension(self) -> int | None: ...
     @property
+    def order(self) -> int | None: ...
+    @property
     def w_max(self) -> Fraction: ...
-    def f(self, x: Any) -> Any: ...
-    def g(self, x: Any) -> Any: ...
+    def f(self, *state: Any) -> Any: ...
+    def g(self, *state: Any) -> Any: ...
 
 
 @dataclass(frozen=True)
@@ -52,25 +57,26 @@ class Plant:
     name: str
     doc: str
     dimension: int | None
-    drift: Callable[[Any], Any]
-    input_matrix: Callable[[Any], Any]
+    drift: Callable[..., Any]
+    input_matrix: Callable[..., Any]
     w_max: Fraction = Fraction(0)
+    order: int | None = 1
 
-    def f(self, x: Any) -> Any:
-        return self.drift(x)
+    def f(self, *state: Any) -> Any:
+        return self.drift(*state)
 
-    def g(self, x: Any) -> Any:
-        return self.input_matrix(x)
+    def g(self, *state: Any) -> Any:
+        return self.input_matrix(*state)
 
 
 # ------------------------------------------------------------------------------------------------ built in
 
 
-def _no_drift(x: Any) -> Any:
+def _no_drift(x: Any, *_: Any) -> Any:
     return [0] * x.shape[0]
 
 
-def _identity(x: Any) -> Any:
+def _identity(x: Any, *_: Any) -> Any:
     n = x.shape[0]
     return [[int(i == j) for j in range(n)] for i in range(n)]
 
@@ -114,7 +120,7 @@ def _servo(x: Any) -> Any:
 PLANTS = {
     plant.name: plant
     for plant in (
-        Plant("integrator", "xdot = u + w, in any dimension", None, _no_drift, _identity),
+        Plant("integrator", "xdot = u + w, or of order 2 vdot = u + w, in any dimension", None, _no_drift, _identity, order=None),
         Plant("robot", "the omnidirectional robot (14) with its heading x3", 3, _no_drift, _robot),
         Plant("spacecraft", "attitude rates of a rigid body, torques as inputs", 3, _gyroscopic, _torques),
         Plant("arm", "two-link arm at velocity level, unknown gains", 2, _droop, _servo),
@@ -125,15 +131,18 @@ PLANTS = {
 # ------------------------------------------------------------------------------------------------ by name
 
 
-def plant_of(name: str, dimension: int) -> Model:
+def plant_of(name: str, dimension: int, order: int = 1) -> Model:
     """A built-in plant, or the one in a Python file. Raises `BadInput` when there is none or its dimension is another."""
     plant = _from_file(Path(name)) if name.endswith(".py") else PLANTS.get(name)
     if plant is None:
         raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with f(x) and g(x)")
+    if plant.order not in (None, order):
+        told = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
+        raise BadInput(f"--plant {name}: is of order {plant.order}, the task of order {order}; give {told}, or use integrator")
     if plant.dimension not in (None, dimension):
-        fitting = [p.name for p in PLANTS.values() if p.dimension in (None, dimension)]
+        fitting = [p.name for p in PLANTS.values() if p.dimension in (None, dimension) and p.order in (None, order)]
         raise BadInput(f"--plant {name}: has {plant.dimension} dimensions, the task has {dimension}; use {', '.join(fitting)}")
-    model(plant, dimension)  # what is wrong with it shows here
+    model(plant, dimension, order)  # what is wrong with it shows here
     return plant
 
 
@@ -152,20 +161,30 @@ def _from_file(path: Path) -> Plant:
         w_max = Fraction(-1)
     if w_max < 0:
         raise BadInput(f"--plant {path}: w_max is {names['w_max']!r}; a number that is 0 or greater is needed")
-    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max)
+    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max, _order(names["f"]))
 
 
-def model(plant: Model, dimension: int) -> Any:
-    """The plant as a CasADi function of x (n) with outputs f (n) and g (n by n, dense). Raises `BadInput` for wrong shapes."""
+def _order(function: Callable[..., Any]) -> int:
+    """2 where a function must have x and v, else 1."""
+    try:
+        given = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):  # a function that is not Python's
+        return 1
+    return 2 if sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in given) == 2 else 1
+
+
+def model(plant: Model, dimension: int, order: int = 1) -> Any:
+    """The plant as a CasADi function of its state, x (n), or x and v (2n), with outputs f (n) and g (n by n, dense). Raises
+    `BadInput` for wrong shapes."""
     import casadi as ca
 
     from stt_codegen.program.lower import UnknownOpcode, lower
 
-    x = ca.SX.sym("x", dimension)
+    parts = [ca.SX.sym(name, dimension) for name in ("x", "v")[:order]]
     try:
         with contextlib.redirect_stdout(sys.stderr):
-            f = ca.densify(_matrix(plant.f(x)))
-            g = ca.densify(_matrix(plant.g(x)))
+            f = ca.densify(_matrix(plant.f(*parts)))
+            g = ca.densify(_matrix(plant.g(*parts)))
     except (Exception, SystemExit) as error:  # the user's own code may raise anything
         if "out of bounds" in str(error).lower():
             raise BadInput(
@@ -176,7 +195,7 @@ def model(plant: Model, dimension: int) -> Any:
     for name, value, shape in (("f", f, (dimension, 1)), ("g", g, (dimension, dimension))):
         if value.shape != shape:
             raise BadInput(f"--plant {plant.name}: {name}(x) has shape {value.shape}; {shape} is needed")
-    function = ca.Function("plant", [x], [f, g], ["x"], ["f", "g"])
+    function = ca.Function("plant", [ca.vertcat(*parts)], [f, g], ["x"], ["f", "g"])
     try:
         lower(function)
     except (UnknownOpcode, ValueError) as error:

@@ -51,12 +51,12 @@ LAW = {
 KNOWN = {
     "": "name axes units prescribed_time start_delay initial_state body state_space initial_set target_set unsafe tube "
         "control emit plant",
-    "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share",
+    "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share speed",
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
-    "tube": "design clearance min_width prefer max_speed max_acceleration segments seed adaptive",
+    "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
     "control": "gain e_max u_max period latency",
-    "emit": "scalar math tick_period selftest", "plant": "f_max w_max g_min g_max g_cross noise",
+    "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
 FAN: tuple[tuple[tuple[int, ...], ...], ...] = (  # normals of a target that is a ball, by its dimensions
@@ -130,10 +130,7 @@ class Task:
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
         self.segments = _number(tube["segments"]) if "segments" in tube else None
         self.limits = [_each(tube[k], n) if k in tube else None for k in ("max_speed", "max_acceleration")]
-        self.share = _number(document["initial_set"].get("share", Decimal("0.9")))
-        self.plant = {
-            k: _number(document["plant"][k]) if k in document.get("plant", {}) else None for k in KNOWN["plant"].split()
-        }
+        self._plant(document)
         self.period = _number(control["period"]) if "period" in control else None
         self.latency = _number(control.get("latency", 0))
         gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
@@ -145,14 +142,34 @@ class Task:
         given = [self.plant["g_min"], self.plant["g_max"], self.period, self.tick, *(self.u_max or [])]
         given += [v for most in self.limits for v in most or []]
         positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
-        not_negative = [self.clearance, self.latency, delay, *body, *(v for v in self.plant.values() if v is not None)]
+        not_negative = [
+            self.clearance,
+            self.latency,
+            delay,
+            *body,
+            *self.speed,
+            *(v for v in self.plant.values() if v is not None),
+        ]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
+
+    def _plant(self, document: dict[str, Any]) -> None:
+        """What is said of the plant, of its starts, and for order 2 of lambda."""
+        plant, tube, first = document.get("plant", {}), document.get("tube", {}), document["initial_set"]
+        self.order, self.share = plant.get("order", 1), _number(first.get("share", Decimal("0.9")))
+        self.speed = _each(first.get("speed", 0), self.n)
+        self.filter = None if tube.get("filter", "auto") == "auto" else _each(tube["filter"], self.n)
+        second = "filter" in tube or "speed" in first or "noise_v" in plant
+        if type(self.order) is not int or self.order not in (1, 2) or (second and self.order == 1):
+            raise Unusable("the task has an order that is not 1 or 2, or says what is for order 2 alone")
+        if min([*self.speed, *(self.filter or [Fraction(1)])]) < 0:
+            raise Unusable("the task has a negative speed or filter")
+        self.plant = {k: _number(plant[k]) if k in plant else None for k in KNOWN["plant"].split()[1 : 6 + self.order]}
 
     @property
     def limited(self) -> bool:
         """Whether P8 is asked for."""
-        bounded = any(v is not None for k, v in self.plant.items() if k != "noise")
+        bounded = any(v is not None for k, v in self.plant.items() if not k.startswith("noise"))
         return self.u_max is not None and bounded and self.period is None
 
 
@@ -918,11 +935,11 @@ class Machine:
 class Specification:
     """What every function of the C must do, in the same operations on the same symbols."""
 
-    def __init__(self, machine: Machine, gain: list[Fraction], wide: bool) -> None:
+    def __init__(self, machine: Machine, gain: list[Fraction], wide: bool, filtered: list[Fraction]) -> None:
         self.m, self.task, self.bits, self.guarded = machine, machine.task, machine.source.bits, not wide
         self.k, self.n, self.i = machine.segments, machine.task.n, machine.symbol("i")
         shares = [(1 - v) / 2 for v in self.task.e_max]
-        known = {"gain": gain, "e_max": self.task.e_max, "least_share": shares}
+        known = {"gain": gain, "e_max": self.task.e_max, "least_share": shares, **({"filter": filtered} if filtered else {})}
         self.constants = {name: [rounded(v, self.bits) for v in values] for name, values in known.items()}
 
     def tables(self) -> dict[str, list[Fraction]]:
@@ -965,11 +982,26 @@ class Specification:
 
     # ---- the law
 
-    def place(self, lower: int, upper: int, x: int, guarded: bool) -> tuple[int, int, int, int, int]:
+    def between(self, lower: int, upper: int, x: int) -> tuple[int, int, int]:
+        """How far two edges are apart, and the distances to both."""
+        m = self.m
+        return m.op("-", upper, lower), m.op("-", x, lower), m.op("-", upper, x)
+
+    def apart(self) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+        """The same of x between the edges; and of what is held: for order 2 v + lambda x in the filtered tube."""
+        m, k = self.m, self.constant(self.k / self.task.t_c)
+        own = self.between(m.symbol("L"), m.symbol("U"), m.symbol("load x", self.i))
+        if self.task.order == 1:
+            return own, own
+        low, high = m.op("*", m.symbol("L'"), k), m.op("*", m.symbol("U'"), k)
+        rates = self.between(low, high, m.symbol("load v", self.i))
+        room, to_lower, to_upper = (m.op("+", v, m.op("*", x, self.each("filter"))) for v, x in zip(rates, own))
+        return own, (room, to_lower, to_upper)
+
+    def place(self, room: int, to_lower: int, to_upper: int, guarded: bool) -> tuple[int, int, int, int, int]:
         """Distance to the nearer edge, both distances clamped, width, room; notes which edge is nearer, whether there is room.
         A width below LEAST_WIDTH counts as that, about the middle."""
         m = self.m
-        room, to_lower, to_upper = m.op("-", upper, lower), m.op("-", x, lower), m.op("-", upper, x)
         self.filled = not guarded or m.less(0, room)
         width = room if not guarded or m.less(element(LEAST_WIDTH), room) else element(LEAST_WIDTH)
         self.upper_nearer = m.less(to_upper, to_lower)
@@ -1004,11 +1036,13 @@ class Specification:
     # ---- the functions
 
     def bad(self, time: bool, stores: Sequence[str], status: Any) -> bool:
-        """With a NaN or an infinity among t and x: zeros, and the status."""
+        """With a NaN or an infinity among t and the state: zeros, and the status."""
         m = self.m
         total = m.op("*", m.symbol("t"), 0) if time else 0
-        m.effects.append(("carried", total, m.op("+", m.carry("real"), m.op("*", m.symbol("load x", self.i), 0))))
-        if m.less(m.carry("real"), 0, "<="):
+        for name in ("x", "v")[: self.task.order]:
+            m.effects.append(("carried", total, m.op("+", m.carry("real"), m.op("*", m.symbol(f"load {name}", self.i), 0))))
+            total = m.carry("real")
+        if m.less(total, 0, "<="):
             return False
         m.effects += [*(("store", name, 0) for name in stores), ("return", status)]
         return True
@@ -1018,7 +1052,9 @@ class Specification:
         if self.bad(time, ["u"], bad):
             return
         was = m.carry("bool")
-        nearest, near, far, _, _ = self.place(m.symbol("L"), m.symbol("U"), m.symbol("load x", self.i), self.guarded)
+        own, held = self.apart()
+        nearest, near, far, _, _ = self.place(*held, self.guarded)
+        inside = [m.less(0, v) for v in (nearest, *(own[1:] if self.task.order == 2 else ()))]
         epsilon, xi = self.transformed(near, far)
         gain = -self.each("gain") % PRIME if self.upper_nearer else self.each("gain")
         push = -m.op("*", m.op("*", gain, xi), epsilon) % PRIME
@@ -1026,7 +1062,7 @@ class Specification:
         if self.task.u_max is not None:
             limit = m.symbol("load u_max", self.i)
             u = self.held(u, -limit % PRIME, limit)
-        m.effects += [("store", "u", u), ("carried", False, was if m.less(0, nearest) else True)]
+        m.effects += [("store", "u", u), ("carried", False, was if all(inside) else True)]
         m.effects.append(("return", outside if m.carry("bool") else ok))
 
     def margin(self) -> None:
@@ -1034,14 +1070,23 @@ class Specification:
         if self.bad(True, [], m.symbol("nan")):
             return
         before = m.carry("real")
-        nearest, _, _, width, _ = self.place(m.symbol("L"), m.symbol("U"), m.symbol("load x", self.i), self.guarded)
-        share = m.op("/", nearest, width)
-        share = -1 % PRIME if m.less(share, -1) else share
+        own, held = self.apart()
+        shares = []
+        for apart in (held, own)[: self.task.order]:
+            nearest, _, _, width, _ = self.place(*apart, self.guarded)
+            share = m.op("/", nearest, width)
+            shares.append(-1 % PRIME if m.less(share, -1) else share)
+        share = shares[0] if len(shares) == 1 or m.less(shares[0], shares[1]) else shares[1]
         m.effects.append(("carried", element(Fraction(1, 2)), share if m.less(share, before) else before))
         m.effects.append(("return", m.carry("real")))
 
     def tube(self) -> None:
         self.of_time(["lower", "upper"], [self.m.symbol("L"), self.m.symbol("U")])
+
+    def filtered_tube(self) -> None:
+        m, k = self.m, self.constant(self.k / self.task.t_c)
+        pairs = ((m.op("*", m.symbol(f"{side}'"), k), m.op("*", m.symbol(side), self.each("filter"))) for side in "LU")
+        self.of_time(["lower", "upper"], [m.op("+", *pair) for pair in pairs])
 
     def tube_rate(self) -> None:
         m = self.m
@@ -1057,7 +1102,7 @@ class Specification:
     def transform(self) -> None:
         m = self.m
         lower, upper, x = (m.symbol(f"load {name}", self.i) for name in ("lower", "upper", "x"))
-        _, near, far, width, room = self.place(lower, upper, x, True)
+        _, near, far, width, room = self.place(*self.between(lower, upper, x), True)
         a, b, sign = (far, near, -1 % PRIME) if self.upper_nearer else (near, far, 1)
         e_max = self.each("e_max")
         e = self.held(m.op("/", m.op("-", a, b), width), -e_max % PRIME, e_max)
@@ -1068,13 +1113,14 @@ class Specification:
         m.effects.append(("return", None))
 
 
-def computes(source: Source, task: Task, gain: list[Fraction], wide: bool) -> None:
+def computes(source: Source, task: Task, gain: list[Fraction], wide: bool, filtered: list[Fraction]) -> None:
     """That the C computes the tube of its table and the law of the task. wide: the edges are always farther apart than
     LEAST_WIDTH, so `control` and `margin` may do without a guard against narrower tubes."""
     m = Machine(source, task)
-    spec, free, ticks = Specification(m, gain, False), Specification(m, gain, wide), task.tick is not None
+    spec, free, ticks = Specification(m, gain, False, filtered), Specification(m, gain, wide, filtered), task.tick is not None
     kernels = [k for k in KERNELS if ticks or k != "segment_at_tick"]
-    public = ["tube", "tube_rate", "control", *(["control_tick"] if ticks else []), "margin", "transform"]
+    second = ["filtered_tube"] if task.order == 2 else []
+    public = ["tube", "tube_rate", *second, "control", *(["control_tick"] if ticks else []), "margin", "transform"]
     need(list(source.functions) == kernels + public, "the C has other functions than it should")
     need({k: v for k, v in source.tables.items() if k != "coefficients"} == spec.tables(), "a table of the C is not the task's")
     t, tick, x, out = ("real", m.symbol("t")), ("uint", m.symbol("tick")), ("real", "array"), ("real", "result")
@@ -1082,15 +1128,17 @@ def computes(source: Source, task: Task, gain: list[Fraction], wide: bool) -> No
         kinds = [kind for kind, _, how in source.functions[name].params if how == "value"]
         need(kinds == [time[0]], f"{name} of the C has other parameters than it should")
         m.explore(name, place, partial(lambda name, value: m.effects.append(m.inlined(name, [value])), name, time[1]))
+    state: dict[str, Value] = dict.fromkeys(("x", "v")[: task.order], x)
     functions: list[tuple[str, list[Callable[[], None]], dict[str, Value]]] = [
         ("tube", [spec.tube], {"t": t, "lower": out, "upper": out}),
         ("tube_rate", [spec.tube_rate], {"t": t, "lower_rate": out, "upper_rate": out}),
         ("transform", [spec.transform], {"lower": x, "upper": x, "x": x, "e": out, "epsilon": out, "xi": out}),
-        ("margin", [free.margin, spec.margin][: 1 + wide], {"t": t, "x": x}),
+        ("margin", [free.margin, spec.margin][: 1 + wide], {"t": t, **state}),
     ]
+    functions += [("filtered_tube", [spec.filtered_tube], {"t": t, "lower": out, "upper": out}) for _ in second]
     for name, time in (("control", t), ("control_tick", tick))[: 1 + ticks]:
         functions.append(
-            (name, [partial(s.control, name == "control") for s in (free, spec)[: 1 + wide]], {"t": time, "x": x, "u": out})
+            (name, [partial(s.control, name == "control") for s in (free, spec)[: 1 + wide]], {"t": time, **state, "u": out})
         )
     for name, allowed, arguments in functions:
         failures = []
@@ -1116,7 +1164,7 @@ class Tube:
         values = source.tables.get("coefficients", [])
         rows, rest = divmod(len(values), 2 * task.n)
         need(rows > 3 and not rest, f"the table has {len(values)} entries, no multiple of {2 * task.n}, or too few")
-        self.n, self.segments, self.unit = task.n, rows - 3, Fraction(2) ** -bits
+        self.n, self.segments, self.unit, self.t_c = task.n, rows - 3, Fraction(2) ** -bits, task.t_c
         whole = [v / self.unit for v in values]
         need(all(v.denominator == 1 for v in whole), "the table is not of whole units of 2^-unit_bits")
         self.table = [
@@ -1136,18 +1184,23 @@ class Tube:
         return max(int(abs(v)) for edge in edges for v in edge)
 
 
-def arithmetic(source: Source, tube: Tube) -> list[Fraction]:
-    """P7, by dimension: how far the emitted edge is from the tube's. Spline time is within K (2 eps + eps^2) of the true one;
-    twice that is allowed, so that t may have been rounded. Then the statements of basis and blend, one rounding each."""
+def arithmetic(source: Source, tube: Tube, order: int = 0) -> list[Fraction]:
+    """P7, by dimension: how far the emitted edge, of order 1 its rate, is from the tube's. Spline time is within K (2 eps +
+    eps^2) of the true one; twice that is allowed, so that t may have been rounded. Then the statements of basis and blend, one
+    rounding each; of a rate also the product with K/t_c, which is rounded too."""
     eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
     late, found = tube.segments * 4 * eps * (1 + eps) + tiny, []
     for _, _, wrong in _errors(source, "basis_rate", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny):
         need(wrong < 128 * eps, "the statements of basis_rate lose more than rounding may take")
     for i in range(tube.n):
         largest = max(abs(v) for row in tube.table for v in row[i]) * tube.unit
-        weights = _errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
+        weights = _errors(source, ("basis", "basis_rate")[order], [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
         (edge,) = _errors(source, "blend", [*weights, *[(-largest, largest, Fraction(0))] * 4], eps, tiny)
-        found.append(edge[2] + late * tube.fastest(i) * tube.unit)
+        wrong = edge[2] + late * tube.fastest(i, order + 1) * tube.unit
+        if order == 1:
+            per_second = tube.segments / tube.t_c
+            wrong = (wrong * (1 + eps) + (tube.fastest(i) * tube.unit + wrong) * 2 * eps) * per_second + tiny
+        found.append(wrong)
     return found
 
 
@@ -1265,14 +1318,72 @@ def apart(
             yield math.floor(min(room) / size)
 
 
-def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts: int, bits: int) -> None:
+def derived(tube: Tube, task: Task, filtered: list[Fraction]) -> tuple[list[Piece], list[Piece]]:
+    """For order 2, exactly: the edges of v + lambda x, L' + lambda L and R' + lambda R; and what the tube's motion asks of u at
+    each, lambda^2 (R - L) + L'' and lambda^2 (R - L) - R''. Bezier coefficients of degree 3, in the task's units."""
+    k, edges, asked = tube.segments / task.t_c, [], []
+    for piece in tube.pieces:
+        pairs, own = [], []
+        for (low, high), s in zip(piece, filtered):
+            both, press = [], []
+            for c, sign in ((low, 1), (high, -1)):
+                d = [b - a for a, b in zip(c, c[1:])]
+                e = [b - a for a, b in zip(d, d[1:])]
+                rate = (3 * d[0], d[0] + 2 * d[1], 2 * d[1] + d[2], 3 * d[2])
+                bend = (6 * e[0], 4 * e[0] + 2 * e[1], 2 * e[0] + 4 * e[1], 6 * e[1])
+                both.append([(k * r + s * v) * tube.unit for r, v in zip(rate, c)])
+                press.append([(s * s * (h - v) + sign * k * k * b) * tube.unit for v, h, b in zip(low, high, bend)])
+            pairs.append((both[0], both[1]))
+            own.append((press[0], press[1]))
+        edges.append(pairs)
+        asked.append(own)
+    return edges, asked
+
+
+def inertial(
+    task: Task, tube: Tube, rate_error: list[int], edge_error: list[int], filtered: list[Fraction], bits: int
+) -> list[tuple[str, list[int], int, Fraction, dict[str, Any]]]:
+    """For order 2: room for v + lambda x, starts in it, input enough. Each as code, when, slack in whole units, what is demanded
+    of it, and what else the claim says."""
+    edges, asked = derived(tube, task, filtered)
+    speed, common = tube.unit * tube.segments / task.t_c, math.lcm(*(s.denominator for s in filtered))
+    unit = tube.unit / ((tube.segments / task.t_c).denominator * common)
+    room = min(h - v for piece in edges for low, high in piece for v, h in zip(low, high))
+    wrong = max(2 * (r * speed + s * e * tube.unit) for r, s, e in zip(rate_error, filtered, edge_error))
+    always, starts = [0, tube.segments], []
+    for i, (low, high) in enumerate(tube.pieces[0]):
+        clear = min(3 * (low[0] - low[1]), 3 * (high[1] - high[0])) * speed
+        if task.speed[i]:
+            clear += filtered[i] * (1 - task.share) * (high[0] - low[0]) * tube.unit / 2 - task.speed[i]
+        starts.append(math.floor(clear / speed))
+    found = [
+        ("P1", always, math.floor(room / unit) - above(LEAST_WIDTH, unit), wrong / unit, {"order": 2}),
+        ("P2", [0, 0], min(starts), Fraction(0), {"order": 2}),
+    ]
+    if task.limited:
+        own = tube.unit / ((tube.segments / task.t_c).denominator * common) ** 2
+        most = [max(v for piece in asked for c in piece[i] for v in c) for i in range(task.n)]
+        least = min(math.floor(s / own) - math.floor(v / own) for s, v in zip(spare_input(task, bits), most))
+        found.append(("P8", always, least, Fraction(1), {}))
+    return found
+
+
+def prove(
+    task: Task,
+    tube: Tube,
+    error: int,
+    claims: list[dict[str, Any]],
+    cuts: int,
+    bits: int,
+    more: list[tuple[str, list[int], int, Fraction, dict[str, Any]]],
+) -> None:
     """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
     unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
     need(all(task.start[0][i] < task.start[1][i] for i in dims), "the initial set is empty")
 
-    def claim(code: str, on: list[int], slack: int | None, needed: int, **more: Any) -> None:
+    def claim(code: str, on: list[int], slack: int | None, needed: int | Fraction, **other: Any) -> None:
         found = claims.pop(0) if claims else {}
-        told = {"property": code, **more, "on": on, **({} if slack is None else {"margin": slack})}
+        told = {"property": code, **other, "on": on, **({} if slack is None else {"margin": slack})}
         need(slack is None or slack >= needed, f"{code} does not hold: {float((needed - (slack or 0)) * unit):.3g} is missing")
         need(
             json.dumps(found, sort_keys=True) == json.dumps(told, sort_keys=True),
@@ -1318,13 +1429,15 @@ def prove(task: Task, tube: Tube, error: int, claims: list[dict[str, Any]], cuts
     last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
     held: Piece = [([low[3]] * 4, [high[3]] * 4) for low, high in tube.pieces[-1]]
     claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)
-    need(tube.table[-1] == tube.table[-3], "P6: the tube has a kink at t_c")
+    need(all(tube.table[-k] == tube.table[-3] for k in range(1, task.order + 1)), "P6: the tube has a kink at t_c")
     for order, most in enumerate(task.limits, 1):
         scale = (task.t_c / tube.segments) ** order / unit
         room = None if most is None else min(math.floor(most[i] * scale) - tube.fastest(i, order) for i in dims)
         if order == 1 or room is not None:
             claim("P6", [0, end], room, 0, **({} if order == 1 else {"order": order}))
-    if task.limited:
+    for code, on, slack, needed, told in more:
+        claim(code, [v * cuts for v in on], slack, needed, **told)
+    if task.limited and task.order == 1:
         claim("P8", [0, end], spare(task, tube, bits), 1)
     need(not claims, "the certificate claims more than is known")
 
@@ -1361,13 +1474,18 @@ def g_range(task: Task) -> tuple[Fraction, Fraction]:
     return g_min, high if high is not None else max(Fraction(1), g_min)
 
 
-def spare(task: Task, tube: Tube, bits: int) -> int:
-    """P8: by how much an input within u_max, as it is emitted, moves the state faster than any edge comes towards it, against all
-    that pushes: units of the table in a segment's time."""
+def spare_input(task: Task, bits: int) -> list[Fraction]:
+    """What an input within u_max, as it is emitted, is worth at least against all that pushes, by component."""
     limit = [rounded(v, bits, math.floor) for v in task.u_max or []]
     push, cross = ((task.plant[k] or Fraction(0)) for k in ("w_max", "g_cross"))
     push += task.plant["f_max"] or Fraction(0)
-    room = [g_range(task)[0] * v - push - cross * (sum(limit) - v) for v in limit]
+    return [g_range(task)[0] * v - push - cross * (sum(limit) - v) for v in limit]
+
+
+def spare(task: Task, tube: Tube, bits: int) -> int:
+    """P8: by how much an input within u_max moves the state faster than any edge comes towards it: units of the table in a
+    segment's time."""
+    room = spare_input(task, bits)
     least: list[int] = []
     for piece in tube.pieces:
         for (low, high), most in zip(piece, room):
@@ -1376,8 +1494,66 @@ def spare(task: Task, tube: Tube, bits: int) -> int:
     return min(least)
 
 
+Window = list[tuple[Fraction, Fraction, Fraction, Fraction, Fraction]]  # by component: least and largest width, three pushes
+
+
+def windows(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Window]:
+    """Every segment, and the time from t_c on: the width of what is held, and what the tube's motion pushes it by at an edge,
+    while a sample ages, and from the middle. Of order 1 x is held, and all three are the speed of the faster edge."""
+    found: list[Window] = []
+    if task.order == 1:
+        for piece in tube.pieces:
+            spans = [[h - v for v, h in zip(*edges)] for edges in piece]
+            fast = [3 * max(abs(b - a) for e in edges for a, b in zip(e, e[1:])) * tube.segments / task.t_c for edges in piece]
+            found.append([(min(s) * tube.unit, max(s) * tube.unit, *[f * tube.unit] * 3) for s, f in zip(spans, fast)])
+        still = [(high[3] - low[3]) * tube.unit for low, high in tube.pieces[-1]]
+        return [*found, [(s, s, *[Fraction(0)] * 3) for s in still]]
+    second = (tube.segments / task.t_c) ** 2 * tube.unit
+    edges, asked = derived(tube, task, filtered)
+    for k in range(tube.segments + 1):
+        p, end = min(k, tube.segments - 1), k == tube.segments
+        here: Window = []
+        for i, s in enumerate(filtered):
+            at: Any = slice(3, 4) if end else slice(0, 4)
+            z = [h - v for v, h in zip(*edges[p][i])][at]
+            w = max([h - v for v, h in zip(*tube.pieces[p][i])][at]) * tube.unit
+            bends = [[6 * (c - 2 * b + a) * second for a, b, c in zip(e, e[1:], e[2:])] for e in tube.pieces[p][i]]
+            low, high = ([Fraction(0)], [Fraction(0)]) if end else bends
+            ups = max(low), max(high)
+            downs = -min(low), -min(high)
+            held, square = s * max(z), s * s * w
+            here.append((
+                min(z), max(z), max(*(max(c[at]) for c in asked[p][i]), ups[1], downs[0]),
+                max(held + downs[0], square + downs[1], held + ups[1], square + ups[0], Fraction(0)),
+                max(abs(a + b) for a, b in zip(low, high)) / 2 + (held + square) / 2,
+            ))  # fmt: skip
+        found.append(here)
+    return found
+
+
+def starting(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Fraction]:
+    """What a/b and b/a are at most at the start, by component."""
+    if task.order == 1:
+        return [(1 + task.share) / (1 - task.share)] * task.n
+    speed, found = tube.unit * tube.segments / task.t_c, []
+    for i, (low, high) in enumerate(tube.pieces[0]):
+        rates, width, most = (3 * (low[1] - low[0]) * speed, 3 * (high[1] - high[0]) * speed), (high[0] - low[0]) * tube.unit, []
+        for share, v in itertools.product(((1 - task.share) / 2, (1 + task.share) / 2), (task.speed[i], -task.speed[i])):
+            a, b = v - rates[0] + filtered[i] * share * width, rates[1] - v + filtered[i] * (1 - share) * width
+            need(min(a, b) > 0, "P9 does not hold: a start may be outside the filtered tube")
+            most += [a / b, b / a]
+        found.append(max(most))
+    return found
+
+
 def sampled(
-    task: Task, tube: Tube, gain: list[Fraction], bits: int, rho: list[Fraction], shift: list[Fraction]
+    task: Task,
+    tube: Tube,
+    gain: list[Fraction],
+    bits: int,
+    rho: list[Fraction],
+    shift: list[Fraction],
+    filtered: list[Fraction],
 ) -> list[Fraction]:
     """P9, window by window (a segment, and the time from t_c on; a sample may stem from the window before). Bounds on |u|; raises
     `Failed` where a condition does not hold. docs/certificate-format.md has the statement, the lemma book its proof."""
@@ -1392,24 +1568,19 @@ def sampled(
     )
     limits = None if task.u_max is None else [rounded(v, bits, math.floor) for v in task.u_max]
     need(tau <= (segment / 2 if task.latency else segment), "P9 does not hold: a sample may be older than a segment")
-    for e, e_max, (low, high), x, s in zip(
-        rho, task.e_max, [(a[0], b[0]) for a, b in tube.pieces[0]], task.state, [task.share] * task.n
+    for first, e, e_max, (low, high), x in zip(
+        starting(task, tube, filtered), rho, task.e_max, [(a[0], b[0]) for a, b in tube.pieces[0]], task.state
     ):
-        need((1 + s) / (1 - s) < e <= (1 + e_max) / (1 - e_max), "P9 does not hold: rho is not between the share and e_max")
+        need(first < e <= (1 + e_max) / (1 - e_max), "P9 does not hold: rho is not between the share and e_max")
         a, b = low * tube.unit, high * tube.unit
-        need(abs(2 * x - a - b) <= s * (b - a), "P9 does not hold: initial_state is outside the share")
-    spans = [
-        [(min(h - v for v, h in zip(*edges)), max(h - v for v, h in zip(*edges))) for edges in piece] for piece in tube.pieces
-    ]
-    speeds = [[max(abs(b - a) for e in edges for a, b in zip(e, e[1:])) for edges in piece] for piece in tube.pieces]
-    spans.append([(high[3] - low[3],) * 2 for low, high in tube.pieces[-1]])
-    speeds.append([0] * task.n)
+        need(abs(2 * x - a - b) <= task.share * (b - a), "P9 does not hold: initial_state is outside the share")
+    every = windows(task, tube, filtered)
     largest = [Fraction(0)] * task.n
-    for k in range(len(spans)):
-        before = max(k - 1, 0)
+    for k, window in enumerate(every):
+        before = every[max(k - 1, 0)]
         u = []
         for i in n:
-            seen = min(spans[k][i][0], spans[before][i][0]) * tube.unit
+            seen = min(window[i][0], before[i][0])
             far, near = seen * rho[i] / (1 + rho[i]) + shift[i], seen / (1 + rho[i]) - shift[i]
             share = (1 - task.e_max[i]) / 2
             if near <= (far + near) * share:  # the clamp acts
@@ -1421,16 +1592,16 @@ def sampled(
                 need(limits is not None, "P9 does not hold: what the law may see is wider than the tube")
                 u.append((limits or [Fraction(0)])[i])
         for i in n:
-            narrow, wide = (v * tube.unit for v in spans[k][i])
-            speed = 3 * max(speeds[k][i], speeds[before][i]) * tube.unit / segment
-            push = p["f_max"] + p["w_max"] + speed + p["g_cross"] * (sum(u, Fraction(0)) - u[i])
-            side = narrow / 2 * ((rho[i] - 1) / (rho[i] + 1) - r) > (push + g_max * u[i]) * tau + shift[i]
+            narrow, wide = window[i][:2]
+            force = p["f_max"] + p["w_max"] + p["g_cross"] * (sum(u, Fraction(0)) - u[i])
+            push, aged, turned = (force + max(a, b) for a, b in zip(window[i][2:], before[i][2:]))
+            side = narrow / 2 * ((rho[i] - 1) / (rho[i] + 1) - r) > (turned + g_max * u[i]) * tau + shift[i]
             need(side, f"P9 does not hold: x may pass the middle of the tube between two samples (window {k}, component {i + 1})")
             need(
                 limits is None or g_min * limits[i] > push,
                 f"P9 does not hold: u_max is too small (window {k}, component {i + 1})",
             )
-            drift = push * tau + g_max * u[i] * task.latency + shift[i]
+            drift = aged * tau + g_max * u[i] * task.latency + shift[i]
             for d in (narrow, wide):
                 a, b = d * rho[i] / (1 + rho[i]) - drift, d / (1 + rho[i]) + drift
                 held = a > b and abs(gain[i]) * (1 - r) * g_min * (1 / a + 1 / b) * (logarithm(a / b)[0] - r) > push
@@ -1454,9 +1625,10 @@ def fractions(values: Any, n: int) -> list[Fraction]:
 def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) -> Tube:
     """The certificate's hashes and claims against what is read, found and proved."""
     clock: dict[str, Any] = {} if task.clock is None else {"clock": task.clock}
-    unknown = set(certificate) ^ {*CLAIMS, *(["sampled"] if task.period is not None else []), *clock}
+    second = ["filter", "rate_error"] if task.order == 2 else []
+    unknown = set(certificate) ^ {*CLAIMS, *(["sampled"] if task.period is not None else []), *clock, *second}
     need(not unknown, f"the certificate lacks a claim or has one that is not known: {', '.join(sorted(unknown))}")
-    told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": 1, **clock}
+    told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": task.order, **clock}
     for key, value in told.items():
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
@@ -1495,7 +1667,21 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     lack = [max(s[0] * tube.unit - a, b - s[1] * tube.unit) * 1000 - (b - a) for s, a, b in zip(start, *task.start)]
     need(certificate["covers_initial_set"] is (max(lack) <= 0), "the certificate's covers_initial_set is wrong")
 
-    control = certificate["control"]
+    gain = _law(task, source, certificate["control"])
+    need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
+    filtered, more, wide = _filter(task, tube, source, certificate, error) if task.order == 2 else ([], [], True)
+    claims = [dict(claim) for claim in certificate["claims"]]
+    prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more)
+    narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
+    computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
+    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"], filtered))
+    if task.period is not None:
+        _sampled(task, tube, certificate["sampled"], gain, source, error, filtered)
+    return tube
+
+
+def _law(task: Task, source: Source, control: Any) -> list[Fraction]:
+    """The constants of the law are the task's; the gain."""
     need(isinstance(control, dict) and set(control) == {"gain", "e_max", "u_max"}, "the certificate's control is not known")
     gain = fractions(control["gain"], task.n)
     need(task.gain in (None, gain), "the certificate's gain is not the task's")
@@ -1505,18 +1691,53 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     limits = None if control["u_max"] is None else fractions(control["u_max"], task.n)
     wanted = None if task.u_max is None else [rounded(v, source.bits, math.floor) for v in task.u_max]
     need(limits == wanted, "the certificate's u_max is not the task's, as the C has it")
-
-    need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
-    prove(task, tube, max(certificate["edge_error"]), [dict(claim) for claim in certificate["claims"]], cuts, source.bits)
-    narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
-    computes(source, task, gain, narrowest - 2 * max(error) > LEAST_WIDTH)
-    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"]))
-    if task.period is not None:
-        _sampled(task, tube, certificate["sampled"], gain, source.bits, error)
-    return tube
+    return gain
 
 
-def _sampled(task: Task, tube: Tube, claim: dict[str, Any], gain: list[Fraction], bits: int, error: list[Fraction]) -> None:
+def _filter(task: Task, tube: Tube, source: Source, certificate: dict[str, Any], error: list[Fraction]) -> tuple[Any, Any, bool]:
+    """For order 2: lambda, its properties, and whether the filtered tube is always wider than LEAST_WIDTH."""
+    filtered, claimed = fractions(certificate["filter"], task.n), certificate["rate_error"]
+    good = min(filtered) > 0 and all(rounded(s, source.bits) == s for s in filtered)
+    given = task.filter is None or [rounded(s, source.bits) for s in task.filter] == filtered
+    need(good and given, "the certificate's filter is not the task's, or no number of the C")
+    need(isinstance(claimed, list) and len(claimed) == task.n, "the certificate's rate_error is not known")
+    speed, own = tube.unit * tube.segments / task.t_c, arithmetic(source, tube, 1)
+    for found, told in zip(own, claimed):
+        fits = type(told) is int and above(found, speed) <= told <= above(found * Fraction(32769, 32768), speed)
+        need(fits, f"P7: the arithmetic moves a rate by {float(found / speed):.4g} units, not {told}")
+    more = inertial(task, tube, claimed, certificate["edge_error"], filtered, source.bits)
+    room = min(h - v for piece in derived(tube, task, filtered)[0] for low, high in piece for v, h in zip(low, high))
+    wrong = max(2 * (r + s * e) for r, s, e in zip(own, filtered, error))
+    return filtered, more, room - wrong > LEAST_WIDTH
+
+
+def shifts(
+    task: Task, tube: Tube, source: Source, error: list[Fraction], filtered: list[Fraction]
+) -> list[tuple[Fraction, Fraction]]:
+    """What the law sees is wrong by: twice the arithmetic's part, which may be claimed as a little more, and the rest: x (for
+    order 2 v too) rounded to the scalar, noise, and for order 2 the roundings of a and b, 8 of what is at most Z + 2 lambda W."""
+    eps, noise = Fraction(1, 1 << source.bits), task.plant["noise"] or Fraction(0)
+    if task.order == 1:
+        return [(2 * v, eps * task.farthest + noise) for v in error]
+    edges, found = derived(tube, task, filtered)[0], []
+    for i, (own, rate, s) in enumerate(zip(error, arithmetic(source, tube, 1), filtered)):
+        w = max(h - v for piece in tube.pieces for v, h in zip(*piece[i])) * tube.unit
+        z = max(h - v for piece in edges for v, h in zip(*piece[i]))
+        fastest = tube.fastest(i) * tube.unit * tube.segments / task.t_c
+        rest = eps * (s * task.farthest + fastest + s * w + 8 * (z + 2 * s * w))
+        found.append((2 * (rate + s * own), rest + (task.plant["noise_v"] or 0) + s * noise))
+    return found
+
+
+def _sampled(
+    task: Task,
+    tube: Tube,
+    claim: dict[str, Any],
+    gain: list[Fraction],
+    source: Source,
+    error: list[Fraction],
+    filtered: list[Fraction],
+) -> None:
     """The claim about samples: its numbers are the task's, and what is proved with its rho."""
     need(set(claim) == {"period", "latency", "share", "plant", "rho", "u", "shift"}, "the certificate's `sampled` is not known")
     told = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
@@ -1524,18 +1745,16 @@ def _sampled(task: Task, tube: Tube, claim: dict[str, Any], gain: list[Fraction]
     for key, value in told.items():
         need(claim[key] == value, f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
-    rest = Fraction(1, 1 << bits) * task.farthest + (task.plant["noise"] or 0)
-    for own, claimed in zip(error, shift):
-        need(
-            2 * own + rest <= claimed <= 2 * own * Fraction(32769, 32768) + rest, "P9: the law sees more wrong than `shift` says"
-        )
-    for own, claimed in zip(sampled(task, tube, gain, bits, rho, shift), u):
+    for (own, rest), claimed in zip(shifts(task, tube, source, error, filtered), shift):
+        need(own + rest <= claimed <= own * Fraction(32769, 32768) + rest, "P9: the law sees more wrong than `shift` says")
+    for own, claimed in zip(sampled(task, tube, gain, source.bits, rho, shift, filtered), u):
         need(own <= claimed <= own * (1 + Fraction(1, 10**5)), f"P9: |u| is at most {float(own):.6g}, not {float(claimed):.6g}")
 
 
-def design_hash(task: Task, tube: Tube, scalar: str, bits: int) -> str:
+def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequence[Fraction] = ()) -> str:
     """The 16 hex digits that name the design in the header."""
     design = {"prescribed_time": str(task.t_c), "segments": tube.segments, "bits": bits, "table": tube.table}
+    design |= {"filter": [str(v) for v in filtered]} if filtered else {}
     data = {"task": task.digest, "scalar": scalar, "design": design}
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 

@@ -56,15 +56,14 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
             else "the task needs more room than the tube's grid leaves: shift the origin near the task, or raise prescribed_time"
         ),
     )
-    if task.order == 2:
-        more = certify_inertia(task, design, error, rate_error(design, program))
-        return replace(certificate, findings=(*certificate.findings, seventh, *more))
-    if task.control.period is None:
-        return replace(certificate, findings=(*certificate.findings, seventh, *certify_limits(task, design)))
+    rate = rate_error(design, program) if task.order == 2 else ()
+    own = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
+    if task.control.period is None or (task.order == 2 and not all(f.holds for f in own)):
+        return replace(certificate, findings=(*certificate.findings, seventh, *own))
     from stt_codegen.certify.period import certify_period
 
-    ninth, proved = certify_period(task, design, error)
-    return replace(certificate, findings=(*certificate.findings, seventh, ninth), proved_period=proved)
+    ninth, proved = certify_period(task, design, error, rate)
+    return replace(certificate, findings=(*certificate.findings, seventh, *own, ninth), proved_period=proved)
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:

@@ -4,13 +4,15 @@
 With rho_i = e^E_i rational, 1/(1 + e^-E) = rho/(1 + rho) and tanh(E/2) = (rho - 1)/(rho + 1); |e| < e_max bounds rho by
 (1 + e_max)/(1 - e_max), |e(0)| <= share from below alike. Only logarithms of rationals are left; a series with its remainder
 encloses each.
+
+Long because the statement, its search and its refusal are one story.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -19,6 +21,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, PeriodProof
+from stt_codegen.certify.components import Component, inertial_components, inertial_shift, start_ratios
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program.number import FORMATS, round_down
@@ -28,7 +31,10 @@ from stt_codegen.sampling import (
     Setting,
     bounds_of_task,
     eps_of_share,
+    eps_of_starts,
     extremes,
+    inertial_law,
+    inertial_setting,
     law_of,
     least,
     longest,
@@ -70,16 +76,6 @@ def _artanh(z: Fraction) -> tuple[Fraction, Fraction]:
 
 
 @dataclass(frozen=True)
-class Component:
-    """What the statement knows of component i in one time window: exact numbers."""
-
-    narrow: Fraction  # least width of the window
-    narrow_seen: Fraction  # and of the one before
-    wide: Fraction
-    speed: Fraction  # of an edge, of both windows
-
-
-@dataclass(frozen=True)
 class SharpStatement:
     """The sharp statement for one task and tube; `shift`: what the law sees of x and the edges is wrong by, by component. ln:
     encloses a logarithm; the lemmas `sampled.fractions` and `.inputs` run the same code with symbols and another one."""
@@ -101,6 +97,9 @@ class SharpStatement:
 
     def windows(self) -> Iterator[tuple[Component, ...]]:
         """Every segment and the time after t_c, each with what the one before adds."""
+        if self.task.order == 2:
+            yield from inertial_components(self.design)
+            return
         found, unit = extremes(self.design), self.design.unit
         per_second = 3 * self.design.segments / Fraction(self.design.prescribed_time) * unit
         columns = (found.narrow, back(found.narrow, np.minimum), found.wide, back(found.step, np.maximum))
@@ -131,8 +130,14 @@ class SharpStatement:
         """A bound on |u| by component where the statement holds with these rho; else None."""
         task, late = self.task, self.task.control.latency
         share, segment = task.initial_set.share, task.prescribed_time / self.design.segments
-        for e, e_max in zip(rho, task.e_max, strict=True):
-            if not (1 + share) / (1 - share) < e <= (1 + e_max) / (1 - e_max):
+        first = [(1 + share) / (1 - share)] * task.dimension
+        if task.order == 2:
+            given = start_ratios(task, self.design)
+            if given is None:
+                return None
+            first = given
+        for lowest, e, e_max in zip(first, rho, task.e_max, strict=True):
+            if not lowest < e <= (1 + e_max) / (1 - e_max):
                 return None
         if self.age > (segment / 2 if late else segment):
             return None
@@ -149,12 +154,13 @@ class SharpStatement:
         task, plant, r, tau = self.task, self.task.plant, self.rounding, self.age
         g_min, g_max = task.g_range
         others = (plant.g_cross or 0) * (sum(u, Fraction(0)) - u[i])
-        push = (plant.f_max or 0) + (plant.w_max or 0) + c.speed + others
-        if c.narrow / 2 * ((rho - 1) / (rho + 1) - r) <= (push + g_max * u[i]) * tau + self.shift[i]:
+        force = (plant.f_max or 0) + (plant.w_max or 0)
+        push, aged, turned = (force + (c.speed if v is None else v) + others for v in (c.speed, c.drift, c.middle))
+        if c.narrow / 2 * ((rho - 1) / (rho + 1) - r) <= (turned + g_max * u[i]) * tau + self.shift[i]:
             return False  # sampled.same_side
         if task.u_max is not None and g_min * round_down(task.u_max[i], task.emit.scalar) <= push:
             return False  # sampled.saturated
-        drift = push * tau + g_max * u[i] * task.control.latency + self.shift[i]
+        drift = aged * tau + g_max * u[i] * task.control.latency + self.shift[i]
         for d in (c.narrow, c.wide):
             a, b = d * rho / (1 + rho) - drift, d / (1 + rho) + drift
             if a <= b:
@@ -165,35 +171,48 @@ class SharpStatement:
         return True
 
 
-def statement_of(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> SharpStatement:
-    """With what the law sees wrong: both edges' arithmetic, x rounded to the scalar, and noise."""
+def statement_of(
+    task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
+) -> SharpStatement:
+    """With what the law sees wrong: both edges' arithmetic, x rounded to the scalar, and noise. rate: what the arithmetic moves
+    an edge's rate by, for order 2."""
+    if task.order == 2:
+        return SharpStatement(task, design, inertial_shift(task, design, edge_error, rate))
     size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
     rest = FORMATS[task.emit.scalar].roundoff * size + (task.plant.noise or 0)
     return SharpStatement(task, design, tuple(2 * v + rest for v in edge_error))
 
 
-def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> Setting:
+def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()) -> Setting:
     """The loop in doubles, in which E and gains are searched for."""
+    if task.order == 2:
+        noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
+        law = inertial_law(task, design, edge_error, rate, noise, float(task.control.latency))
+        return inertial_setting(design, [bounds_of_task(task)] * (design.segments + 1), law, eps_of_starts(task, design))
     windows = refined_windows(design)
     law = law_of(task, edge_error, float(task.plant.noise or 0), float(task.control.latency))
     start = eps_of_share(task.initial_set.share, task.dimension)
     return setting_of(windows, [bounds_of_task(task)] * len(windows.narrow), law, start)
 
 
-def chosen_gain(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Fraction, ...]:
+def chosen_gain(
+    task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
+) -> tuple[Fraction, ...]:
     """control.gain = "auto": the most room at the period. Where no gain is proved for it, that of the longest period, and the
     refusal says what would do."""
-    setting = searched(task, design, edge_error)
+    setting = searched(task, design, edge_error, rate)
     shape = natural_gain(setting)
-    age = float(statement_of(task, design, edge_error).age)
+    age = float(task.sampling_period + task.control.latency)
     found = most_room(setting, age, statements=("sharp",)) or Gains(setting, shape, statements=("sharp",)).longest
     gain = rounded_gain(shape) if found is None else found[0]
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
 
-def certify_period(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]) -> tuple[Finding, PeriodProof | None]:
+def certify_period(
+    task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
+) -> tuple[Finding, PeriodProof | None]:
     """P9, and what is proved with it. The margin is in seconds: by how much a longer period is proved."""
-    statement, setting = statement_of(task, design, edge_error), searched(task, design, edge_error)
+    statement, setting = statement_of(task, design, edge_error, rate), searched(task, design, edge_error, rate)
     outside = _outside(task, design)
     if outside is not None:
         i, lack, share = outside
@@ -254,6 +273,10 @@ def _told(task: Task) -> str:
     told += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
     told += [f"u {decimal(control.latency)} s after its sample at most, the first at once"] if control.latency else []
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"
+    if task.order == 2:
+        at_most = by_component(task.start_speed)
+        starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
+        told += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
     return f"sampled every {decimal(control.period)} s or faster, from every start with {starts}, for {', '.join(told)}"
 
 

@@ -96,7 +96,7 @@ def _prove_task(
     from stt_codegen.report.analysis import Analysis
 
     task = controller.task
-    model = None if plant is None else plant_of(plant, task.dimension)
+    model = None if plant is None else plant_of(plant, task.dimension, task.order)
     with patience(f"bounds of {task.name}"):
         report = Analysis(controller, model, *errors).report()
     name = f"{task.name}.bounds.json"

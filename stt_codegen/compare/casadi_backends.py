@@ -25,7 +25,7 @@ class _CasadiLaw(Backend):
 
         self.task = controller.task
         self.normalized, self.transformed = control_law.normalized_error(), control_law.transformed_error()
-        self.law = control_law.law()
+        self.push = control_law.law()
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
         return tuple(getattr(self, f"_{function}")(*inputs))
@@ -42,8 +42,12 @@ class _CasadiLaw(Backend):
     def _control(self, *inputs: Array) -> tuple[Array, ...]:
         *at, x = inputs
         lower, upper = self.call("tube", *at)
+        return self._law(lower, upper, x)
+
+    def _law(self, lower: Array, upper: Array, x: Array) -> tuple[Array, ...]:
+        """Status and u of (13) for x between these edges."""
         _, epsilon, xi = self.call("transform", lower, upper, x)
-        (u,) = _over(self.law, np.array([float(v) for v in self.task.gain]) + 0 * xi, xi, epsilon)
+        (u,) = _over(self.push, np.array([float(v) for v in self.task.gain]) + 0 * xi, xi, epsilon)
         if self.task.u_max is not None:
             bound = np.array([float(v) for v in self.task.u_max])
             u = np.clip(u, -bound, bound)
@@ -53,8 +57,11 @@ class _CasadiLaw(Backend):
     def _margin(self, *inputs: Array) -> tuple[Array, ...]:
         *at, x = inputs
         lower, upper = self.call("tube", *at)
+        return (self._least_share(lower, upper, x),)
+
+    def _least_share(self, lower: Array, upper: Array, x: Array) -> Array:
         share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(LEAST_WIDTH))
-        return (np.clip(share.min(axis=1), -1.0, 0.5),)
+        return np.asarray(np.clip(share.min(axis=1), -1.0, 0.5))
 
 
 def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
@@ -99,9 +106,32 @@ class CasadiRefined(_CasadiLaw):
         scale = np.where(t < float(design.prescribed_time), float(design.segments / design.prescribed_time), 0.0)[:, None]
         return lower * scale, upper * scale
 
-    def _control_tick(self, ticks: Array, x: Array) -> tuple[Array, ...]:
+    def _filtered_tube(self, t: Array) -> tuple[Array, ...]:
+        value = np.array([float(v) for v in self.design.filter])
+        return tuple(rate + value * edge for rate, edge in zip(self._tube_rate(t), self._tube(t), strict=True))
+
+    def _control(self, *inputs: Array) -> tuple[Array, ...]:
+        """Of order 2 the law is about v + lambda x in the filtered tube."""
+        if not self.design.filter:
+            return super()._control(*inputs)
+        t, x, v = inputs
+        lower, upper = self._filtered_tube(t)
+        held = v + np.array([float(s) for s in self.design.filter]) * x
+        status, u = self._law(lower, upper, held)
+        low, high = self._tube(t)
+        return np.where(((low < x) & (x < high)).all(axis=1), status, 1), u
+
+    def _margin(self, *inputs: Array) -> tuple[Array, ...]:
+        if not self.design.filter:
+            return super()._margin(*inputs)
+        t, x, v = inputs
+        held = v + np.array([float(s) for s in self.design.filter]) * x
+        (low, high), (lower, upper) = self._tube(t), self._filtered_tube(t)
+        return (np.minimum(self._least_share(low, high, x), self._least_share(lower, upper, held)),)
+
+    def _control_tick(self, ticks: Array, *state: Array) -> tuple[Array, ...]:
         assert self.task.emit.tick_period is not None
-        return self._control(ticks * float(self.task.emit.tick_period), x)
+        return self._control(ticks * float(self.task.emit.tick_period), *state)
 
 
 class CasadiAdaptive(_CasadiLaw):

@@ -17,6 +17,8 @@ emitted edge. The bounds, first-order terms rounded up:
 Everything of the adaptive and literal designs that depends on t and alpha (and their u) is bounded by `program.running`: a
 forward error analysis of every statement of the very program, at every point. Newton's iterates in alpha_step count as
 settled: Newton's map has slope zero at the root, so the error of one iterate enters the next squared.
+
+Long because the bounds of all quantities stand beside one another.
 """
 
 from __future__ import annotations
@@ -46,6 +48,7 @@ from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
 POINTS = 10_000
+FAR = 100.0  # states of order 2 are no farther: beyond, what they round to is all that is seen
 
 
 @dataclass(frozen=True)
@@ -170,6 +173,9 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
     rows.transform(controller, backend, lower, upper, x)
 
+    if task.order == 2:
+        _inertial_rows(rows, controller, design, backend, t, (delta, rate_bound))
+        return
     want = reference.margin(low, high, x, float(LEAST_WIDTH))
     width = np.maximum(high - low, float(LEAST_WIDTH))
     moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
@@ -186,20 +192,62 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
         _law_rows(rows, controller, (low, high, delta), x, (got[0], got[1]), " at a tick")
 
 
+def _inertial_rows(
+    rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, t: Array, delta: tuple[Array, Array]
+) -> None:
+    """What is there for order 2 alone: the filtered tube, and the law that holds v + lambda x in it. A distance (v - L') +
+    lambda (x - L) is wrong by what both edges are, and by 8 roundings of its terms."""
+    task, table, unit, t_c = controller.task, design.integers(), design.unit, design.prescribed_time
+    low, high = reference.tube(table, unit, t_c, t)
+    slopes = reference.tube_rate(table, unit, t_c, t)
+    value = np.array([reference.exact(v) for v in design.filter])
+    edges = [rate + value * place for rate, place in zip(slopes, (low, high), strict=True)]
+    x = np.clip(random_states(task, low, high, backend.scalar), -FAR, FAR)
+    held = np.clip(random_states(task, edges[0], edges[1], backend.scalar), -FAR, FAR)
+    v = np.asarray(held - value * x, dtype=x.dtype)
+    truth = v.astype(np.longdouble) + value * x
+    wrong = np.array([float(r + v * e) for e, r, v in zip(*delta, value, strict=True)])
+    size = np.abs(v) + value * np.abs(x) + sum(np.abs(s) + value * np.abs(e) for s, e in zip(slopes, (low, high), strict=True))
+    moved = wrong + 8 * rows.eps * size
+    largest = float(max(np.abs(e).max() for e in edges))
+    rows.add("filtered tube", np.stack(backend.call("filtered_tube", t)), np.stack(edges), moved[None], largest)
+    rooms = [(np.minimum(z - a, b - z), b - a, d) for z, a, b, d in ((truth, *edges, moved), (x, low, high, moved / value))]
+    shares = [np.clip(near / wide, -1, 0.5) for near, wide, _ in rooms]
+    bounds = [((1 + 2 * np.abs(s)) * d / (wide - 2 * d)).max(axis=1) for s, (_, wide, d) in zip(shares, rooms, strict=True)]
+    want = np.minimum(shares[0].min(axis=1), shares[1].min(axis=1))
+    rows.add("margin", backend.call("margin", t, x, v)[0], want, np.maximum(*bounds) + 8 * rows.eps, 1.0)
+    status, u = backend.call("control", t, x, v)
+    _input_row(rows, controller, (*edges, moved), truth, u, "")
+    inside = np.all([(a < z) & (z < b) for z, a, b in ((truth, *edges), (x, low, high))], axis=(0, 2))
+    near = [
+        np.minimum(np.abs(z - a), np.abs(b - z)) - d for z, a, b, d in ((truth, *edges, moved), (x, low, high, moved / value))
+    ]
+    rows.status(status, np.where(inside, 0, 1), np.minimum(*near))
+
+
 def _law_rows(
     rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
 ) -> None:
     """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
+    task = controller.task
+    low, high, delta = tube
+    status, _ = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    _input_row(rows, controller, tube, x, got[1], label)
+    room = np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * rows.eps * np.abs(x)
+    rows.status(got[0], status, room, label)
+
+
+def _input_row(rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: Array, label: str) -> None:
+    """u for what is held, x, in its tube, as for `_law_rows`."""
     task, eps = controller.task, rows.eps
     low, high, delta = tube
-    status, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    _, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
     _, epsilon, xi = reference.transform(low, high, x, task.e_max)
     gain = np.array([abs(float(v)) for v in task.gain])
     clamp = np.array([float(v) for v in task.e_max])
     spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), clamp)
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
-    rows.add("u" + label, got[1], u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
-    rows.status(got[0], status, np.minimum(np.abs(x - low), np.abs(high - x)) - delta - 2 * eps * np.abs(x), label)
+    rows.add("u" + label, got, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
 
 
 @dataclass(frozen=True)

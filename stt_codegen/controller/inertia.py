@@ -18,7 +18,7 @@ from stt_codegen.controller.law import (
     not_finite,
     place_of,
 )
-from stt_codegen.controller.spline import SplineKernels, edge, entry, start
+from stt_codegen.controller.spline import SplineKernels, entry, loaded, start
 from stt_codegen.controller.words import axes_doc, inward_doc, law_doc
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
@@ -120,11 +120,14 @@ class Frame:
     def edges(self, block: Block, row: Operand, i: Operand, weights: tuple[Var, ...], rates: tuple[Var, ...]) -> list[Var]:
         """Statements for L, R, L', R' of component i."""
         at = entry(block, row, i)
-        found = [edge(block, self.spline, self.n, at, weights, side, name) for side, name in ((LOWER, "lower"), (UPPER, "upper"))]
-        for side, name in ((LOWER, "lower_slope"), (UPPER, "upper_slope")):
-            slope = edge(block, self.spline, self.n, at, rates, side, name)
-            found.append(block.op(f"{name}_rate", "mul", slope, real(self.filter.per_second)))
-        return found
+        places: list[Var] = []
+        slopes: list[Var] = []
+        for side, name in ((LOWER, "lower"), (UPPER, "upper")):
+            entries = loaded(block, self.n, at, side, name)
+            places += block.call(self.spline.blend, *weights, *entries, names=(f"{name}_edge",))
+            (slope,) = block.call(self.spline.blend, *rates, *entries, names=(f"{name}_slope",))
+            slopes.append(block.op(f"{name}_rate", "mul", slope, real(self.filter.per_second)))
+        return [*places, *slopes]
 
     def apart(self, block: Block, row: Operand, i: Operand, weights: tuple[Var, ...], slopes: tuple[Var, ...]) -> Filtered:
         """Statements for where component i is."""

@@ -61,16 +61,21 @@ def segment_of(design: RefinedDesign, scalar: str) -> Kernel:
     )
 
 
-def edge(block: Block, spline: SplineKernels, n: int, at: Operand, weights: tuple[Var, ...], side: int, name: str) -> Var:
-    """Statements for one edge: four table entries, a row apart from table index `at` on, blended by the weights."""
-    label = name.split("_", maxsplit=1)[0]
+def loaded(block: Block, n: int, at: Operand, side: int, label: str) -> list[Var]:
+    """Statements for the four table entries of an edge, a row apart from table index `at` on."""
     entries = []
     for j in range(4):
         offset = 2 * n * j + side
         index = block.op(f"{label}_{j}", "iadd", at, integer(offset)) if offset else at
         entries.append(block.let(f"{label}_q{j}", Load("coefficients", index)))
-    (edge,) = block.call(spline.blend, *weights, *entries, names=(name,))
-    return edge
+    return entries
+
+
+def edge(block: Block, spline: SplineKernels, n: int, at: Operand, weights: tuple[Var, ...], side: int, name: str) -> Var:
+    """Statements for one edge: its entries, blended by the weights."""
+    entries = loaded(block, n, at, side, name.split("_", maxsplit=1)[0])
+    (found,) = block.call(spline.blend, *weights, *entries, names=(name,))
+    return found
 
 
 def entry(block: Block, row: Operand, i: Operand) -> Var:

@@ -13,6 +13,7 @@ from typing import Any
 
 from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
 from stt_codegen.certify.claims import Claim, claims_of, cuts_of
+from stt_codegen.controller.arithmetic import rate_error
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.program import Program
@@ -33,11 +34,13 @@ def certificate_text(
         "certified": certificate.holds,
         "design": design.kind,
         "method": certificate.method,
-        "order": 1,
+        "order": task.order,
         "scalar": program.scalar,
         "sha256": {"task_data": task.digest, **digests},
     }
-    body = _exact(task, design, certificate) if isinstance(design, RefinedDesign) else _decimals(task, design, certificate)
+    body = (
+        _exact(task, design, program, certificate) if isinstance(design, RefinedDesign) else _decimals(task, design, certificate)
+    )
     return _lines({**head, **body}) + "\n"
 
 
@@ -58,7 +61,7 @@ def _lines(document: dict[str, Any]) -> str:
 # ------------------------------------------------------------------------------------------------ exact
 
 
-def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
+def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, Any]:
     """What is claimed of a refined tube."""
     claims, bezier = claims_of(task, design, certificate), design.bezier()
     cuts = cuts_of(claims)
@@ -66,6 +69,7 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
     return {
         "grid": {"segments": design.segments, "cuts": cuts, "unit_bits": design.bits},
         "edge_error": [math.ceil(v / design.unit) for v in certificate.edge_error],
+        **({} if task.order == 1 else _filter(design, program)),
         "speed": [int(v) for v in rates],
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.whole_start,
@@ -74,6 +78,13 @@ def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[
         "claims": [_claim(claim, cuts) for claim in claims],
         **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
     }
+
+
+def _filter(design: RefinedDesign, program: Program) -> dict[str, Any]:
+    """lambda, and what the arithmetic moves an edge's rate by, in units of the table in a segment's time."""
+    unit = design.unit * design.segments / Fraction(design.prescribed_time)
+    wrong = [math.ceil(v / unit) for v in rate_error(design, program)]
+    return {"filter": [str(v) for v in design.filter], "rate_error": wrong}
 
 
 def _claim(claim: Claim, cuts: int) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from stt_codegen.lemmas import (
     bumps,
     conflict,
+    filtered,
     first_exit,
     functions,
     kernels,
@@ -52,6 +53,7 @@ FAMILIES = {
     ),
     "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
     "limits": ("Limits on u", limits.LEMMAS),
+    "filtered": ("Plants of order 2", filtered.LEMMAS),
     "shapes": ("Shapes: normals, supports, distances", shapes.LEMMAS),
     "moving": ("Sets that move: parts of a piece, bounds, places", moving.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),

@@ -18,14 +18,14 @@ import numpy as np
 import sympy as sp
 from flint import arb, ctx
 
-from stt_codegen.certify import period
+from stt_codegen.certify import components, period
 from stt_codegen.lemmas.formula import Formula, questions
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
 from stt_codegen.lemmas.sampled_evaluated import METHOD, NUMBERS, POINT, V, setting, symbol
 from stt_codegen.sampling import statements
 
 LIMITS = (Fraction(5, 2), Fraction(5), Fraction(4))  # u_max, numbers of the scalar
-Component: Any = period.Component  # of symbols here
+Component: Any = components.Component  # of symbols here
 EVERY = (1, 2, 3)  # three components: two others to couple with
 RHO = {f"E{i}": sp.Symbol(f"rho{i}", positive=True) for i in EVERY}
 BELOW, ABOVE = (Formula(sp.Symbol(word, positive=True), 1.0) for word in ("below", "above"))  # of a logarithm's two ends
@@ -42,6 +42,7 @@ def _loop(limited: bool) -> tuple[Any, list[Any], list[Formula], dict[Any, Any]]
     plant = SimpleNamespace(f_max=own["f"], w_max=own["w"], g_min=own["g"], g_max=own["G"], g_cross=own["c"])
     task: Any = SimpleNamespace(
         dimension=len(EVERY),
+        order=1,
         plant=plant,
         g_range=(plant.g_min, plant.g_max),
         control=SimpleNamespace(period=own["T"], latency=symbol("l")),
@@ -146,6 +147,7 @@ def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: 
     plant = SimpleNamespace(f_max=_number(Fraction(1, 10)), w_max=None, g_min=Fraction(1), g_max=Fraction(1), g_cross=None)
     task: Any = SimpleNamespace(
         dimension=1,
+        order=1,
         plant=plant,
         g_range=(plant.g_min, plant.g_max),
         control=SimpleNamespace(period=Fraction(1, 1000), latency=Fraction(0)),
@@ -220,7 +222,7 @@ def _holds() -> Outcome:
                 return (c, i) != fails
 
         task = SimpleNamespace(
-            dimension=3, prescribed_time=Fraction(4), e_max=(Fraction(4, 5), Fraction(3, 5), Fraction(2, 3)),
+            dimension=3, order=1, prescribed_time=Fraction(4), e_max=(Fraction(4, 5), Fraction(3, 5), Fraction(2, 3)),
             initial_set=SimpleNamespace(share=Fraction(1, 2)), control=SimpleNamespace(period=age - late, latency=late),
         )  # fmt: skip
         found = Stub(task, SimpleNamespace(segments=2), ()).holds(rho)  # type: ignore[arg-type]

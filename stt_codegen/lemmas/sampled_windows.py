@@ -136,7 +136,7 @@ def _exact_windows() -> Outcome:
     found: dict[str, Any] = {}
     for number, given in enumerate(tables()):
         table: Any = given
-        statement: Any = period.SharpStatement(SimpleNamespace(), table, ())  # type: ignore[arg-type]
+        statement: Any = period.SharpStatement(SimpleNamespace(order=1), table, ())  # type: ignore[arg-type]
         unit, rate = sp.Rational(given.unit), sp.Rational(Fraction(3 * given.segments) / given.prescribed_time * given.unit)
         narrow, wide, step = (getattr(extremes(table), name) for name in ("narrow", "wide", "step"))
         windows = list(statement.windows())
@@ -176,8 +176,8 @@ def _setting() -> Outcome:
         box = SimpleNamespace(lower=ends[0], upper=ends[1])
         emit = SimpleNamespace(scalar=scalar, math="libm")
         task: Any = SimpleNamespace(
-            dimension=2, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)), e_max=(Fraction(9, 10),) * 2,
-            u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
+            dimension=2, order=1, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)),
+            e_max=(Fraction(9, 10),) * 2, u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
         )  # fmt: skip
         error = (Fraction(1, 977), Fraction(1, 1013))
         law = law_of(task, error, noise, 0.25)

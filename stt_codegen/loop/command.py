@@ -103,7 +103,7 @@ class RunReport:
 def simulate(controller: Controller, request: Request, out: Path | None) -> RunReport:
     """One run; its trace and picture go to the folder `out`, where one is named."""
     task = controller.task
-    models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension)]
+    models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension, task.order)]
     if request.plant == BOUNDS and request.disturbance == "none" and models[0].w_max:
         request = replace(request, disturbance="outward")
     if request.clock != "stated" and not any(c is not None for c in task.courses):
@@ -136,10 +136,10 @@ def within_bounds(task: Task) -> list[Plant]:
     cross, push = float(task.plant.g_cross or 0), (task.plant.f_max or Fraction(0)) + (task.plant.w_max or Fraction(0))
 
     def plant(words: str, own: float, other: float) -> Plant:
-        def matrix(x: Any) -> list[list[float]]:
+        def matrix(x: Any, *_: Any) -> list[list[float]]:
             return [[own if i == j else other for j in range(x.shape[0])] for i in range(x.shape[0])]
 
-        return Plant(f"[plant], {words}", "", None, lambda x: [0] * x.shape[0], matrix, push)
+        return Plant(f"[plant], {words}", "", None, lambda x, *_: [0] * x.shape[0], matrix, push, None)
 
     gains = [("weakest g", g_min), ("strongest g", g_max)][: 1 + (g_min != g_max)]
     signs = [(", coupled", cross), (", coupled the other way", -cross)] if cross else [("", 0.0)]
@@ -148,7 +148,7 @@ def within_bounds(task: Task) -> list[Plant]:
 
 def with_wind(plant: Model, strength: float) -> Plant:
     """The plant with another bound on |w|."""
-    return Plant(plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength))
+    return Plant(plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength), plant.order)
 
 
 def with_gain(controller: Controller, gain: Sequence[float]) -> Controller:
@@ -167,7 +167,11 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     task = analysis.controller.task
     if text == "best":
         setting, shortest = analysis.setting, analysis.shortest
-        best = most_room(setting, age, shortest) or analysis.gains.longest if analysis.controller.certificate.tube_holds else None
+        best = (
+            most_room(setting, age, shortest, analysis.statements) or analysis.gains.longest
+            if analysis.controller.certificate.tube_holds
+            else None
+        )
         if best is None:
             raise BadInput("--gain best: no gain is proved for this tube and plant at any period")
         return tuple((math.copysign(1, task.gain[0]) * best[0]).tolist())

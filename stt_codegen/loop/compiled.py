@@ -31,6 +31,7 @@ class Setting(ctypes.Structure):
     _fields_ = (
         ("n", ctypes.c_int32),
         ("sets", ctypes.c_int32),
+        ("order", ctypes.c_int32),
         ("samples", ctypes.c_int32),
         ("parts", ctypes.c_int32),
         ("kind", ctypes.c_int32),
@@ -41,6 +42,8 @@ class Setting(ctypes.Structure):
         ("end", ctypes.c_double),
         ("strength", ctypes.c_double),
         ("noise", ctypes.c_double),
+        ("noise_v", ctypes.c_double),
+        ("filter", ctypes.c_void_p),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
         ("walls", ctypes.c_int32),
@@ -87,15 +90,15 @@ class Own:
     library: Any
 
 
-def driver(plant: Model, dimension: int) -> Any:
+def driver(plant: Model, dimension: int, order: int = 1) -> Any:
     """`loop_run` for a plant; compiled once a process for each."""
-    function = model(plant, dimension)
-    return _driver(f"{plant.name}: {function}", _plant_source(function))
+    function = model(plant, dimension, order)
+    return _driver(f"{plant.name}: {function}", _plant_source(function, dimension))
 
 
-def is_constant(plant: Model, dimension: int) -> bool:
+def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
     """Whether the plant's f and g do not depend on the state."""
-    function = model(plant, dimension)
+    function = model(plant, dimension, order)
     return all(int(function.jac_sparsity(k, 0).nnz()) == 0 for k in (0, 1))
 
 
@@ -119,12 +122,11 @@ def _driver(name: str, source: str) -> Any:
     return run
 
 
-def _plant_source(function: Any) -> str:
+def _plant_source(function: Any, n: int) -> str:
     kernel = lower(function)
-    n = function.nnz_in(0)
     lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
     outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
-    arguments = ", ".join([*(f"x[{i}]" for i in range(n)), *outputs])
+    arguments = ", ".join([*(f"x[{i}]" for i in range(function.nnz_in(0))), *outputs])
     return template("loop/plant.c.j2").render(kernel="\n".join(lines), arguments=arguments)
 
 
@@ -133,7 +135,7 @@ def own(controller: Controller) -> Own:
     prefix, adaptive = controller.task.name, controller.design.stateful
     steps = controller.certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
-    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest}
+    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": controller.task.order}
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)

@@ -47,17 +47,19 @@ MOST_FACES = 1024  # of an unsafe set, as in loop.h
 
 @dataclass(frozen=True)
 class Scenario:
-    """What a loop runs under. rate: samples a second; strength: bound on |w|; noise: bound on the error of every measured
-    component; lost: samples that may be lost in a row; start: x(0), the task's own where None; latency: seconds from a sample to
-    its input, less than a period. clock: of sets that move, stated (their times are right, and the controller starts in time),
-    early (they are as far behind as may be), late (as far ahead, with the controller's start_delay), or worst (at every moment
-    and for every set the worst of nine readings from early to late)."""
+    """What a loop runs under. rate: samples a second; strength: bound on |w|; noise, noise_v: bounds on the error of every
+    measured component of x and v; lost: samples that may be lost in a row; start: x(0), of order 2 with v(0) behind it or at
+    rest, the task's own where None; latency: seconds from a sample to its input, less than a period. clock: of sets that move,
+    stated (their times are right, and the controller starts in time), early (they are as far behind as may be), late (as far
+    ahead, with the controller's start_delay), or worst (at every moment and for every set the worst of nine readings from early
+    to late)."""
 
     rate: float = 1000.0
     disturbance: str = "none"
     strength: float = 0.0
     seed: int = 0
     noise: float = 0.0
+    noise_v: float = 0.0
     lost: int = 0
     start: tuple[float, ...] | None = None
     latency: float = 0.0
@@ -119,10 +121,11 @@ class Loop:
 
     def __init__(self, controller: Controller, plant: Model, step: Own | None = None) -> None:
         self.controller, self.plant = controller, plant
-        self.run_loop = driver(plant, controller.task.dimension)
+        self.run_loop = driver(plant, controller.task.dimension, controller.task.order)
         self.own = step or own(controller)
         self.field = _Field(controller.task)
-        self.constant = is_constant(plant, controller.task.dimension)
+        self.constant = is_constant(plant, controller.task.dimension, controller.task.order)
+        self.filter = np.array([float(v) for v in getattr(controller.design, "filter", ())])
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:
         task, field_ = self.controller.task, self.field
@@ -131,8 +134,11 @@ class Loop:
             start = np.array([float(v) for v in given])  # doubles, whatever numbers they were: C reads them by address
         except (TypeError, ValueError):
             raise BadInput(f"--start: is {given!r}; {task.dimension} numbers are needed") from None
-        if start.shape != (task.dimension,):
-            raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed")
+        most = task.order * task.dimension
+        if start.ndim != 1 or start.size not in (task.dimension, most):
+            told = "" if task.order == 1 else f", or {most} with the speeds"
+            raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed{told}")
+        start = np.concatenate([start, np.zeros(most - start.size)])
         if not np.isfinite(start).all():
             raise BadInput("--start: every number must be finite")
         period = 1 / scenario.rate
@@ -144,6 +150,7 @@ class Loop:
         setting = Setting(
             n=task.dimension,
             sets=len(field_.names),
+            order=task.order,
             samples=samples,
             parts=self._parts(period),
             kind=KINDS.index(scenario.disturbance),
@@ -154,6 +161,8 @@ class Loop:
             end=float(task.prescribed_time),
             strength=scenario.strength,
             noise=scenario.noise,
+            noise_v=scenario.noise_v,
+            filter=self.filter.ctypes.data,
             latency=scenario.latency,
             start=start.ctypes.data,
             walls=len(field_.space),
@@ -169,7 +178,7 @@ class Loop:
             turns=field_.turns.ctypes.data,
             hours=field_.hours.ctypes.data,
         )
-        rows = np.empty((samples + 1, 5 * task.dimension + 2)) if trace else None
+        rows = np.empty((samples + 1, (4 + task.order) * task.dimension + 2)) if trace else None
         judged = Judged()
         self.own.start()
         pointers = [
@@ -281,6 +290,7 @@ def of_task(task: Task) -> dict[str, Any]:
     return {
         "rate": float(1 / task.sampling_period),
         "noise": float(task.plant.noise or 0),
+        "noise_v": float(task.plant.noise_v or 0),
         "latency": float(task.control.latency),
     }
 
@@ -289,7 +299,8 @@ def columns(task: Task) -> list[str]:
     """The names of a trace's columns, and of those of sets that move: their displacement, and whether they are unsafe."""
     n, moving = task.dimension, [s.name for s, c in zip(task.unsafe, task.courses, strict=True) if c is not None]
     own = [f"{name}.{word}" for name in moving for word in (*(f"d{i + 1}" for i in range(n)), "unsafe")]
-    return ["t", *(f"{name}{i + 1}" for name in ("x", "u", "lower", "upper", "w") for i in range(n)), "status", *own]
+    kinds = ("x", "u", "lower", "upper", "w", *(("v",) if task.order == 2 else ()))
+    return ["t", *(f"{name}{i + 1}" for name in kinds for i in range(n)), "status", *own]
 
 
 def csv(trace: Array, task: Task, clock: str = "stated") -> bytes:

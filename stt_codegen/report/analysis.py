@@ -16,6 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.enclosure import Enclosed, enclosed_windows
+from stt_codegen.controller.arithmetic import rate_error
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.errors import BadInput
@@ -36,10 +37,24 @@ from stt_codegen.report.bounds import (
     below_float,
     rounded,
 )
-from stt_codegen.sampling import Gains, Period, eps_of_share, eps_of_state, law_of, most_room, setting_of
+from stt_codegen.sampling import (
+    Gains,
+    Period,
+    Setting,
+    eps_of_share,
+    eps_of_starts,
+    eps_of_state,
+    inertial_law,
+    inertial_setting,
+    law_of,
+    most_room,
+    setting_of,
+    speeds,
+)
 from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated
 from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
+from stt_codegen.sampling.setting import back
 from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows, refined_windows
 
@@ -68,11 +83,31 @@ class Analysis:
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
         self.windows = self._windows()
-        law = law_of(task, controller.certificate.edge_error, noise, latency)
         self.bounds = list(self._bounds())
-        share = eps_of_share(task.initial_set.share, task.dimension)
-        self.setting = setting_of(self.windows, self.bounds, law, share if start is None else eps_of_state(self.windows, start))
+        self.setting = self._setting(start)
+        self.statements = ("sharp", "general") if task.order == 1 else ("sharp",)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
+
+    def _setting(self, start: Sequence[float] | None) -> Setting:
+        """The loop; of order 2 what is held is v + lambda x."""
+        controller, task, design = self.controller, self.controller.task, self.controller.design
+        edge = controller.certificate.edge_error
+        if task.order == 2:
+            assert isinstance(design, RefinedDesign)
+            noise = (self.noise, float(task.plant.noise_v or 0))
+            law = inertial_law(task, design, edge, rate_error(design, controller.program), noise, self.latency)
+            return inertial_setting(design, self.bounds, law, eps_of_starts(task, design, start))
+        law = law_of(task, edge, self.noise, self.latency)
+        share = eps_of_share(task.initial_set.share, task.dimension)
+        return setting_of(self.windows, self.bounds, law, share if start is None else eps_of_state(self.windows, start))
+
+    def _eps_of(self, state: Sequence[float]) -> Array:
+        """|eps(0)| of a state, of order 2 at the speeds that its start may have."""
+        design = self.controller.design
+        if self.controller.task.order == 2:
+            assert isinstance(design, RefinedDesign)
+            return eps_of_starts(self.controller.task, design, state)
+        return eps_of_state(self.windows, state)
 
     def _windows(self) -> Windows:
         design = self.controller.design
@@ -92,11 +127,14 @@ class Analysis:
         if self.plant is None:
             yield from [bounds_of_task(task)] * len(w.narrow)
             return
-        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.gain[0] > 0 else -1)
-        for k in range(len(w.narrow)):
-            before = max(k - 1, 0)
-            low, high = np.minimum(w.low[k], w.low[before]), np.maximum(w.high[k], w.high[before])
-            yield enclosure.over(list(zip(low.tolist(), high.tolist(), strict=True)))
+        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.gain[0] > 0 else -1, task.order)
+        low, high = w.low, w.high
+        if task.order == 2:
+            assert isinstance(self.controller.design, RefinedDesign)
+            slow, fast = speeds(self.controller.design)
+            low, high = np.concatenate([low, slow], axis=1), np.concatenate([high, fast], axis=1)
+        for a, b in zip(back(low, np.minimum), back(high, np.maximum), strict=True):
+            yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)))
 
     @property
     def name(self) -> str:
@@ -115,7 +153,8 @@ class Analysis:
     @cached_property
     def periods(self) -> dict[str, Period | None]:
         """By statement, the longest period proved for the task's gain."""
-        return {statement: longest_from(self.shortest, statement, self.setting) for statement in STATEMENTS}
+        known = STATEMENTS if self.controller.task.order == 1 else self.statements
+        return {statement: longest_from(self.shortest, statement, self.setting) for statement in known}
 
     @property
     def shortest(self) -> float:
@@ -126,8 +165,17 @@ class Analysis:
     @property
     def state_is_outside(self) -> bool:
         """Whether initial_state is none of the starts in the share."""
-        state = eps_of_state(self.windows, [float(v) for v in self.controller.task.initial_state])
-        return bool((state > eps_of_share(self.controller.task.initial_set.share, len(state))).any())
+        state = self._eps_of([float(v) for v in self.controller.task.initial_state])
+        return bool((state > self._share).any())
+
+    @property
+    def _share(self) -> Array:
+        """What |eps(0)| is at most for the starts in the share."""
+        task, design = self.controller.task, self.controller.design
+        if task.order == 2:
+            assert isinstance(design, RefinedDesign)
+            return eps_of_starts(task, design)
+        return eps_of_share(task.initial_set.share, task.dimension)
 
     def assumptions(self) -> list[str]:
         """What the periods rest on and nothing here can show."""
@@ -152,15 +200,15 @@ class Analysis:
     @cached_property
     def from_initial_state(self) -> Period | None:
         """The longest period from initial_state alone, where that is longer than from all starts of the share."""
-        setting = self.setting.begun_at(eps_of_state(self.windows, [float(v) for v in self.controller.task.initial_state]))
-        found = [p for p in (longest_from(self.shortest, name, setting) for name in STATEMENTS) if p is not None]
+        setting = self.setting.begun_at(self._eps_of([float(v) for v in self.controller.task.initial_state]))
+        found = [p for p in (longest_from(self.shortest, name, setting) for name in self.periods) if p is not None]
         best = max(found, key=lambda p: p.seconds, default=None)
         return None if best is None or (self.period is not None and best.seconds <= self.period.seconds) else best
 
     @cached_property
     def gains(self) -> Gains:
         """What multiples of the task's gain would allow."""
-        return Gains(self.setting, self.setting.law.gain, self.shortest)
+        return Gains(self.setting, self.setting.law.gain, self.shortest, self.statements)
 
     @property
     def wanted(self) -> float:
@@ -230,7 +278,7 @@ class Analysis:
         task, own, alone, age = self.controller.task, self.period, self.from_initial_state, self.wanted + self.latency
         sign = 1 if task.gain[0] > 0 else -1
         longest, limited, ends = self.gains.longest, self.gains.limited, self.gains.range(age)
-        roomiest = most_room(self.setting, age, self.shortest)
+        roomiest = most_room(self.setting, age, self.shortest, self.statements)
 
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())

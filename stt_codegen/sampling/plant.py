@@ -64,11 +64,11 @@ def _double(value: Fraction, toward: float) -> float:
 
 
 class PlantEnclosure:
-    """A plant of n dimensions in balls. Raises `BadInput` as `model` does."""
+    """A plant of n dimensions in balls, of order 2 over boxes of x and v. Raises `BadInput` as `model` does."""
 
-    def __init__(self, plant: Model, dimension: int, sign: int) -> None:
+    def __init__(self, plant: Model, dimension: int, sign: int, order: int = 1) -> None:
         self.dimension, self.sign, self.w_max = dimension, sign, _double(plant.w_max, math.inf)
-        kernel = lower(model(plant, dimension))
+        kernel = lower(model(plant, dimension, order))
         read = {o.name for a in kernel.body for o in operands(a.value) if isinstance(o, Var)} | {
             o.name for o in kernel.outputs if isinstance(o, Var)
         }

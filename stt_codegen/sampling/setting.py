@@ -53,7 +53,8 @@ class Setting:
 
     least, most, cross (W + 1, n, n), definite, norm (both (W + 1)): of g, as `plant.Bounds`. push: what moves x or an edge apart
     from u, P = |f + w| + the edges' speed; push_norm (W + 1): the same as a norm. narrow: the tube's width. start (n): what
-    |eps(0)| is at most, for the starts that are spoken of.
+    |eps(0)| is at most, for the starts that are spoken of. drift, middle: for order 2 what pushes in the other places of the
+    sharp statement.
     """
 
     windows: Windows
@@ -67,6 +68,8 @@ class Setting:
     norm: Array
     push_norm: Array
     start: Array
+    drift: Array | None = None
+    middle: Array | None = None
 
     @property
     def longest_age(self) -> float:
@@ -86,7 +89,8 @@ class Setting:
             **{name: getattr(w, name)[:, here] for name in ("narrow", "wide", "speed", "widening", "low", "high")},
         )
         one = replace(law, **{name: getattr(law, name)[here] for name in ("gain", "e_max", "shift", "u_max")})
-        own = {name: getattr(self, name)[:, here] for name in ("least", "most", "push", "narrow")}
+        names = ("least", "most", "push", "narrow", *(("drift", "middle") if self.drift is not None else ()))
+        own = {name: getattr(self, name)[:, here] for name in names}
         return replace(self, windows=windows, law=one, cross=self.cross[:, here, here], start=self.start[here], **own)
 
     def begun_at(self, start: Array) -> Setting:
@@ -153,5 +157,6 @@ def in_balls(s: Setting) -> Setting:
     convert = np.vectorize(arb, otypes=[object])
     windows = replace(s.windows, **{name: convert(getattr(s.windows, name)) for name in ("narrow", "wide", "speed", "widening")})
     names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
+    names = (*names, *(("drift", "middle") if s.drift is not None else ()))
     law = replace(s.law, gain=convert(s.law.gain))
     return replace(s, windows=windows, law=law, **{name: convert(getattr(s, name)) for name in names})

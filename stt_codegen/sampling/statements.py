@@ -15,6 +15,7 @@ d- <= gamma_d <= d+, P = |f + w| + |edge rate| and U a bound on |u|, all in one 
 both; tau is at most a window, half of one where there is latency. Two kinds of error are allowed for: `shift`, by which what the
 law sees of x and of the edges is wrong (noise, P7, x rounded to the scalar), and the law's own rounding, relative and in eps.
 
+For order 2 (sampling/inertia.py) P in c and in the first condition are other numbers, and only the sharp statement is known.
 The formulas are written once, for doubles, for balls and for symbols. A condition names the lemma that says why it is asked.
 """
 
@@ -95,9 +96,10 @@ def sharp(s: Setting, reach: Any, tau: Any) -> list[Condition]:
 
 def sharp_under(s: Setting, reach: Any, tau: Any, u: Any, push: Any) -> list[Condition]:
     """The sharp statement's conditions for |u| <= `u` (its own component's) and P' = `push` (with what the others push)."""
-    drift = push * tau + s.most * u * s.law.latency + s.law.shift
+    aged, turned = (push if v is None else v + (push - s.push) for v in (s.drift, s.middle))  # with what the others push
+    drift = aged * tau + s.most * u * s.law.latency + s.law.shift
     narrow = s.windows.narrow
-    side = narrow / 2 * (np.tanh(reach / 2) - s.law.rounding) - (push + s.most * u) * tau - s.law.shift
+    side = narrow / 2 * (np.tanh(reach / 2) - s.law.rounding) - (turned + s.most * u) * tau - s.law.shift
     conditions = [Condition("sampled.same_side", side)]
     for d in (narrow, s.windows.wide):
         far, near = d / (1 + np.exp(-reach)) - drift, d / (1 + np.exp(reach)) + drift

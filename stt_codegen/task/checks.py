@@ -179,8 +179,6 @@ def _order_problem(task: TaskTables) -> str | None:
         given = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
         field = next((name for name, value in given.items() if value is not None), None)
         return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
-    if task.order == 2:
-        return "plant.order: is 2; plants of order 2 are not known yet, use 1"
     if task.tube.design != "refined":
         return f"plant.order: is 2, which the {task.tube.design} design does not know; use the refined design"
     for name, value, least in (("tube.filter", filter_, "greater than 0"), ("initial_set.speed", speed, "0 or greater")):
@@ -188,8 +186,6 @@ def _order_problem(task: TaskTables) -> str | None:
         for i, entry in enumerate(entries):
             if entry < 0 or (not entry and name == "tube.filter"):
                 return f"{name}{f'[{i}]' if isinstance(value, tuple) else ''}: is {decimal(entry)}; it must be {least}"
-    if task.control.period is not None:
-        return "control.period: is not proved for plants of order 2 yet; leave it out"
     if task.emit.selftest:
         return "emit.selftest: is not there for plants of order 2 yet; leave it out"
     return None

@@ -16,7 +16,7 @@ typedef struct {
     uint64_t random;
     double direction[MOST]; /* unit vector, or the vector held over this period */
     double rate, phase;     /* of the sinusoid, rad/s and rad */
-    double middle[MOST], half[MOST]; /* of the tube, at the last look */
+    double middle[STATE], half[STATE]; /* of the tube, and of the filtered one, at the last look */
 } wind;
 
 static double uniform(uint64_t *state) /* splitmix64, to [0, 1) */
@@ -192,6 +192,20 @@ static void nearest(const loop_setting *s, double t, const double *x, double *w)
     }
 }
 
+static int state_size(const loop_setting *s)
+{
+    return s->order * s->n;
+}
+
+/* What the tubes are about: x, and of order 2 then v + filter x. */
+static void held_of(const loop_setting *s, const double *x, double *held)
+{
+    const int n = s->n;
+    memcpy(held, x, (size_t)n * sizeof *x);
+    if (s->order == 2)
+        for (int i = 0; i < n; i++) held[n + i] = x[n + i] + s->filter[i] * x[i];
+}
+
 static void blow(const wind *v, double t, const double *x, double *w)
 {
     const loop_setting *s = v->s;
@@ -202,13 +216,15 @@ static void blow(const wind *v, double t, const double *x, double *w)
         for (int i = 0; i < n; i++) w[i] = v->direction[i] * sin(v->rate * t + v->phase);
     if (s->kind == NEAREST) nearest(s, t, x, w);
     if (s->kind == OUTWARD) { /* toward the nearest edge of the tube */
-        int worst = 0;
-        double most = -1.0;
-        for (int i = 0; i < n; i++) {
-            const double e = fabs(x[i] - v->middle[i]) / v->half[i];
+        const int first = (s->order - 1) * n;
+        int worst = first;
+        double most = -1.0, held[STATE];
+        held_of(s, x, held);
+        for (int i = first; i < first + n; i++) {
+            const double e = fabs(held[i] - v->middle[i]) / v->half[i];
             if (e > most) most = e, worst = i;
         }
-        w[worst] = x[worst] < v->middle[worst] ? -1.0 : 1.0;
+        w[worst - first] = held[worst] < v->middle[worst] ? -1.0 : 1.0;
     }
     for (int i = 0; i < n; i++) w[i] *= s->strength;
 }
@@ -216,20 +232,21 @@ static void blow(const wind *v, double t, const double *x, double *w)
 static void rate_of(const wind *v, double t, const double *x, const double *u, double *rate)
 {
     const int n = v->s->n;
-    double g[MOST * MOST], w[MOST];
-    loop_plant(x, rate, g);
+    double g[MOST * MOST], w[MOST], *turn = rate + (v->s->order - 1) * n;
+    loop_plant(x, turn, g);
     blow(v, t, x, w);
     for (int i = 0; i < n; i++) {
-        rate[i] += w[i];
-        for (int j = 0; j < n; j++) rate[i] += g[i + n * j] * u[j];
+        if (v->s->order == 2) rate[i] = x[n + i];
+        turn[i] += w[i];
+        for (int j = 0; j < n; j++) turn[i] += g[i + n * j] * u[j];
     }
 }
 
 static void runge_kutta(const wind *v, double t, double h, const double *u, double *x)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0}, share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-    const int n = v->s->n;
-    double k[MOST] = {0}, y[MOST], sum[MOST] = {0};
+    const int n = state_size(v->s);
+    double k[STATE] = {0}, y[STATE], sum[STATE] = {0};
     for (int stage = 0; stage < 4; stage++) {
         for (int i = 0; i < n; i++) y[i] = x[i] + at[stage] * h * k[i];
         rate_of(v, t + at[stage] * h, y, u, k);
@@ -241,8 +258,8 @@ static void runge_kutta(const wind *v, double t, double h, const double *u, doub
 /* A step of h, by halves where one step and two halves differ by more than rounding and TOLERANCE allow. */
 static void integrate(const wind *v, double t, double h, const double *u, double *x, int depth)
 {
-    const int n = v->s->n;
-    double whole[MOST], halves[MOST], worst = 0.0;
+    const int n = state_size(v->s);
+    double whole[STATE], halves[STATE], worst = 0.0;
     memcpy(whole, x, (size_t)n * sizeof *x);
     runge_kutta(v, t, h, u, whole);
     if (v->s->constant) { /* f and g do not change: one step is exact but for what w does */
@@ -291,19 +308,21 @@ static int within(const loop_setting *s, int j, double t, const double *x)
 static void judge(const loop_setting *s, double t, const double *x, loop_tube tube, wind *v, loop_result *r)
 {
     const int n = s->n;
-    double lower[MOST], upper[MOST];
+    double lower[STATE], upper[STATE], held[STATE];
     for (int j = 0; j < s->sets && r->hit < 0; j++)
         if (within(s, j, t, x)) r->hit = j, r->hit_at = t;
     if (!r->left && !inside(s->space, s->walls, x, n)) r->left = 1, r->left_at = t;
     if (tube == NULL) return;
     tube(t, lower, upper);
-    for (int i = 0; i < n; i++) {
-        const double width = upper[i] - lower[i], nearer = fmin(x[i] - lower[i], upper[i] - x[i]);
+    held_of(s, x, held);
+    for (int i = 0; i < state_size(s); i++) {
+        const double width = upper[i] - lower[i], nearer = fmin(held[i] - lower[i], upper[i] - held[i]);
         v->middle[i] = 0.5 * (lower[i] + upper[i]);
         v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
-        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(x[i] - v->middle[i]) / v->half[i];
+        const double share = width > 0.0 ? nearer / width : -1.0, e = fabs(held[i] - v->middle[i]) / v->half[i];
+        double *most = &r->e[i % n];
         r->margin = share >= r->margin ? r->margin : share == share ? share : -1.0; /* what is no number is outside */
-        r->e[i] = e <= r->e[i] ? r->e[i] : e == e ? e : HUGE_VAL;
+        *most = e <= *most ? *most : e == e ? e : HUGE_VAL;
     }
 }
 
@@ -314,16 +333,18 @@ static void start_wind(wind *v, const loop_setting *s)
     unit_vector(&v->random, v->direction, s->n);
     v->rate = exp(log(0.5) + uniform(&v->random) * log(40.0)); /* 0.5 to 20 rad/s */
     v->phase = 6.283185307179586 * uniform(&v->random);
-    for (int i = 0; i < s->n; i++) v->middle[i] = s->start[i], v->half[i] = 1.0;
+    held_of(s, s->start, v->middle);
+    for (int i = 0; i < state_size(s); i++) v->half[i] = 1.0;
 }
 
-static double *write_row(double *row, double t, const double *x, const double *u, loop_tube tube, const double *w, int status, int n)
+static double *write_row(double *row, double t, const double *x, const double *u, loop_tube tube, const double *w, int status,
+                         int n, int order)
 {
-    double edges[2][MOST] = {{0}, {0}};
+    double edges[2][STATE] = {{0}, {0}};
     if (tube != NULL) tube(t, edges[0], edges[1]);
-    const double *parts[5] = {x, u, edges[0], edges[1], w};
+    const double *parts[6] = {x, u, edges[0], edges[1], w, x + n};
     *row++ = t;
-    for (int p = 0; p < 5; p++)
+    for (int p = 0; p < 4 + order; p++)
         for (int i = 0; i < n; i++) *row++ = parts[p][i];
     *row++ = status;
     return row;
@@ -331,14 +352,14 @@ static double *write_row(double *row, double t, const double *x, const double *u
 
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace)
 {
-    const int n = s->n;
+    const int n = s->n, size = state_size(s);
     wind v;
-    double x[MOST] = {0}, seen[MOST], u[MOST] = {0}, before[MOST] = {0}, w[MOST] = {0};
+    double x[STATE] = {0}, seen[STATE], u[MOST] = {0}, before[MOST] = {0}, w[MOST] = {0};
     int status = 0, lost = 0;
     memset(r, 0, sizeof *r);
     r->hit = -1, r->hit_at = r->left_at = r->outside_at = -1.0, r->margin = 0.5;
     start_wind(&v, s);
-    memcpy(x, s->start, (size_t)n * sizeof *x);
+    memcpy(x, s->start, (size_t)size * sizeof *x);
     judge(s, 0.0, x, tube, &v, r);
     for (int k = 0; k < s->samples; k++) {
         const double t = k * s->period, h = fmin(s->period, s->end - t) / s->parts;
@@ -349,14 +370,14 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         lost = k > 0 && lost < s->lost && uniform(&v.random) < 0.5 ? lost + 1 : 0;
         if (!lost) {
-            for (int i = 0; i < n; i++) seen[i] = x[i] + s->noise * (2.0 * uniform(&v.random) - 1.0);
+            for (int i = 0; i < size; i++) seen[i] = x[i] + (i < n ? s->noise : s->noise_v) * (2.0 * uniform(&v.random) - 1.0);
             status = step(t, seen, u);
             if (status != 0 && r->outside++ == 0) r->outside_at = t;
             for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));
         }
         if (trace != NULL) {
             blow(&v, t, x, w);
-            trace = write_row(trace, t, x, u, tube, w, status, n);
+            trace = write_row(trace, t, x, u, tube, w, status, n, s->order);
         }
         if (k == 0) memcpy(before, u, (size_t)n * sizeof *u);
         for (int part = 0; part < s->parts; part++) {
@@ -368,7 +389,7 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
         }
         memcpy(before, u, (size_t)n * sizeof *u);
     }
-    if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n);
+    if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n, s->order);
     r->reached = inside(s->target, s->goals, x, n);
     memcpy(r->last, x, (size_t)n * sizeof *x);
 }

@@ -1,15 +1,17 @@
-/* A closed loop: the emitted controller, held between samples, and a plant xdot = f(x) + g(x) u + w between them. */
+/* A closed loop: the emitted controller, held between samples, and a plant xdot = f(x) + g(x) u + w between them, or of order 2
+ * xdot = v, vdot = f(x, v) + g(x, v) u + w. A state is x, or x and then v. */
 #ifndef LOOP_H
 #define LOOP_H
 
 #include <stdint.h>
 
 #define MOST 64 /* dimensions */
+#define STATE (2 * MOST)
 #define FACES 1024 /* of one unsafe set */
 
-/* u from the measured x at time t; not 0 when the controller says that x is outside its tube, or that its input is bad. */
+/* u from the measured state at time t; not 0 when the controller says that it is outside its tube, or that its input is bad. */
 typedef int (*loop_step)(double t, const double *x, double *u);
-/* Edges of the tube at t as the controller has it now; to its next state, by steps of its own, over dt from t on. */
+/* Edges of the tube at t as the controller has it now, of order 2 then those of the filtered one; to its next state, by steps of its own, over dt from t on. */
 typedef void (*loop_tube)(double t, double *lower, double *upper);
 typedef void (*loop_advance)(double t, double dt);
 
@@ -20,6 +22,7 @@ typedef enum { STATED, EARLY, LATE, WORST } sets_clock; /* what it shows, of all
 
 typedef struct {
     int32_t n, sets;       /* dimension; unsafe sets */
+    int32_t order;         /* of the plant: 1 or 2 */
     int32_t samples;       /* periods to run */
     int32_t parts;         /* Runge-Kutta steps in each */
     int32_t kind;          /* of disturbance */
@@ -28,9 +31,11 @@ typedef struct {
     uint64_t seed;
     double period, end;    /* seconds; the last period is cut at the end */
     double strength;       /* |w| at most, its Euclidean norm */
-    double noise;          /* of every measured component, at most */
+    double noise;          /* of every measured component of x, at most */
+    double noise_v;        /* and of v */
+    const double *filter;  /* n, of order 2: what is held in the filtered tube is v + filter x */
     double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
-    const double *start;   /* n */
+    const double *start;   /* a state */
     int32_t walls, goals;  /* half-spaces of the state space and of the target */
     const double *space;   /* each n + 1 numbers, as in faces */
     const double *target;
@@ -58,10 +63,10 @@ typedef struct {
     double last[MOST];     /* x then */
 } loop_result;
 
-/* Runs it. trace, where given, takes samples + 1 rows: t, x, u, lower, upper, w, status. tube and advance may be NULL. */
+/* Runs it. trace, where given, takes samples + 1 rows: t, x, u, lower, upper, w, of order 2 v, status. tube and advance may be NULL. */
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace);
 
-/* The plant: f (n) and g (n by n, by columns) at x. */
+/* The plant: f (n) and g (n by n, by columns) at a state. */
 void loop_plant(const double *x, double *f, double *g);
 
 #endif
