@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import INERTIAL, ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -44,7 +44,8 @@ TEXTS = {
     "noisy": ("omni_s2", "period = 0.02\nu_max = [3, 3.5]\nlatency = 0.002\n", SECOND + "noise = 0.001\nnoise_v = 0.005\n"),
     "doubles": ("omni_s2", "", SECOND + '[emit]\nscalar = "double"\nmath = "inline"\ntick_period = 0.01\n'),
     "own filter": ("omni_s2", "", "\n[tube]\nfilter = [1.4, 2]\nmin_width = 0.2" + SECOND),
-    "moving starts": ("omni_s2", "", SECOND + "\n[initial_set.more]\n"),
+    "moving starts": ("omni_s2", "", SECOND),
+    **{name: (name, "", "") for name in INERTIAL},
 }
 
 
@@ -52,9 +53,11 @@ def text_of(name: str) -> str:
     """A task file of order 2 made of one of tasks/."""
     task, control, more = TEXTS[name]
     text = (ROOT / "tasks" / f"{task}.toml").read_text()
+    if name in INERTIAL:
+        return text
     head = text[: text.index("[tube]")] if "[tube]" in text else text[: text.index("[control]")] if "[control]" in text else text
     if name == "moving starts":
-        head, more = head.replace("upper = [0.5, 0.5]", "upper = [0.5, 0.5]\nspeed = 0.02\nshare = 0.7"), SECOND
+        head = head.replace("upper = [0.5, 0.5]", "upper = [0.5, 0.5]\nspeed = 0.02\nshare = 0.7")
     return head + (f"[control]\n{control}" if control else "") + more
 
 
@@ -117,7 +120,7 @@ def test_what_is_certified_is_what_dense_sampling_sees(name: str) -> None:
     asked = np.maximum(value**2 * (high - low) + low_bend, value**2 * (high - low) - high_bend).max(axis=0)
     spare = spare_acceleration(task, design)
     if spare is not None:
-        left = np.array([float(v) for v in task.u_max or ()]) - 0.3 - asked
+        left = np.array([float(v) for v in task.u_max or ()]) - float(task.plant.w_max or 0) - asked
         assert 0 < float(spare.units * spare.unit) <= left.min() + 1e-6
 
 
@@ -134,6 +137,18 @@ def test_the_exact_pieces_are_the_splines() -> None:
     lower, upper = np.moveaxis((pressed(design).floats() * weight).sum(axis=-1), 2, 0)
     np.testing.assert_allclose(lower, value**2 * (high - low) + low_bend, rtol=0, atol=1e-10)
     np.testing.assert_allclose(upper, high_bend - value**2 * (high - low), rtol=0, atol=1e-10)
+
+
+def test_a_tube_of_ones_own_is_filtered_too() -> None:
+    """Our control points given as one's own make the same files; a tube that does not stop is refused."""
+    controller = made("plain")
+    assert isinstance(controller.design, RefinedDesign)
+    points = controller.design.integers() * 6.0 * float(controller.design.unit)
+    own = stt.certify_tube(controller.task, points=points)
+    assert own.files == controller.files
+    points[-2, 0] += 0.01
+    with pytest.raises(BadInput, match="make the last three equal"):
+        stt.certify_tube(controller.task, points=points)
 
 
 def test_limits_on_the_edges_are_kept() -> None:
@@ -233,7 +248,7 @@ def test_mutated_tables_pass_neither_tool_nor_truth() -> None:
 # ------------------------------------------------------------------------------------------------ what is emitted
 
 
-@pytest.mark.parametrize("name", ["plain", "doubles", "sampled"])
+@pytest.mark.parametrize("name", ["plain", "doubles", "sampled", *INERTIAL])
 def test_every_backend_is_within_its_bound(name: str) -> None:
     rows = compare(made(name).task, 600)
     assert {"filtered tube", "margin", "u", "status"} <= {row.quantity for row in rows}
@@ -283,24 +298,33 @@ def test_the_interface_takes_x_and_v() -> None:
 # ------------------------------------------------------------------------------------------------ loops
 
 
-@pytest.mark.parametrize("name", ["sampled", "noisy"])
+@pytest.mark.parametrize("name", ["sampled", "noisy", *INERTIAL])
 def test_no_loop_leaves_at_the_proved_period_and_many_do_beyond(name: str) -> None:
     """The worst plants within [plant], starts at rest in the corners of the share, pushed about; e stays below what P9 says."""
     controller = made(name)
     task, proved = controller.task, controller.certificate.proved_period
     assert proved is not None
+    push = float((task.plant.f_max or 0) + (task.plant.w_max or 0))
     rate, most = 1 / float(proved.period), [float((r - 1) / (r + 1)) for r in proved.rho]
     noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
     for model in within_bounds(task):
         loop = Loop(controller, model)
         for k in range(15):
-            start = drawn(task, controller.certificate.start, 0.9, k, corner=k % 2 == 0)
-            run = loop.run(Scenario(rate, KINDS[1 + k % 5], 0.3, k, *noise, start=start, latency=float(task.control.latency)))
+            start = drawn(task, controller.certificate.start, float(task.initial_set.share), k, corner=k % 2 == 0)
+            run = loop.run(Scenario(rate, KINDS[1 + k % 5], push, k, *noise, start=start, latency=float(task.control.latency)))
             assert run.kept
             assert run.good
             assert all(e <= m * (1 + 1e-6) for e, m in zip(run.e, most, strict=True))
         slow = [
-            loop.run(Scenario(rate / 8, KINDS[1 + k % 5], 0.3, k, start=drawn(task, controller.certificate.start, 0.9, k)))
+            loop.run(
+                Scenario(
+                    rate / 8,
+                    KINDS[1 + k % 5],
+                    push,
+                    k,
+                    start=drawn(task, controller.certificate.start, float(task.initial_set.share), k),
+                )
+            )
             for k in range(5)
         ]
         assert any(not run.kept for run in slow)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.design.filter import with_filter
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
@@ -28,15 +29,16 @@ def spline_tube(task: Task, points: Any) -> RefinedDesign:
     c = _numbers("control points", points)
     if c.ndim != 3 or c.shape[0] < 4 or c.shape[1:] != (task.dimension, 2):
         raise BadInput(f"control points: have the shape {c.shape}; (K + 3, {task.dimension}, 2) is needed, for K segments")
-    if (c[-1] != c[-3]).any():
-        raise BadInput("control points: the tube moves at t_c, where it must rest; make the last equal to the last but two")
+    if (c[-task.order :] != c[-3]).any():
+        told = "make the last equal to the last but two" if task.order == 1 else "for order 2 make the last three equal"
+        raise BadInput(f"control points: the tube moves at t_c, where it must rest; {told}")
     lattice = lattice_of(task)
     scaled = np.ldexp(c / 6, lattice.bits)
     if (np.abs(scaled) >= 1 << lattice.significant).any():
         raise BadInput("control points: one is further out than the state space is large; nothing there can be certified")
     table = np.stack([np.ceil(scaled[..., 0]), np.floor(scaled[..., 1])], axis=-1).astype(np.int64)
     rows = tuple(tuple((low, high) for low, high in row) for row in table.tolist())
-    return RefinedDesign(task.prescribed_time, len(rows) - 3, lattice.bits, rows)
+    return with_filter(task, RefinedDesign(task.prescribed_time, len(rows) - 3, lattice.bits, rows))
 
 
 def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:
@@ -53,11 +55,13 @@ def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:
         raise BadInput(f"samples: t must rise from 0 to t_c = {t_c:g}, at four times or more")
     segments = task.tube.segments or min(USUAL_SEGMENTS, len(times) - 3)
     matrix = spline_basis(times / t_c, segments)
-    matrix[:, -3] += matrix[:, -1]
-    solved, _, rank, _ = np.linalg.lstsq(matrix[:, :-1], np.stack([low, high], axis=-1).reshape(len(times), -1), rcond=None)
-    if rank < segments + 2:
+    free = segments + 3 - task.order  # the last control points are the last but two, so that it rests
+    matrix[:, segments] += matrix[:, free:].sum(axis=1)
+    solved, _, rank, _ = np.linalg.lstsq(matrix[:, :free], np.stack([low, high], axis=-1).reshape(len(times), -1), rcond=None)
+    if rank < free:
         raise BadInput(f"samples: {segments} segments are not determined; give more of them, evenly, or set tube.segments")
-    return spline_tube(task, np.concatenate([solved, solved[-2:-1]]).reshape(segments + 3, n, 2))
+    last = np.repeat(solved[segments : segments + 1], task.order, axis=0)
+    return spline_tube(task, np.concatenate([solved, last]).reshape(segments + 3, n, 2))
 
 
 def spline_basis(share: Array, segments: int) -> Array:

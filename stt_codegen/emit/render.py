@@ -14,7 +14,7 @@ from typing import Any
 import jinja2
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
 from stt_codegen.emit.naming import check_names, file_names, selftest_name
@@ -42,6 +42,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "precision": precision,
         "scalar": program.scalar,
         "kind": design.kind,
+        "order": task.order,
         "hash": design_hash(task, design),
         "notice": _notice(task, certificate),
         "clock": _clock(task),
@@ -92,6 +93,12 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and ends in the target set.",
         ]
         lines += _stated(task)
+        if task.order == 2:
+            moving = (
+                f"with |v| <= {by_component(task.start_speed)} in the share of it" if any(task.start_speed) else "at rest in it"
+            )
+            lines.append("The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start")
+            lines.append(f"{moving}; gamma(0) is in the certificate.")
         if certificate.steps is not None:
             shortest, longest = (decimal(v) for v in certificate.steps)
             lines.append(

@@ -1,0 +1,217 @@
+"""Plants of order 2: how many tubes are certified and how fast, what u they take beside the least possible, which periods are
+proved, and closed loops at them.
+
+    python benchmarks/inertia.py [--count 100] [--loops 2000] [--board m4f] [--record FILE.md]
+
+- paper: the arenas of four unit squares, |w| <= 0.3.
+- least: the least u_max, one for all components, for which a tube is designed and P8 proved, over |w| and 4 length/t_c^2, what
+  a point needs on the shortest route from rest to rest.
+- periods: omni_s2 and spacecraft as double integrators, |w| <= 0.3, u_max 1.1, 1.3 and 2 times what pushes, and none; by gain the
+  longest that is proved for every start at rest with |e(0)| <= 0.9.
+- loops: at that period and at 1 kHz, corner and random starts, every disturbance in turn, the weakest and strongest plants.
+
+Exit code 1 when an arena that order 1 certifies has no tube, or a loop leaves its tube or meets a set.
+"""
+
+from __future__ import annotations
+
+import argparse
+import itertools
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stt_codegen.bench.families import FAMILIES, arena_task
+from stt_codegen.bench.report import command, machine, record
+from stt_codegen.design.arena import arena_of, normalised, starting_box
+from stt_codegen.design.lattice import lattice_of
+from stt_codegen.design.route import shortest_route
+from stt_codegen.errors import MissingTool, NotCertified
+from stt_codegen.loop.command import within_bounds
+from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
+from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.task import Task, load_task
+
+ROOT = Path(__file__).resolve().parent.parent
+PUSH = "0.3"
+SLOWER = (1, 1.5, 2, 3, 4, 6)  # times the proved period
+
+
+@dataclass(frozen=True)
+class Result:
+    """One arena: seconds of processor time for design and certificate."""
+
+    made: Controller | None
+    seconds: float
+    reason: str = ""
+
+
+def arena(seed: int) -> Result:
+    task = arena_task(FAMILIES["paper"], seed).changed(plant={"order": 2, "w_max": PUSH})
+    begin = time.process_time()
+    try:
+        design = design_tube(task)
+        certificate = certify(task, design, build_program(task, design))
+    except NotCertified as error:
+        return Result(None, time.process_time() - begin, str(error))
+    took = time.process_time() - begin
+    if not certificate.holds:
+        return Result(None, took, certificate.refusal())
+    return Result(build_task(task, tube=design), took)
+
+
+def least_acceleration(task: Task) -> float:
+    """4 length/t_c^2 of the shortest route for the least width, in the largest component."""
+    lattice = lattice_of(task)
+    place = normalised(arena_of(task, lattice), lattice.exponent)
+    route = shortest_route(place, starting_box(place), np.full(place.dimension, place.min_width))
+    return float(4 * route.length * place.length_unit / place.time_unit**2)
+
+
+def least_limit(name: str) -> str:
+    """By halving, to 2 %."""
+    task, low, high = inertial(name), float(PUSH), 8.0
+    bound = float(PUSH) + least_acceleration(task)
+    while high / low > 1.02:
+        middle = (low * high) ** 0.5
+        try:
+            good = build_task(task.changed(control={"u_max": f"{middle:.6g}"})).certificate.holds
+        except NotCertified:
+            good = False
+        low, high = (low, middle) if good else (middle, high)
+    return f"| {name} | {high:.3g} | {bound:.3g} | {high / bound:.2f} |"
+
+
+def first_order(seed: int) -> bool:
+    try:
+        return build_task(arena_task(FAMILIES["paper"], seed)).certificate.holds
+    except NotCertified:
+        return False
+
+
+def inertial(name: str) -> Task:
+    return load_task(ROOT / "tasks" / f"{name}.toml").changed(plant={"order": 2, "w_max": PUSH})
+
+
+def periods(name: str) -> tuple[list[str], list[Controller]]:
+    """Rows of what is proved under several limits, and the controllers with them."""
+    free = build_task(inertial(name))
+    push = Analysis(free).setting.push.max(axis=0)
+    rows, found = [], []
+    for factor in (1.1, 1.3, 2.0, None):
+        control: dict[str, Any] = {} if factor is None else {"u_max": [f"{v * factor:.4g}" for v in push]}
+        one = build_task(free.task.changed(control=control), tube=free.design)
+        best = Analysis(one).gains.longest
+        if best is None:
+            rows.append(f"| {name} | {factor or 'none'} | none | | |")
+            continue
+        gain = [f"{v:.6g}" for v in best[0].tolist()]
+        one = build_task(one.task.changed(control={**control, "gain": gain}), tube=free.design)
+        found.append(one)
+        u = ", ".join(f"{v:.3g}" for v in best[1].u)
+        rows.append(f"| {name} | {factor or 'none'} | {best[1].seconds * 1e3:.3g} | {u} | {failures(one, best[1].seconds)} |")
+    return rows, found
+
+
+def failures(one: Controller, seconds: float) -> str:
+    """The shares of loops that leave their tubes at several times the period."""
+    told = []
+    for factor in SLOWER:
+        runs = [
+            loop.run(
+                Scenario(
+                    1 / (factor * seconds),
+                    KINDS[1 + k % 5],
+                    float(PUSH),
+                    k,
+                    start=starts(one.task, one.certificate.start, 0.9, k, k % 2 == 0),
+                )
+            )
+            for loop in (Loop(one, model) for model in within_bounds(one.task))
+            for k in range(10)
+        ]
+        told.append(f"{100 * sum(not r.kept for r in runs) / len(runs):.0f}")
+    return ", ".join(told)
+
+
+def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
+    """At the proved period and at 1 kHz in turn."""
+    pairs = [(one, Loop(one, model), Analysis(one).period) for one in tubes for model in within_bounds(one.task)]
+    hit = left = made = 0
+    for k, (one, loop, period) in enumerate(itertools.islice(itertools.cycle(pairs), count)):
+        rate = 1000.0 if period is None or k // len(pairs) % 2 else 1 / period.seconds
+        start = starts(one.task, one.certificate.start, 0.9, k, k % 3 == 0)
+        run = loop.run(Scenario(max(rate, 1.0), KINDS[1 + k % 5], float(PUSH), k, start=start))
+        hit, left, made = hit + (run.hit is not None), left + (not run.kept), made + 1
+    return f"{made} closed loops in {len(tubes)} tubes: {hit} collisions, {left} tubes left", not hit and not left
+
+
+def steps(board: str) -> list[str]:
+    """Instructions of `control` on an emulated board, with the library and inline."""
+    from stt_codegen.bench.mcu import measured
+    from stt_codegen.board.emulated import BOARDS
+
+    found = []
+    for math in ("libm", "inline"):
+        task = inertial("omni_s2").changed(emit={"math": math})
+        try:
+            line, _ = measured(build_task(task), BOARDS[board], math, 400)
+        except MissingTool as error:
+            return [f"not counted: {error}"]
+        taken = f"{line.least:.0f} to {line.most:.0f}"
+        found.append(f"| {board}, {math} | {taken} | {line.stack} | {line.code} | {line.tables} | {line.within} |")
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--loops", type=int, default=2000)
+    parser.add_argument("--board", default="m4f")
+    parser.add_argument("--record", type=Path, metavar="FILE.md")
+    options = parser.parse_args()
+    build_task(inertial("omni_s2"))  # imports are warm
+    results = [arena(seed) for seed in range(options.count)]
+    good, took = [r for r in results if r.made is not None], 1e3 * np.array([r.seconds for r in results])
+    missed = [seed for seed, r in enumerate(results) if r.made is None and first_order(seed)]
+    lines = [
+        "| arenas | certified | ms, median / 95 % |",
+        "|---|---|---|",
+        f"| paper | {len(good)} of {len(results)} | {np.median(took):.0f} / {np.percentile(took, 95):.0f} |",
+        *(f"paper {seed}: {results[seed].reason}" for seed in missed),
+        "",
+        "| tube | least u_max | a point's | over it |",
+        "|---|---|---|---|",
+        *(least_limit(name) for name in ("omni_s2", "spacecraft")),
+        "",
+        "| tube | u_max over what pushes | proved, ms | \\|u\\| | left at 1, 1.5, 2, 3, 4, 6 times that, % |",
+        "|---|---|---|---|---|",
+    ]
+    proved: list[Controller] = []
+    for name in ("omni_s2", "spacecraft"):
+        rows, tubes = periods(name)
+        lines += rows
+        proved += tubes
+    told, kept = loops([*proved, *(r.made for r in good[:8] if r.made is not None)], options.loops)
+    lines += [
+        "",
+        told,
+        "",
+        "| control | instructions | stack, B | code, B | tables, B | within its bounds |",
+        "|---|---|---|---|---|---|",
+    ]
+    lines += steps(options.board)
+    text = "\n".join(lines)
+    print(text)
+    if options.record:
+        record(options.record, "inertia", f"## Plants of order 2\n\nMade by `{command()}`; {machine()}.\n\n{text}")
+    return 0 if kept and not missed else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
