@@ -448,8 +448,8 @@ class Controller(pipeline.Controller):
         plant
             A name, the path of a Python file, or a `Plant`.
         scenario
-            Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, lost, latency, start, seed. Rate, noise
-            and latency that are not given are the task's (1 kHz, 0 and 0 where it says nothing).
+            Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, noise_v, lost, latency, lag, start,
+            seed, clock. Rate, noise and latency that are not given are the task's (1 kHz, 0 and 0 where it says nothing).
 
         Returns
         -------

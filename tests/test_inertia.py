@@ -27,7 +27,7 @@ from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.designs.filtered import filtered, pressed
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import within_bounds
+from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
 from stt_codegen.loop.simulate import starts as drawn
 from stt_codegen.pipeline import Controller, build_task, certify
@@ -311,7 +311,11 @@ def test_no_loop_leaves_at_the_proved_period_and_many_do_beyond(name: str) -> No
         loop = Loop(controller, model)
         for k in range(15):
             start = drawn(task, controller.certificate.start, float(task.initial_set.share), k, corner=k % 2 == 0)
-            run = loop.run(Scenario(rate, KINDS[1 + k % 5], push, k, *noise, start=start, latency=float(task.control.latency)))
+            run = loop.run(
+                Scenario(
+                    rate, KINDS[1 + k % 5], push, k, noise[0], noise_v=noise[1], start=start, latency=float(task.control.latency)
+                )
+            )
             assert run.kept
             assert run.good
             assert all(e <= m * (1 + 1e-6) for e, m in zip(run.e, most, strict=True))
@@ -405,3 +409,24 @@ def test_what_does_not_fit_the_order_is_refused(more: str, words: list[str]) -> 
     with pytest.raises(BadInput) as caught:
         parse_task(text[: text.index("[tube]")] + more)
     assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_a_lag_is_driven_and_nothing_is_promised_of_it() -> None:
+    """v beside the lag's own solution for inputs that are held; foretold is that nothing is proved."""
+    controller = made("plain")
+    run = Loop(controller, PLANTS["integrator"]).run(Scenario(100.0, lag=0.3), trace=True)
+    free = Loop(controller, PLANTS["integrator"]).run(Scenario(100.0), trace=True)
+    assert run.trace is not None
+    assert free.trace is not None
+    n, row = 2, run.trace
+    u, v, t = row[:, 1 + n : 1 + 2 * n], row[:, -1 - n : -1], row[:, 0]
+    acting, velocity = np.zeros(n), np.zeros(n)
+    for k in range(100):
+        h = t[k + 1] - t[k]
+        rest = 0.3 * (1 - np.exp(-h / 0.3))
+        velocity = velocity + u[k] * h + (acting - u[k]) * rest
+        acting = u[k] + (acting - u[k]) * np.exp(-h / 0.3)
+        np.testing.assert_allclose(v[k + 1], velocity, rtol=0, atol=1e-9)  # the steps of the loop, a few milliseconds each
+    assert not np.allclose(row, free.trace)
+    told = foretold(controller, PLANTS["integrator"], Scenario(100.0, lag=0.3))
+    assert told == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]

@@ -216,6 +216,8 @@ def show_run(report: RunReport) -> None:
     under += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
     if s.noise:
         under.append(f"x measured to {s.noise:g}")
+    if s.lag:
+        under.append(f"u through a lag of {_time(s.lag)}")
     if s.latency:
         under.append(f"u {_time(s.latency)} late")
     if s.lost:

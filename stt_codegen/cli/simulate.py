@@ -38,6 +38,9 @@ def simulate(
     noise: Noise = None,
     lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
     latency: Latency = None,
+    lag: Annotated[
+        float, typer.Option(min=0, metavar="SECONDS", help="u acts through a first-order lag, of which nothing is proved")
+    ] = 0.0,
     clock: Annotated[
         str,
         typer.Option(help="of sets that move: stated, early, late (as timing and start_delay allow), or worst, at every moment"),
@@ -62,7 +65,8 @@ def simulate(
         from stt_codegen.pipeline import build
 
         request = Request(
-            plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency, start=start,
+            plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency,
+            lag=lag, start=start,
             seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified)

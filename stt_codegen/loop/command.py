@@ -38,6 +38,7 @@ class Request:
     noise: float | None = None
     lost: int = 0
     latency: float | None = None
+    lag: float = 0.0
     start: str | None = None
     seed: int = 0
     gain: str | None = None
@@ -50,7 +51,8 @@ class Request:
         told = of_task(task) | {name: value for name, value in given.items() if value is not None}
         strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
         scenario = Scenario(
-            disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock, **told,
+            disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock,
+            lag=self.lag, **told,
         )  # fmt: skip
         if self.w_max and self.disturbance == "none":
             raise BadInput(f"--w-max {self.w_max:g}: of which disturbance? give --disturbance, for example nearest")
@@ -90,6 +92,7 @@ class RunReport:
             "noise": s.noise,
             "lost": s.lost,
             "latency": s.latency,
+            **({"lag": s.lag} if s.lag else {}),
             **({"clock": s.clock} if any(c is not None for c in self.controller.task.courses) else {}),
             "seed": s.seed,
             "fulfilled": self.run.good,
@@ -197,11 +200,13 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
     if not controller.certificate.tube_holds:
         return ["the tube is not certified: nothing is proved"]
+    if scenario.lag:
+        return [f"not proved: u acts through a lag of {scenario.lag:g} s, which no statement here allows for"]
     start = [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
     low, high = analysis.windows.start.T
-    places = np.abs((2 * np.array(start) - low - high) / (high - low))
+    places = np.abs((2 * np.array(start[: controller.task.dimension]) - low - high) / (high - low))
     if (places >= analysis.setting.law.e_max).any():
         i = int(np.argmax(places))
         told = f"the start has |e| = {float(places[i]):.4g} in {controller.task.axis_words[i]}, not below e_max"

@@ -44,6 +44,7 @@ class Setting(ctypes.Structure):
         ("noise", ctypes.c_double),
         ("noise_v", ctypes.c_double),
         ("filter", ctypes.c_void_p),
+        ("lag", ctypes.c_double),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
         ("walls", ctypes.c_int32),

@@ -49,7 +49,8 @@ MOST_FACES = 1024  # of an unsafe set, as in loop.h
 class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise, noise_v: bounds on the error of every
     measured component of x and v; lost: samples that may be lost in a row; start: x(0), of order 2 with v(0) behind it or at
-    rest, the task's own where None; latency: seconds from a sample to its input, less than a period. clock: of sets that move,
+    rest, the task's own where None; latency: seconds from a sample to its input, less than a period;
+    lag: seconds, what acts follows u by a first-order lag. clock: of sets that move,
     stated (their times are right, and the controller starts in time), early (they are as far behind as may be), late (as far
     ahead, with the controller's start_delay), or worst (at every moment and for every set the worst of nine readings from early
     to late)."""
@@ -59,11 +60,12 @@ class Scenario:
     strength: float = 0.0
     seed: int = 0
     noise: float = 0.0
-    noise_v: float = 0.0
     lost: int = 0
     start: tuple[float, ...] | None = None
     latency: float = 0.0
     clock: str = "stated"
+    noise_v: float = 0.0
+    lag: float = 0.0
 
     def __post_init__(self) -> None:
         if self.disturbance not in KINDS:
@@ -79,7 +81,13 @@ class Scenario:
             raise BadInput(f"--latency {self.latency:g}: must be below a period, {1 / self.rate:g} s")
 
     def _numbers(self) -> tuple[tuple[str, float], ...]:
-        return ("--rate", self.rate), ("--w-max", self.strength), ("--noise", self.noise), ("--latency", self.latency)
+        return (
+            ("--rate", self.rate),
+            ("--w-max", self.strength),
+            ("--noise", self.noise),
+            ("--latency", self.latency),
+            ("--lag", self.lag),
+        )
 
     @property
     def age(self) -> float:
@@ -155,7 +163,7 @@ class Loop:
             parts=self._parts(period),
             kind=KINDS.index(scenario.disturbance),
             lost=scenario.lost,
-            constant=self.constant,
+            constant=self.constant and not scenario.lag,
             seed=scenario.seed,
             period=period,
             end=float(task.prescribed_time),
@@ -163,6 +171,7 @@ class Loop:
             noise=scenario.noise,
             noise_v=scenario.noise_v,
             filter=self.filter.ctypes.data,
+            lag=scenario.lag,
             latency=scenario.latency,
             start=start.ctypes.data,
             walls=len(field_.space),

@@ -141,8 +141,9 @@ def inertial_setting(design: RefinedDesign, plant: Sequence[Bounds], law: Law, s
 
 
 def eps_of_starts(task: Task, design: RefinedDesign, state: Sequence[float] | None = None) -> Array:
-    """What |ln(a/b)| is at most at the start, rounded up: for every x in the share of gamma(0), or one state, and every speed
-    within initial_set.speed, at rest where there is none; infinite where v + lambda x may be outside."""
+    """What |ln(a/b)| is at most at the start, rounded up: for every x in the share of gamma(0), or one state, which may have its
+    own speeds behind x, and every speed within initial_set.speed, at rest where there is none; infinite where v + lambda x may be
+    outside."""
     found = []
     for i, (low_rate, high_rate) in enumerate(slopes_at_start(design)):
         low, high = (int(v) * design.unit for v in design.bezier()[0, i, :, 0])
@@ -150,7 +151,8 @@ def eps_of_starts(task: Task, design: RefinedDesign, state: Sequence[float] | No
         places = [middle - half, middle + half] if state is None else [Fraction(float(state[i]))]
         most = 0.0
         for x in places:
-            for v in {task.start_speed[i], -task.start_speed[i]}:
+            own = state is not None and len(state) > task.dimension
+            for v in {Fraction(float(state[task.dimension + i]))} if own else {task.start_speed[i], -task.start_speed[i]}:  # type: ignore[index]
                 a, b = v - low_rate + design.filter[i] * (x - low), high_rate - v + design.filter[i] * (high - x)
                 inside = a > 0 and b > 0 and low < x < high
                 most = max(most, abs(math.log(a / b)) * (1 + 1e-9) if inside else math.inf)

@@ -192,9 +192,14 @@ static void nearest(const loop_setting *s, double t, const double *x, double *w)
     }
 }
 
-static int state_size(const loop_setting *s)
+static int held_size(const loop_setting *s)
 {
     return s->order * s->n;
+}
+
+static int state_size(const loop_setting *s) /* with what acts, where that lags */
+{
+    return held_size(s) + (s->lag > 0.0 ? s->n : 0);
 }
 
 /* What the tubes are about: x, and of order 2 then v + filter x. */
@@ -235,6 +240,11 @@ static void rate_of(const wind *v, double t, const double *x, const double *u, d
     double g[MOST * MOST], w[MOST], *turn = rate + (v->s->order - 1) * n;
     loop_plant(x, turn, g);
     blow(v, t, x, w);
+    if (v->s->lag > 0.0) {
+        const int first = held_size(v->s);
+        for (int i = 0; i < n; i++) rate[first + i] = (u[i] - x[first + i]) / v->s->lag;
+        u = x + first;
+    }
     for (int i = 0; i < n; i++) {
         if (v->s->order == 2) rate[i] = x[n + i];
         turn[i] += w[i];
@@ -315,7 +325,7 @@ static void judge(const loop_setting *s, double t, const double *x, loop_tube tu
     if (tube == NULL) return;
     tube(t, lower, upper);
     held_of(s, x, held);
-    for (int i = 0; i < state_size(s); i++) {
+    for (int i = 0; i < held_size(s); i++) {
         const double width = upper[i] - lower[i], nearer = fmin(held[i] - lower[i], upper[i] - held[i]);
         v->middle[i] = 0.5 * (lower[i] + upper[i]);
         v->half[i] = width > 0.0 ? 0.5 * width : 1e-9;
@@ -334,7 +344,7 @@ static void start_wind(wind *v, const loop_setting *s)
     v->rate = exp(log(0.5) + uniform(&v->random) * log(40.0)); /* 0.5 to 20 rad/s */
     v->phase = 6.283185307179586 * uniform(&v->random);
     held_of(s, s->start, v->middle);
-    for (int i = 0; i < state_size(s); i++) v->half[i] = 1.0;
+    for (int i = 0; i < held_size(s); i++) v->half[i] = 1.0;
 }
 
 static double *write_row(double *row, double t, const double *x, const double *u, loop_tube tube, const double *w, int status,
@@ -352,7 +362,7 @@ static double *write_row(double *row, double t, const double *x, const double *u
 
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace)
 {
-    const int n = s->n, size = state_size(s);
+    const int n = s->n, size = held_size(s);
     wind v;
     double x[STATE] = {0}, seen[STATE], u[MOST] = {0}, before[MOST] = {0}, w[MOST] = {0};
     int status = 0, lost = 0;

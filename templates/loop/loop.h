@@ -6,7 +6,7 @@
 #include <stdint.h>
 
 #define MOST 64 /* dimensions */
-#define STATE (2 * MOST)
+#define STATE (3 * MOST)
 #define FACES 1024 /* of one unsafe set */
 
 /* u from the measured state at time t; not 0 when the controller says that it is outside its tube, or that its input is bad. */
@@ -34,6 +34,7 @@ typedef struct {
     double noise;          /* of every measured component of x, at most */
     double noise_v;        /* and of v */
     const double *filter;  /* n, of order 2: what is held in the filtered tube is v + filter x */
+    double lag;            /* seconds: what acts follows u by a first-order lag, 0 for none; at rest first */
     double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
     const double *start;   /* a state */
     int32_t walls, goals;  /* half-spaces of the state space and of the target */
