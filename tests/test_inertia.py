@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 
 import stt_codegen as stt
 from stt_codegen.certify import checker
+from stt_codegen.certify.components import start_ratios
 from stt_codegen.certify.inertia import filtered_width, spare_acceleration, starts
 from stt_codegen.certify.period import searched, statement_of
 from stt_codegen.compare.backends import CompiledC
@@ -32,7 +33,8 @@ from stt_codegen.loop.simulate import KINDS, Loop, Scenario
 from stt_codegen.loop.simulate import starts as drawn
 from stt_codegen.pipeline import Controller, build_task, certify
 from stt_codegen.plants import PLANTS, plant_of
-from stt_codegen.sampling import longest
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.sampling import eps_of_starts, longest
 from stt_codegen.task import Task, parse_task
 
 SECOND = "\n[plant]\norder = 2\nw_max = 0.3\n"
@@ -430,3 +432,43 @@ def test_a_lag_is_driven_and_nothing_is_promised_of_it() -> None:
     assert not np.allclose(row, free.trace)
     told = foretold(controller, PLANTS["integrator"], Scenario(100.0, lag=0.3))
     assert told == ["not proved: u acts through a lag of 0.3 s, which no statement here allows for"]
+
+
+def test_the_bound_on_e_is_never_below_where_it_starts() -> None:
+    """Also of a tube whose edges both give way at 0, where v + lambda x is nearer to the middle than x is."""
+    controller = made("sampled")
+    assert isinstance(controller.design, RefinedDesign)
+    table = [[list(pair) for pair in row] for row in controller.design.table]
+    for j, row in enumerate(table):
+        for pair in row:
+            pair[0] += 600 if j in (0, 1) else 0
+            pair[1] -= 600 if j in (0, 1) else 0
+    design = replace(controller.design, table=tuple(tuple((a, b) for a, b in row) for row in table))
+    share = controller.task.initial_set.share
+    least = (1 + share) / (1 - share)
+    found = start_ratios(controller.task, design)
+    assert found is not None
+    assert min(found) >= least
+    proved = controller.certificate.proved_period
+    assert proved is not None
+    assert all(rho > least for rho in proved.rho)
+    eps = eps_of_starts(controller.task, design)
+    assert (eps >= np.log(float(least)) * (1 - 1e-12)).all()
+
+
+def test_what_is_foretold_names_its_starts() -> None:
+    controller = made("plain")
+    assert Analysis(controller).starts.endswith("and at rest")
+    assert "|v(0)| <= 0.02" in Analysis(made("moving starts")).starts
+    told = foretold(controller, None, Scenario(1000.0, start=(0.25, 0.25, 0.01, 0.0)))
+    assert told[-1].startswith("proved from this start")
+
+
+def test_coupling_that_no_limit_outdoes_is_told_so() -> None:
+    text = text_of("limited").replace(SECOND, SECOND + "g_cross = {}\n")
+    with pytest.raises(NotCertified, match=r"state a milder plant\.g_cross"):
+        build_task(parse_task(text.format(1)))
+    with pytest.raises(NotCertified, match="control.u_max to") as told:
+        build_task(parse_task(text.format(0.3)).changed(control={"u_max": "0.8"}))
+    enough = re.findall(r"control.u_max to ([\d.]+)", str(told.value))[0].rstrip(".")
+    assert build_task(parse_task(text.format(0.3)).changed(control={"u_max": f"{1.3 * float(enough):.4g}"})).certificate.holds

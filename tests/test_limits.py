@@ -185,3 +185,15 @@ def test_the_header_says_what_is_proved() -> None:
     made = build_task(task_with(*CASES["pushed"]))
     assert b"enough to hold the state in it (P8)" in made.files["omni_s2.h"]
     assert Fraction(1, 1) == made.task.u_max[0]  # type: ignore[index]
+
+
+def test_a_plant_that_leaves_nothing_to_spare_is_refused() -> None:
+    for cross in ("1", "2"):
+        with pytest.raises(stt.NotCertified, match="P8 limits"):
+            build_task(task_with({"u_max": "3"}, {"g_cross": cross}))
+
+
+def test_a_gain_that_asks_for_too_little_is_not_saturation_free() -> None:
+    made = build_task(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
+    (free,) = (h for h in Analysis(made).hypotheses() if h.name == "saturation")
+    assert not free.holds

@@ -60,7 +60,7 @@ class Finding:
 
     def fault(self, axes: Sequence[str] = ()) -> str:
         """What fails, where and by how much; axes as for `place`."""
-        where, unit = self.place(axes), {"P8": " units/s", "P9": " s" if self.time is None else ""}.get(self.code, "")
+        where, unit = self.place(axes), " s" if self.code == "P9" and self.time is None else ""
         return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 

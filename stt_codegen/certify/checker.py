@@ -1537,7 +1537,8 @@ def starting(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Fraction]
         return [(1 + task.share) / (1 - task.share)] * task.n
     speed, found = tube.unit * tube.segments / task.t_c, []
     for i, (low, high) in enumerate(tube.pieces[0]):
-        rates, width, most = (3 * (low[1] - low[0]) * speed, 3 * (high[1] - high[0]) * speed), (high[0] - low[0]) * tube.unit, []
+        rates, width = (3 * (low[1] - low[0]) * speed, 3 * (high[1] - high[0]) * speed), (high[0] - low[0]) * tube.unit
+        most = [(1 + task.share) / (1 - task.share)]
         for share, v in itertools.product(((1 - task.share) / 2, (1 + task.share) / 2), (task.speed[i], -task.speed[i])):
             a, b = v - rates[0] + filtered[i] * share * width, rates[1] - v + filtered[i] * (1 - share) * width
             need(min(a, b) > 0, "P9 does not hold: a start may be outside the filtered tube")

@@ -81,7 +81,8 @@ def start_ratios(task: Task, design: RefinedDesign) -> list[Fraction] | None:
     found = []
     for i, (low_rate, high_rate) in enumerate(slopes_at_start(design)):
         low, high = (int(v) * design.unit for v in design.bezier()[0, i, :, 0])
-        half, middle, most = task.initial_set.share * (high - low) / 2, (low + high) / 2, Fraction(1)
+        half, middle = task.initial_set.share * (high - low) / 2, (low + high) / 2
+        most = (1 + task.initial_set.share) / (1 - task.initial_set.share)  # so that the bound on e holds of x at 0 too
         for x, v in itertools.product((middle - half, middle + half), (task.start_speed[i], -task.start_speed[i])):
             a, b = v - low_rate + design.filter[i] * (x - low), high_rate - v + design.filter[i] * (high - x)
             if a <= 0 or b <= 0:

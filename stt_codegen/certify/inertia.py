@@ -86,7 +86,7 @@ def certify_inertia(task: Task, design: RefinedDesign, edge: tuple[Fraction, ...
         assert task.u_max is not None
         statement = (
             f"|u| <= {by_component(task.u_max)} holds v + lambda x off every edge: it turns it by "
-            f"{by_component(spare_input(task))}/s against all that pushes"
+            f"{by_component(spare_input(task))}/s^2 against all that pushes"
         )
         advice = "raise control.u_max or prescribed_time, lower tube.filter, or state a milder plant"
         found.append(finding("P8", statement, spare, spare.unit, advice))

@@ -228,7 +228,8 @@ def certify_period(
         lack = min(spare, -age / 1000)  # where the balls alone prove the period, which is no proof here, some lack is told
         return Finding("P9", _told(task), lack, Fraction(0), advice=_advice(task, setting, age)), None
     e = tuple((v - 1) / (v + 1) for v in found.rho)
-    text = f"{_told(task)}: |e| < {_bounds(e)}, |u| <= {_bounds(found.u)}"
+    of = "|e|" if task.order == 1 else "|e| of v + lambda x"
+    text = f"{_told(task)}: {of} < {_bounds(e)}, |u| <= {_bounds(found.u)}"
     return Finding("P9", text, Fraction(str(below(max(spare, Fraction(0)), 3))), Fraction(0)), found
 
 

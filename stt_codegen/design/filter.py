@@ -59,7 +59,16 @@ def _too_much(task: Task, i: int, asked: float) -> str:
     """The refusal where every lambda asks for more than u_max leaves."""
     assert task.u_max is not None
     lack = Fraction(asked) - spare_input(task)[i]
-    enough = (task.u_max[i] + lack / task.g_range[0]) * Fraction(101, 100)
+    enough = task.u_max[i] + lack / task.g_range[0]
+    if task.plant.g_cross:  # the others' inputs grow too: one limit for all
+        own = task.g_range[0] - (task.dimension - 1) * task.plant.g_cross
+        if own <= 0:
+            return (
+                f"P8 limits: in {task.axis_words[i]} the others push by g_cross as much as u holds by g_min, whatever the limit; "
+                "state a milder plant.g_cross"
+            )
+        enough = (Fraction(asked) + (task.plant.f_max or 0) + (task.plant.w_max or 0)) / own
+    enough *= Fraction(101, 100)
     return (
         f"P8 limits: in {task.axis_words[i]} the tube asks for accelerations of {above(Fraction(asked), 3):g}, "
         f"{above(lack, 3):g} more than u within control.u_max leaves; raise control.u_max to {above(enough, 3):g}, raise "

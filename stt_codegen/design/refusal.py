@@ -56,7 +56,7 @@ def _needed(task: Task, arena: Arena) -> float:
     """How many times its bounds on speed the slowest tube takes: what is tried first."""
     free = search_of(replace(arena, max_speed=np.inf), starting_box(arena), segments_tried(task, arena))
     shape = free.slowest()
-    if shape is None or not np.isfinite(arena.max_speeds).all():
+    if shape is None or not (np.isfinite(arena.max_speeds) & (arena.max_speeds > 0)).all():
         return 1.0
     speeds = (shape.paces + ROUNDED * arena.allowance) * shape.segments
     return float((speeds / arena.max_speeds).max())

@@ -87,6 +87,9 @@ class Analysis:
         self.setting = self._setting(start)
         self.statements = ("sharp", "general") if task.order == 1 else ("sharp",)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
+        if task.order == 2 and (start is None or len(start) == task.dimension):
+            moving = any(task.start_speed)
+            self.starts += f" and |v(0)| <= {by_component(task.start_speed)}" if moving else " and at rest"
 
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
@@ -179,7 +182,9 @@ class Analysis:
 
     def assumptions(self) -> list[str]:
         """What the periods rest on and nothing here can show."""
-        task, found = self.controller.task, []
+        task, found = self.controller.task, list[str]()
+        if task.order == 2:
+            found.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
         if self.state_is_outside:
             found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
         if self.plant is None and task.plant.stated:
@@ -231,7 +236,8 @@ class Analysis:
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
-            free = self.period is not None or bool((effort(s) <= s.law.u_max).all()) or holds_saturated(s)
+            free = self.period is not None or holds_saturated(s)
+            free = free or bool(((effort(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
             told = "control.u_max is at least what the law may ask for, or outdoes all that pushes (P8)"
             yield Hypothesis("saturation", told, free)
         if task.emit.tick_period is not None:

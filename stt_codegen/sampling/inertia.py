@@ -149,7 +149,8 @@ def eps_of_starts(task: Task, design: RefinedDesign, state: Sequence[float] | No
         low, high = (int(v) * design.unit for v in design.bezier()[0, i, :, 0])
         half, middle = task.initial_set.share * (high - low) / 2, (low + high) / 2
         places = [middle - half, middle + half] if state is None else [Fraction(float(state[i]))]
-        most = 0.0
+        shares = [abs(2 * x - low - high) / (high - low) for x in places]
+        most = max(2 * math.atanh(float(v)) * (1 + 1e-9) if v < 1 else math.inf for v in shares)  # e(0) of x counts too
         for x in places:
             own = state is not None and len(state) > task.dimension
             for v in {Fraction(float(state[task.dimension + i]))} if own else {task.start_speed[i], -task.start_speed[i]}:  # type: ignore[index]
