@@ -510,7 +510,7 @@ def judged(task: Task, place: Sequence[float]) -> bool:
     field, n, x = _Field(task), task.dimension, np.array(place, dtype=float)
     box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
     setting = Setting(
-        n=n, sets=len(field.names), samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
+        n=n, sets=len(field.names), order=1, samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
         space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
         radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
     )  # fmt: skip
