@@ -14,7 +14,14 @@ will do), and, where you know one, `w_max`, a bound on the norm of w:
 
     w_max = 0.1
 
-For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x and v.
+For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x and v. A file may say besides
+
+    p = [(0, 0.3)]      # constants that nobody knows, each from .. to: f(x, p), g(x, p), or f(x, v, p), g(x, v, p)
+
+    def mix(x):         # what the board makes of u at the sample, held with it: the plant's input is mix(x of the sample) u
+        return [[1, 0], [0, 1 + 0.5 * ca.cos(x[1])]]
+
+A bound over a box then holds for all constants within their ranges, and for every sample as old as it may get.
 
 CasADi is imported only where a plant is evaluated.
 """
@@ -23,6 +30,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import math
 import runpy
 import sys
 from collections.abc import Callable, Sequence
@@ -36,7 +44,8 @@ from stt_codegen.errors import BadInput
 
 class Model(Protocol):
     """What a plant must have. f, g: CasADi expressions of the column x, for order 2 of x and v, shapes (n,) and (n, n); w_max: a
-    bound on |w|, in units per second, for order 2 per second squared; dimension, order: None where any will do."""
+    bound on |w|, in units per second, for order 2 per second squared; dimension, order: None where any will do; constants: ranges
+    of what f and g take last, where there are any; mixing: (n, n) of x of the sample, which u is multiplied by."""
 
     @property
     def name(self) -> str: ...
@@ -46,6 +55,10 @@ class Model(Protocol):
     def order(self) -> int | None: ...
     @property
     def w_max(self) -> Fraction: ...
+    @property
+    def constants(self) -> tuple[tuple[float, float], ...]: ...
+    @property
+    def mixing(self) -> Callable[..., Any] | None: ...
     def f(self, *state: Any) -> Any: ...
     def g(self, *state: Any) -> Any: ...
 
@@ -61,6 +74,8 @@ class Plant:
     input_matrix: Callable[..., Any]
     w_max: Fraction = Fraction(0)
     order: int | None = 1
+    constants: tuple[tuple[float, float], ...] = ()
+    mixing: Callable[..., Any] | None = None
 
     def f(self, *state: Any) -> Any:
         return self.drift(*state)
@@ -161,41 +176,67 @@ def _from_file(path: Path) -> Plant:
         w_max = Fraction(-1)
     if w_max < 0:
         raise BadInput(f"--plant {path}: w_max is {names['w_max']!r}; a number that is 0 or greater is needed")
-    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max, _order(names["f"]))
+    constants = _constants(path, names.get("p", ()))
+    mixing = names.get("mix")
+    if mixing is not None and not callable(mixing):
+        raise BadInput(f"--plant {path}: mix is {mixing!r}; a function of x is needed")
+    order = _order(names["f"], bool(constants))
+    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max, order, constants, mixing)
 
 
-def _order(function: Callable[..., Any]) -> int:
-    """2 where a function must have x and v, else 1."""
+def _constants(path: Path, given: Any) -> tuple[tuple[float, float], ...]:
+    """The ranges of `p`. Raises `BadInput` where they are none."""
+    try:
+        found = tuple((float(low), float(high)) for low, high in given)
+    except (TypeError, ValueError):
+        found = ((1.0, 0.0),)
+    for k, (low, high) in enumerate(found):
+        if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+            told = f"p[{k}] is {given[k]!r}" if isinstance(given, Sequence) and k < len(given) else f"p is {given!r}"
+            raise BadInput(f"--plant {path}: {told}; ranges (from, to) are needed, for example p = [(0, 0.3)]")
+    return found
+
+
+def _order(function: Callable[..., Any], constants: bool) -> int:
+    """2 where a function must have x and v, else 1; the constants, where there are any, are one argument more."""
     try:
         given = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):  # a function that is not Python's
         return 1
-    return 2 if sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in given) == 2 else 1
+    needed = sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in given)
+    return 2 if needed - constants == 2 else 1
 
 
 def model(plant: Model, dimension: int, order: int = 1) -> Any:
-    """The plant as a CasADi function of its state, x (n), or x and v (2n), with outputs f (n) and g (n by n, dense). Raises
-    `BadInput` for wrong shapes."""
+    """The plant as a CasADi function with outputs f (n) and g (n by n, dense) of its state, x (n), or x and v (2n); behind it the
+    constants, where there are any, and x of the sample (n), where there is a mixing, which g then has in it. Raises `BadInput`
+    for wrong shapes."""
     import casadi as ca
 
     from stt_codegen.program.lower import UnknownOpcode, lower
 
     parts = [ca.SX.sym(name, dimension) for name in ("x", "v")[:order]]
+    parts += [ca.SX.sym("p", len(plant.constants))] if plant.constants else []
+    sample = ca.SX.sym("sample", dimension if plant.mixing else 0)
+    mixed = ca.SX.eye(dimension)
     try:
         with contextlib.redirect_stdout(sys.stderr):
             f = ca.densify(_matrix(plant.f(*parts)))
             g = ca.densify(_matrix(plant.g(*parts)))
+            mixed = mixed if plant.mixing is None else ca.densify(_matrix(plant.mixing(sample)))
     except (Exception, SystemExit) as error:  # the user's own code may raise anything
         if "out of bounds" in str(error).lower():
             raise BadInput(
-                f"--plant {plant.name}: f(x) or g(x) reads an entry that x does not have; the task has {dimension} dimensions, "
+                f"--plant {plant.name}: f, g or mix reads an entry that x does not have; the task has {dimension} dimensions, "
                 f"x[0] to x[{dimension - 1}]"
             ) from None
         raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({type(error).__name__}: {error})") from None
-    for name, value, shape in (("f", f, (dimension, 1)), ("g", g, (dimension, dimension))):
+    square = (dimension, dimension)
+    for name, value, shape in (("f", f, (dimension, 1)), ("g", g, square), ("mix", mixed, square)):
         if value.shape != shape:
             raise BadInput(f"--plant {plant.name}: {name}(x) has shape {value.shape}; {shape} is needed")
-    function = ca.Function("plant", [ca.vertcat(*parts)], [f, g], ["x"], ["f", "g"])
+    g = g if plant.mixing is None else ca.densify(ca.mtimes(g, mixed))
+    function = ca.Function("plant", [ca.vertcat(*parts, sample)], [f, g], ["x"], ["f", "g"])
     try:
         lower(function)
     except (UnknownOpcode, ValueError) as error:

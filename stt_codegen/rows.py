@@ -124,9 +124,8 @@ def spare_input(task: Task) -> tuple[Fraction, ...]:
     other way: g_min u_max - |f| - |w| - |g_ij| u_max of the others. Negative where it cannot."""
     assert task.u_max is not None
     limit = [round_down(v, task.emit.scalar) for v in task.u_max]
-    plant, (g_min, _) = task.plant, task.g_range
-    push = (plant.f_max or 0) + (plant.w_max or 0)
-    return tuple(g_min * v - push - (plant.g_cross or 0) * (sum(limit, Fraction(0)) - v) for v in limit)
+    total = sum(limit, Fraction(0))
+    return tuple(b.g_min * v - b.force - b.cross * (total - v) for b, v in zip(task.plant_bounds, limit, strict=True))
 
 
 def limit_rows(task: Task) -> tuple[Row, ...]:

@@ -138,13 +138,17 @@ def test_lost_samples_hold_the_input_and_never_more_in_a_row() -> None:
 # ------------------------------------------------------------------------------------------------ verdicts
 
 
-def test_latency_shifts_the_input_by_that_time() -> None:
-    """With a plant that integrates u alone the state shows when an input began to act."""
+@pytest.mark.parametrize("behind", [0, 1, 2, 7])
+def test_latency_shifts_the_input_by_that_time(behind: int) -> None:
+    """With a plant that integrates u alone the state shows when an input began to act: a quarter of a period after `behind` whole
+    ones, the first at once."""
     own = loop("omni_s2")
-    late = signals(own.run(Scenario(50.0, latency=0.005), trace=True), 2)
-    step = np.diff(late["x"][1:], axis=0)
-    wanted = 0.005 * late["u"][:-2] + 0.015 * late["u"][1:-1]
-    assert np.allclose(step, wanted, atol=1e-12)
+    late = signals(own.run(Scenario(50.0, latency=0.005 + 0.02 * behind), trace=True), 2)
+    step = np.diff(late["x"][1 + behind :], axis=0)
+    u = late["u"][: len(step) + 1]
+    assert len(step) > 100
+    assert np.allclose(step, 0.005 * u[:-1] + 0.015 * u[1:], atol=1e-12)
+    assert np.allclose(np.diff(late["x"][: 2 + behind], axis=0), 0.02 * u[0], atol=1e-12)
 
 
 @pytest.mark.parametrize("design", ["refined", "literal"])
@@ -305,7 +309,7 @@ def test_simulate_exits_with_1_when_the_task_is_missed() -> None:
         (["--rate", "0"], "--rate 0"),
         (["--rate", "nan"], "--rate nan"),
         (["--start", "1"], "--start"),
-        (["--latency", "0.002"], "--latency 0.002"),
+        (["--latency", "0.2"], "--latency 0.2"),
         (["--start", "a,b"], "--start a,b"),
         (["--gain", "0"], "--gain 0"),
         (["--gain", "much"], "--gain much"),

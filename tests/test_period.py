@@ -122,7 +122,7 @@ def test_windows_are_those_of_the_statement(name: str) -> None:
         for i, c in enumerate(window):
             exact = [float(v) for v in (c.narrow, c.narrow_seen, c.wide)]
             assert exact == [setting.windows.narrow[k, i], setting.narrow[k, i], setting.windows.wide[k, i]]
-            push = float(c.speed + (statement.task.plant.f_max or 0) + (statement.task.plant.w_max or 0))
+            push = float(c.speed + statement.task.plant_bounds[i].force)
             assert push == pytest.approx(setting.push[k, i], rel=1e-11)  # which is rounded up by 1e-12
 
 

@@ -139,7 +139,7 @@ class Task:
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
         self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
-        given = [self.plant["g_min"], self.plant["g_max"], self.period, self.tick, *(self.u_max or [])]
+        given = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or []), self.period, self.tick, *(self.u_max or [])]
         given += [v for most in self.limits for v in most or []]
         positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
         not_negative = [
@@ -148,7 +148,7 @@ class Task:
             delay,
             *body,
             *self.speed,
-            *(v for v in self.plant.values() if v is not None),
+            *(v for values in self.plant.values() for v in values or []),
         ]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
@@ -164,7 +164,11 @@ class Task:
             raise Unusable("the task has an order that is not 1 or 2, or says what is for order 2 alone")
         if min([*self.speed, *(self.filter or [Fraction(1)])]) < 0:
             raise Unusable("the task has a negative speed or filter")
-        self.plant = {k: _number(plant[k]) if k in plant else None for k in KNOWN["plant"].split()[1 : 6 + self.order]}
+        known = KNOWN["plant"].split()[1 : 6 + self.order]
+        self.plant = {k: _each(plant[k], self.n) if k in plant else None for k in known}
+        self.stated = {k: None if k not in plant else _told(plant[k]) for k in known}
+        if any(isinstance(plant.get(k), list) for k in ("noise", "noise_v")):
+            raise Unusable("the task has a list as noise")
 
     @property
     def limited(self) -> bool:
@@ -235,6 +239,10 @@ def _each(value: Any, n: int) -> list[Fraction]:
     if len(found) != n:
         raise Unusable(f"the task has {len(found)} numbers where {n} are needed")
     return found
+
+
+def _told(value: Any) -> Any:
+    return [str(_number(v)) for v in value] if isinstance(value, list) else str(_number(value))
 
 
 def _unsafe(table: Any, names: list[str], space: Box, body: list[Fraction]) -> Unsafe:
@@ -1467,19 +1475,21 @@ def _artanh(z: Fraction, bits: int = 80, terms: int = 26) -> tuple[Fraction, Fra
     return ends[0] - left, ends[1] + left
 
 
-def g_range(task: Task) -> tuple[Fraction, Fraction]:
-    """g_min and g_max; where one is missing it is 1, or the other one where 1 contradicts it."""
-    low, high = task.plant["g_min"], task.plant["g_max"]
+def bounds(task: Task, i: int) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """Of component i the bound on |f_i + w_i|, g_min, g_max, g_cross; where g_min or g_max is missing it is 1, or the other one
+    where 1 contradicts it."""
+    own = {k: None if v is None else v[i] for k, v in task.plant.items()}
+    low, high = own["g_min"], own["g_max"]
     g_min = low if low is not None else min(Fraction(1), Fraction(1) if high is None else high)
-    return g_min, high if high is not None else max(Fraction(1), g_min)
+    force, cross = (own["f_max"] or Fraction(0)) + (own["w_max"] or Fraction(0)), own["g_cross"] or Fraction(0)
+    return force, g_min, high if high is not None else max(Fraction(1), g_min), cross
 
 
 def spare_input(task: Task, bits: int) -> list[Fraction]:
     """What an input within u_max, as it is emitted, is worth at least against all that pushes, by component."""
     limit = [rounded(v, bits, math.floor) for v in task.u_max or []]
-    push, cross = ((task.plant[k] or Fraction(0)) for k in ("w_max", "g_cross"))
-    push += task.plant["f_max"] or Fraction(0)
-    return [g_range(task)[0] * v - push - cross * (sum(limit) - v) for v in limit]
+    found = [bounds(task, i) for i in range(task.n)]
+    return [g_min * v - push - cross * (sum(limit) - v) for v, (push, g_min, _, cross) in zip(limit, found)]
 
 
 def spare(task: Task, tube: Tube, bits: int) -> int:
@@ -1559,9 +1569,8 @@ def sampled(
     """P9, window by window (a segment, and the time from t_c on; a sample may stem from the window before). Bounds on |u|; raises
     `Failed` where a condition does not hold. docs/certificate-format.md has the statement, the lemma book its proof."""
     assert task.period is not None
-    p, n = {k: v or Fraction(0) for k, v in task.plant.items()}, range(task.n)
-    g_min, g_max = g_range(task)
-    need(g_min <= g_max, "P9 does not hold: g_min is above g_max")
+    n, plant = range(task.n), [bounds(task, i) for i in range(task.n)]
+    need(all(g_min <= g_max for _, g_min, g_max, _ in plant), "P9 does not hold: g_min is above g_max")
     r, tau, segment = (
         Fraction(LAW["inline" if task.inline else "libm"][bits]),
         task.period + task.latency,
@@ -1594,7 +1603,8 @@ def sampled(
                 u.append((limits or [Fraction(0)])[i])
         for i in n:
             narrow, wide = window[i][:2]
-            force = p["f_max"] + p["w_max"] + p["g_cross"] * (sum(u, Fraction(0)) - u[i])
+            force, g_min, g_max, cross = plant[i]
+            force += cross * (sum(u, Fraction(0)) - u[i])
             push, aged, turned = (force + max(a, b) for a, b in zip(window[i][2:], before[i][2:]))
             side = narrow / 2 * ((rho[i] - 1) / (rho[i] + 1) - r) > (turned + g_max * u[i]) * tau + shift[i]
             need(side, f"P9 does not hold: x may pass the middle of the tube between two samples (window {k}, component {i + 1})")
@@ -1717,7 +1727,7 @@ def shifts(
 ) -> list[tuple[Fraction, Fraction]]:
     """What the law sees is wrong by: twice the arithmetic's part, which may be claimed as a little more, and the rest: x (for
     order 2 v too) rounded to the scalar, noise, and for order 2 the roundings of a and b, 8 of what is at most Z + 2 lambda W."""
-    eps, noise = Fraction(1, 1 << source.bits), task.plant["noise"] or Fraction(0)
+    eps, (noise, noise_v) = Fraction(1, 1 << source.bits), ((task.plant.get(k) or [Fraction(0)])[0] for k in ("noise", "noise_v"))
     if task.order == 1:
         return [(2 * v, eps * task.farthest + noise) for v in error]
     edges, found = derived(tube, task, filtered)[0], []
@@ -1726,7 +1736,7 @@ def shifts(
         z = max(h - v for piece in edges for v, h in zip(*piece[i]))
         fastest = tube.fastest(i) * tube.unit * tube.segments / task.t_c
         rest = eps * (s * task.farthest + fastest + s * w + 8 * (z + 2 * s * w))
-        found.append((2 * (rate + s * own), rest + (task.plant["noise_v"] or 0) + s * noise))
+        found.append((2 * (rate + s * own), rest + noise_v + s * noise))
     return found
 
 
@@ -1741,8 +1751,8 @@ def _sampled(
 ) -> None:
     """The claim about samples: its numbers are the task's, and what is proved with its rho."""
     need(set(claim) == {"period", "latency", "share", "plant", "rho", "u", "shift"}, "the certificate's `sampled` is not known")
-    told = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
-    told["plant"] = {k: None if v is None else str(v) for k, v in task.plant.items()}  # type: ignore[assignment]
+    told: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
+    told["plant"] = task.stated
     for key, value in told.items():
         need(claim[key] == value, f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))

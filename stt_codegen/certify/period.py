@@ -151,11 +151,10 @@ class SharpStatement:
 
     def _kept(self, i: int, c: Component, rho: Fraction, u: list[Fraction]) -> bool:
         """The conditions on component i in one window."""
-        task, plant, r, tau = self.task, self.task.plant, self.rounding, self.age
-        g_min, g_max = task.g_range
-        others = (plant.g_cross or 0) * (sum(u, Fraction(0)) - u[i])
-        force = (plant.f_max or 0) + (plant.w_max or 0)
-        push, aged, turned = (force + (c.speed if v is None else v) + others for v in (c.speed, c.drift, c.middle))
+        task, plant, r, tau = self.task, self.task.plant_bounds[i], self.rounding, self.age
+        g_min, g_max = plant.g_min, plant.g_max
+        others = plant.cross * (sum(u, Fraction(0)) - u[i])
+        push, aged, turned = (plant.force + (c.speed if v is None else v) + others for v in (c.speed, c.drift, c.middle))
         if c.narrow / 2 * ((rho - 1) / (rho + 1) - r) <= (turned + g_max * u[i]) * tau + self.shift[i]:
             return False  # sampled.same_side
         if task.u_max is not None and g_min * round_down(task.u_max[i], task.emit.scalar) <= push:
@@ -266,11 +265,11 @@ def _bounds(values: tuple[Fraction, ...]) -> str:
 def _told(task: Task) -> str:
     plant, control = task.plant, task.control
     assert control.period is not None
-    g_min, g_max = task.g_range
-    push = decimal((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)))
+    stated = task.plant_bounds
+    force, g_min, g_max, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
     g_ii = "g_ii" if task.gain[0] > 0 else "-g_ii"
-    g = f"{g_ii} = {decimal(g_min)}" if g_min == g_max else f"{decimal(g_min)} <= {g_ii} <= {decimal(g_max)}"
-    told = [f"|f + w| <= {push}", g, f"|g_ij| <= {decimal(plant.g_cross or Fraction(0))}"]
+    g = f"{g_ii} = {g_min}" if g_min == g_max else f"{g_min} <= {g_ii} <= {g_max}"
+    told = [f"|f + w| <= {force}", g, f"|g_ij| <= {cross}"]
     told += [f"x measured to {decimal(plant.noise)}"] if plant.noise else []
     told += [f"u {decimal(control.latency)} s after its sample at most, the first at once"] if control.latency else []
     starts = f"|e(0)| <= {decimal(task.initial_set.share)}"

@@ -162,7 +162,7 @@ def show_bounds(report: BoundsReport) -> None:
     for heading in ("hypothesis", "statement", "holds"):
         table.add_column(heading)
     for h in report.hypotheses:
-        table.add_row(h.name, h.statement, "[green]yes[/green]" if h.holds else "[red]NO[/red]")
+        table.add_row(escape(h.name), escape(h.statement), "[green]yes[/green]" if h.holds else "[red]NO[/red]")
     console.print(table)
     console.print(f"  for all starts with {report.sampling.starts}:")
     tube, plant, free = report.tube, report.plant_over_the_tube, report.continuous

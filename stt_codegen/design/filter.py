@@ -38,7 +38,7 @@ def with_filter(task: Task, design: RefinedDesign) -> RefinedDesign:
 
 def _chosen(task: Task, design: RefinedDesign, i: int) -> Fraction:
     """lambda of one component: of those that leave room, and ask for no more than u_max, that with the longest time to cross."""
-    edges, push = _Edges.of(design, i), float((task.plant.f_max or 0) + (task.plant.w_max or 0))
+    edges, push = _Edges.of(design, i), float(task.plant_bounds[i].force)
     bend = max(float(np.abs(v).max()) for v in edges.bend)
     balanced = float(np.sqrt(max(bend + push, 1e-9) / edges.width.max()))
     tried = [short(float(v)) for v in TRIED * balanced]
@@ -59,15 +59,16 @@ def _too_much(task: Task, i: int, asked: float) -> str:
     """The refusal where every lambda asks for more than u_max leaves."""
     assert task.u_max is not None
     lack = Fraction(asked) - spare_input(task)[i]
-    enough = task.u_max[i] + lack / task.g_range[0]
-    if task.plant.g_cross:  # the others' inputs grow too: one limit for all
-        own = task.g_range[0] - (task.dimension - 1) * task.plant.g_cross
+    bounds = task.plant_bounds[i]
+    enough = task.u_max[i] + lack / bounds.g_min
+    if bounds.cross:  # the others' inputs grow too: one limit for all
+        own = bounds.g_min - (task.dimension - 1) * bounds.cross
         if own <= 0:
             return (
                 f"P8 limits: in {task.axis_words[i]} the others push by g_cross as much as u holds by g_min, whatever the limit; "
                 "state a milder plant.g_cross"
             )
-        enough = (Fraction(asked) + (task.plant.f_max or 0) + (task.plant.w_max or 0)) / own
+        enough = (Fraction(asked) + bounds.force) / own
     enough *= Fraction(101, 100)
     return (
         f"P8 limits: in {task.axis_words[i]} the tube asks for accelerations of {above(Fraction(asked), 3):g}, "

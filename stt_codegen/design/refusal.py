@@ -72,7 +72,9 @@ def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess:
     longer = _least(lambda f: is_found(task.changed(prescribed_time=_times(task.prescribed_time, f))), guess)
     if longer is not None:
         told.append(f"raise prescribed_time to {_shown(_times(task.prescribed_time, longer))} s")
-    pushes = {f"plant.{k}": v for k in ("f_max", "w_max") if (v := getattr(task.plant, k))}
+    pushes = {
+        f"plant.{k}": v for k in ("f_max", "w_max") if (v := getattr(task.plant, k)) and any(v if isinstance(v, tuple) else (v,))
+    }
     if "control.u_max" in limits and pushes:
         less = _least(lambda f: is_found(_with(task, {k: _times(v, 1 / f) for k, v in pushes.items()})), 1.0)
         if less is not None:

@@ -121,7 +121,10 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
         "period": str(proved.period),
         "latency": str(proved.latency),
         "share": str(proved.share),
-        "plant": {name: None if value is None else str(value) for name, value in task.plant.bounds.items()},
+        "plant": {
+            name: [str(v) for v in value] if isinstance(value, tuple) else None if value is None else str(value)
+            for name, value in task.plant.bounds.items()
+        },
         "rho": [str(v) for v in proved.rho],
         "u": [str(Fraction(str(above(v)))) for v in proved.u],
         "shift": [str(v) for v in proved.shift],

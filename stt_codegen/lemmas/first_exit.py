@@ -51,7 +51,9 @@ def _age() -> Outcome:
         times = np.cumsum([0.0, *lengths])
         windows: Any = SimpleNamespace(times=times)
         shortest = Windows.shortest.fget(windows)  # type: ignore[attr-defined]
-        seen: Any = SimpleNamespace(windows=SimpleNamespace(shortest=shortest), law=SimpleNamespace(latency=latency))
+        seen: Any = SimpleNamespace(
+            windows=SimpleNamespace(shortest=shortest), law=SimpleNamespace(latency=latency), known_to=np.inf
+        )
         age = Setting.longest_age.fget(seen)  # type: ignore[attr-defined]
         cases += 1
         if age * (2 if latency else 1) != min(lengths):

@@ -39,12 +39,11 @@ HELD = {"u1": 1.25, "u2": 1.75, "u3": 1.5}
 def _loop(limited: bool) -> tuple[Any, list[Any], list[Formula], dict[Any, Any]]:
     """The statement in fractions on symbols; its window and rho; and what the symbols of the other one are here."""
     own = {name: Formula(sp.Symbol(name, positive=True), value) for name, value in OWN.items()}
-    plant = SimpleNamespace(f_max=own["f"], w_max=own["w"], g_min=own["g"], g_max=own["G"], g_cross=own["c"])
+    plant = SimpleNamespace(force=own["f"] + own["w"], g_min=own["g"], g_max=own["G"], cross=own["c"])
     task: Any = SimpleNamespace(
         dimension=len(EVERY),
         order=1,
-        plant=plant,
-        g_range=(plant.g_min, plant.g_max),
+        plant_bounds=(plant,) * len(EVERY),
         control=SimpleNamespace(period=own["T"], latency=symbol("l")),
         emit=SimpleNamespace(scalar="float", math="libm"),
         e_max=(Fraction(999, 1000),) * len(EVERY),
@@ -144,12 +143,11 @@ def _refuses() -> Outcome:
 
 def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: Fraction = Fraction(100)) -> tuple[bool, int]:
     """The answer of `_kept` for one component, and after how many comparisons."""
-    plant = SimpleNamespace(f_max=_number(Fraction(1, 10)), w_max=None, g_min=Fraction(1), g_max=Fraction(1), g_cross=None)
+    plant = SimpleNamespace(force=_number(Fraction(1, 10)), g_min=Fraction(1), g_max=Fraction(1), cross=Fraction(0))
     task: Any = SimpleNamespace(
         dimension=1,
         order=1,
-        plant=plant,
-        g_range=(plant.g_min, plant.g_max),
+        plant_bounds=(plant,),
         control=SimpleNamespace(period=Fraction(1, 1000), latency=Fraction(0)),
         emit=SimpleNamespace(scalar="float", math="libm"),
         e_max=(Fraction(999, 1000),),

@@ -49,7 +49,7 @@ class Request:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
         given = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
         told = of_task(task) | {name: value for name, value in given.items() if value is not None}
-        strength = self.w_max if self.w_max is not None else float(plant.w_max or task.plant.w_max or 0)
+        strength = self.w_max if self.w_max is not None else float(plant.w_max or task.wind)
         scenario = Scenario(
             disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock,
             lag=self.lag, **told,
@@ -135,23 +135,28 @@ def within_bounds(task: Task) -> list[Plant]:
     """Plants at the corners of what P9 is about: every g_ii the weakest or the strongest (of -g for a negative gain), every g_ij
     as large as may be with either sign, and f counted to w, which pushes wherever the disturbance says."""
     sign = 1 if task.gain[0] > 0 else -1
-    g_min, g_max = (sign * float(v) for v in task.g_range)
-    cross, push = float(task.plant.g_cross or 0), (task.plant.f_max or Fraction(0)) + (task.plant.w_max or Fraction(0))
+    stated = task.plant_bounds
+    push = min(b.force for b in stated)  # of one norm in every direction
 
-    def plant(words: str, own: float, other: float) -> Plant:
+    def plant(words: str, own: list[Fraction], other: int) -> Plant:
         def matrix(x: Any, *_: Any) -> list[list[float]]:
-            return [[own if i == j else other for j in range(x.shape[0])] for i in range(x.shape[0])]
+            return [
+                [float(sign * own[i] if i == j else other * stated[i].cross) for j in range(len(own))] for i in range(len(own))
+            ]
 
         return Plant(f"[plant], {words}", "", None, lambda x, *_: [0] * x.shape[0], matrix, push, None)
 
-    gains = [("weakest g", g_min), ("strongest g", g_max)][: 1 + (g_min != g_max)]
-    signs = [(", coupled", cross), (", coupled the other way", -cross)] if cross else [("", 0.0)]
+    weakest, strongest = [b.g_min for b in stated], [b.g_max for b in stated]
+    gains = [("weakest g", weakest), ("strongest g", strongest)][: 1 + (weakest != strongest)]
+    signs = [(", coupled", 1), (", coupled the other way", -1)] if task.is_coupled else [("", 0)]
     return [plant(word + way, own, other) for word, own in gains for way, other in signs]
 
 
 def with_wind(plant: Model, strength: float) -> Plant:
     """The plant with another bound on |w|."""
-    return Plant(plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength), plant.order)
+    return Plant(
+        plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength), plant.order, plant.constants, plant.mixing
+    )
 
 
 def with_gain(controller: Controller, gain: Sequence[float]) -> Controller:

@@ -44,6 +44,7 @@ class Setting(ctypes.Structure):
         ("noise", ctypes.c_double),
         ("noise_v", ctypes.c_double),
         ("filter", ctypes.c_void_p),
+        ("constants", ctypes.c_void_p),
         ("lag", ctypes.c_double),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),
@@ -93,8 +94,7 @@ class Own:
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
     """`loop_run` for a plant; compiled once a process for each."""
-    function = model(plant, dimension, order)
-    return _driver(f"{plant.name}: {function}", _plant_source(function, dimension))
+    return _driver(f"{plant.name}: {model(plant, dimension, order)}", _plant_source(plant, dimension, order))
 
 
 def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
@@ -123,11 +123,13 @@ def _driver(name: str, source: str) -> Any:
     return run
 
 
-def _plant_source(function: Any, n: int) -> str:
-    kernel = lower(function)
+def _plant_source(plant: Model, n: int, order: int) -> str:
+    kernel = lower(model(plant, n, order))
     lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
     outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
-    arguments = ", ".join([*(f"x[{i}]" for i in range(function.nnz_in(0))), *outputs])
+    sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
+    inputs = [f"{name}[{i}]" for name, size in sizes.items() for i in range(size)]
+    arguments = ", ".join([*inputs, *outputs])
     return template("loop/plant.c.j2").render(kernel="\n".join(lines), arguments=arguments)
 
 

@@ -43,13 +43,14 @@ STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
 MOST_FACES = 1024  # of an unsafe set, as in loop.h
+WAITING = 100  # inputs on their way, less than in loop.h
 
 
 @dataclass(frozen=True)
 class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise, noise_v: bounds on the error of every
     measured component of x and v; lost: samples that may be lost in a row; start: x(0), of order 2 with v(0) behind it or at
-    rest, the task's own where None; latency: seconds from a sample to its input, less than a period;
+    rest, the task's own where None; latency: seconds from a sample to its input;
     lag: seconds, what acts follows u by a first-order lag. clock: of sets that move,
     stated (their times are right, and the controller starts in time), early (they are as far behind as may be), late (as far
     ahead, with the controller's start_delay), or worst (at every moment and for every set the worst of nine readings from early
@@ -77,8 +78,10 @@ class Scenario:
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
         if not 0 <= self.lost <= MOST_SAMPLES:
             raise BadInput(f"--lost {self.lost}: use 0 to {MOST_SAMPLES}")
-        if self.latency >= 1 / self.rate:
-            raise BadInput(f"--latency {self.latency:g}: must be below a period, {1 / self.rate:g} s")
+        if self.latency * self.rate > WAITING:
+            raise BadInput(
+                f"--latency {self.latency:g}: is {self.latency * self.rate:g} periods; at most {WAITING} are simulated"
+            )
 
     def _numbers(self) -> tuple[tuple[str, float], ...]:
         return (
@@ -149,6 +152,7 @@ class Loop:
         start = np.concatenate([start, np.zeros(most - start.size)])
         if not np.isfinite(start).all():
             raise BadInput("--start: every number must be finite")
+        constants = _constants(self.plant, scenario.seed)
         period = 1 / scenario.rate
         samples = max(1, math.ceil(float(task.prescribed_time) / period - 1e-9))
         if samples > MOST_SAMPLES:
@@ -171,6 +175,7 @@ class Loop:
             noise=scenario.noise,
             noise_v=scenario.noise_v,
             filter=self.filter.ctypes.data,
+            constants=constants.ctypes.data,
             lag=scenario.lag,
             latency=scenario.latency,
             start=start.ctypes.data,
@@ -221,6 +226,14 @@ class Loop:
             last=tuple(r.last[:n]),
             trace=rows,
         )
+
+
+def _constants(plant: Model, seed: int) -> Array:
+    """Of this run: by turns at an end of its range and anywhere in it, drawn from the seed."""
+    low, high = np.array(plant.constants).reshape(-1, 2).T
+    draw = np.random.default_rng([seed, len(low)])
+    share = draw.uniform(size=len(low))
+    return np.ascontiguousarray(low + (np.round(share) if seed % 2 == 0 else share) * (high - low))
 
 
 class _Field:

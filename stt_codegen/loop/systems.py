@@ -51,11 +51,11 @@ def controller_system(controller: Controller, name: str = "controller") -> Any:
 
 
 def plant_system(plant: Model, n: int, name: str = "plant") -> Any:
-    """A plant as a system: u1..un and w1..wn in, x1..xn out (its states)."""
-    evaluate = model(plant, n)
+    """A plant as a system: u1..un and w1..wn in, x1..xn out (its states); unknown constants in the middle of their ranges."""
+    evaluate, middle = model(plant, n), [(low + high) / 2 for low, high in plant.constants]
 
     def rate(t: float, x: Array, inputs: Array, params: Any) -> Array:
-        f, g = (np.array(v) for v in evaluate(x))
+        f, g = (np.array(v) for v in evaluate(np.concatenate([x, middle, x if plant.mixing else []])))
         return np.asarray(f.ravel() + g @ inputs[:n] + inputs[n:])
 
     def output(t: float, x: Array, inputs: Array, params: Any) -> Array:

@@ -8,7 +8,8 @@ Long because every number of the report is asked of one setting, which stands he
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -59,6 +60,7 @@ from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
+BEYOND = 1.01  # times the age that is asked for: up to there a plant that mixes is known
 
 
 class Analysis:
@@ -93,6 +95,9 @@ class Analysis:
 
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
+        return replace(self._loop(start), known_to=self.mixed_age)
+
+    def _loop(self, start: Sequence[float] | None) -> Setting:
         controller, task, design = self.controller, self.controller.task, self.controller.design
         edge = controller.certificate.edge_error
         if task.order == 2:
@@ -137,7 +142,23 @@ class Analysis:
             slow, fast = speeds(self.controller.design)
             low, high = np.concatenate([low, slow], axis=1), np.concatenate([high, fast], axis=1)
         for a, b in zip(back(low, np.minimum), back(high, np.maximum), strict=True):
-            yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)))
+            yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)), self._drift(a, b))
+
+    @property
+    def mixed_age(self) -> float:
+        """To which age of a sample the bounds on a plant that mixes are known, seconds; without end for others."""
+        if self.plant is None or self.plant.mixing is None or self.controller.task.order == 1:
+            return math.inf
+        return (self.wanted + self.latency) * BEYOND
+
+    def _drift(self, low: Array, high: Array) -> list[float]:
+        """How far x of a sample may be from x in a window of that box: of order 2 as far as it gets in `mixed_age`; of order 1
+        both may be anywhere in it."""
+        n = self.controller.task.dimension
+        far = high[:n] - low[:n]
+        if math.isfinite(self.mixed_age):
+            far = np.minimum(far, np.maximum(np.abs(low[n:]), np.abs(high[n:])) * self.mixed_age)
+        return [float(v) for v in (far + self.noise) * (1 + 1e-12)]
 
     @property
     def name(self) -> str:
@@ -244,8 +265,29 @@ class Analysis:
             period = self.period
             enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
             yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
+        if self.plant is not None and (task.control.period is not None or task.limits_are_demanded):
+            told = f"this plant is one of those that {'P9' if task.control.period is not None else 'P8'} is about: {self._stated}"
+            yield Hypothesis("[plant]", told, self.is_covered)
         if isinstance(self.controller.design, AdaptiveDesign):
             yield from self._adaptive
+
+    @property
+    def _stated(self) -> str:
+        stated = self.controller.task.plant_bounds
+        force, low, high, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
+        return f"|f_i + w_i| <= {force}, {low} <= g_ii <= {high}, |g_ij| <= {cross}"
+
+    @property
+    def is_covered(self) -> bool:
+        """Whether [plant] holds of the plant all over the tube, component by component: then what the certificate says of plants
+        within [plant] is true of it."""
+        stated, n = bounds_of_task(self.controller.task), self.controller.task.dimension
+        off = ~np.eye(n, dtype=bool)
+        return all(
+            (b.push <= stated.push).all() and (b.least >= stated.least).all() and (b.most <= stated.most).all()
+            and (b.cross[off] <= stated.cross[off]).all()
+            for b in self.bounds
+        )  # fmt: skip
 
     @cached_property
     def _adaptive(self) -> list[Hypothesis]:
@@ -352,6 +394,15 @@ class Analysis:
         w = float(self.plant.w_max)
         push, cross = max(b.push_norm for b in self.bounds) - w, max(float(b.cross.max()) for b in self.bounds)
         norm = max(b.norm for b in self.bounds)
+        if self.controller.task.order == 2:  # every statement about it goes by component
+            pushes = np.array([b.push for b in self.bounds]).max(axis=0) - w
+            return ProposedBounds(
+                _one(np.maximum(pushes, 0) * (1 + 1e-12), above_float),
+                above_float(w) if w else None,
+                _one(np.array([b.least for b in self.bounds]).min(axis=0), below_float),
+                _one(np.array([b.most for b in self.bounds]).max(axis=0), above_float),
+                _one(np.array([b.cross for b in self.bounds]).max(axis=(0, 2)), above_float),
+            )
         return ProposedBounds(
             above_float(max(push, 0.0) * (1 + 1e-12)),
             above_float(w) if w else None,  # the plant's file says nothing of w: what the task says stays
@@ -359,3 +410,9 @@ class Analysis:
             above_float(norm),
             above_float(cross),
         )
+
+
+def _one(values: Array, rounding: Callable[[float], Any]) -> Any:
+    """A number by component, one where all agree."""
+    found = [rounding(float(v)) for v in values]
+    return found[0] if len(set(found)) == 1 else found

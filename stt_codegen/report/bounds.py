@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from stt_codegen.decimals import above, below
+from stt_codegen.decimals import above, below, by_component
 from stt_codegen.sampling import Period
 
 Numbers = tuple[float | None, ...]  # by dimension
@@ -147,16 +147,20 @@ class PlantOverTube:
 
 @dataclass(frozen=True)
 class ProposedBounds:
-    """What [plant] would have to say of a plant with equations, over the tube; None where nothing is known."""
+    """What [plant] would have to say of a plant with equations, over the tube, by component or not; None: nothing is known."""
 
-    f_max: float | None
+    f_max: float | list[float] | None
     w_max: float | None
-    g_min: float | None
-    g_max: float | None
-    g_cross: float | None
+    g_min: float | list[float] | None
+    g_max: float | list[float] | None
+    g_cross: float | list[float] | None
 
     def toml(self) -> str:
-        return ", ".join(f"{name} = {value:g}" for name, value in asdict(self).items() if value is not None)
+        return ", ".join(f"{name} = {by_component(_listed(value))}" for name, value in asdict(self).items() if value is not None)
+
+
+def _listed(value: float | list[float]) -> list[float]:
+    return value if isinstance(value, list) else [value]
 
 
 @dataclass(frozen=True)

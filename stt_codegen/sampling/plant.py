@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -19,13 +19,13 @@ import numpy.typing as npt
 from flint import arb
 
 from stt_codegen.plants import Model, model
-from stt_codegen.program import Program, Var, operands
+from stt_codegen.program import Op, Program, Var, operands
 from stt_codegen.program.ball_arithmetic import Ball, hull
 from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.lower import lower
 from stt_codegen.task import Task
 
-PIECES = 64  # of a box, at most
+PIECES = 128  # of a box, at most
 Array = npt.NDArray[Any]
 Sides = Sequence[tuple[float, float]]
 
@@ -48,13 +48,17 @@ def bounds_of_task(task: Task) -> Bounds:
     """The bounds that a task's [plant] states; without any, those of xdot = u.
 
     f_max, w_max bound norms, so every component too; g_min and g_max bound g_s from below and |g|, and so every g_ii; g_cross
-    bounds every |g_ij|, and without it inputs count as decoupled (g diagonal) in the statements that go by component."""
-    n, plant = task.dimension, task.plant
-    push = _double((plant.f_max or Fraction(0)) + (plant.w_max or Fraction(0)), math.inf)
-    low, high = task.g_range
-    least, most = _double(low, -math.inf), _double(high, math.inf)
-    cross = _double(plant.g_cross or Fraction(0), math.inf) * (1 - np.eye(n))
-    return Bounds(np.full(n, push), np.full(n, least), np.full(n, most), cross, push, least, most)
+    bounds every |g_ij|, and without it inputs count as decoupled (g diagonal) in the statements that go by component. Lists bound
+    every component by itself; the norms then are what these leave: |f + w| their root of squares, g_s and |g| by Gershgorin."""
+    n, stated, plant = task.dimension, task.plant_bounds, task.plant
+    push, most, cross = (np.array([_double(getattr(b, k), math.inf) for b in stated]) for k in ("force", "g_max", "cross"))
+    least = np.array([_double(b.g_min, -math.inf) for b in stated])
+    listed = [isinstance(v, tuple) for v in (plant.f_max or plant.w_max, plant.w_max or plant.f_max, plant.g_min, plant.g_max)]
+    beside = float((n - 1) * cross.max()) * (1 + 1e-12)
+    whole = math.sqrt(float((push**2).sum())) * (1 + 1e-12) if any(listed[:2]) else float(push[0])
+    definite = float(least.min()) - beside if listed[2] else float(least.min())
+    norm = float(most.max()) + beside if listed[3] else float(most.max())
+    return Bounds(push, least, most, cross[:, None] * (1 - np.eye(n)), whole, definite, norm)
 
 
 def _double(value: Fraction, toward: float) -> float:
@@ -63,44 +67,124 @@ def _double(value: Fraction, toward: float) -> float:
     return double if Fraction(double) == value else math.nextafter(double, toward)
 
 
+SMOOTH = frozenset("add sub mul div neg sqrt exp expm1 log log1p tanh sinh cosh atanh sin cos tan".split())
+
+
+class _Part:
+    """One output of a plant's function in balls, over pieces of a box: cut where a cut narrows it most. Over a piece of middle m
+    it is within its value at m plus J (y - m), J over the piece, where its operations are smooth: of a quotient of functions of
+    one state this is far narrower than what the operations give by themselves."""
+
+    def __init__(self, value: Any, sides: Any, dimension: int) -> None:
+        """value: a CasADi expression of `sides`, a column."""
+        import casadi as ca
+
+        self.kernel = lower(ca.Function("part", [sides], [value], ["x"], ["value"]))
+        read = {o.name for a in self.kernel.body for o in operands(a.value) if isinstance(o, Var)}
+        read |= {o.name for o in self.kernel.outputs if isinstance(o, Var)}
+        self.matters = [v.name in read for v in self.kernel.inputs]
+        kernels = [self.kernel]
+        self.smooth = all(isinstance(a.value, Op) and a.value.name in SMOOTH for a in self.kernel.body) and any(self.matters)
+        if self.smooth:
+            kernels.append(lower(ca.Function("slopes", [sides], [ca.densify(ca.jacobian(value, sides))], ["x"], ["slopes"])))
+        self.enclosure = Enclosure(Program("plant", dimension, "double", (), tuple(kernels), ()), rounding=False)
+
+    def pieces(self, box: Sides) -> Iterator[tuple[Ball, ...]]:
+        """What it is over each piece."""
+        edges = [np.linspace(a, b, k + 1).tolist() for (a, b), k in zip(box, self._cuts(box), strict=True)]
+        for piece in itertools.product(*(list(itertools.pairwise(e)) for e in edges)):
+            yield self._over(piece)
+
+    def _over(self, piece: Sides) -> tuple[Ball, ...]:
+        balls = [hull(a, b) for a, b in piece]
+        plain = self.enclosure.kernel("part", *balls)
+        if not self.smooth:
+            return plain
+        slopes = self.enclosure.kernel("slopes", *balls)
+        middle = [arb(v.mid()) for v in balls]
+        at_middle = self.enclosure.kernel("part", *middle)
+        away, rows = [v - m for v, m in zip(balls, middle, strict=True)], len(plain)
+        centred = [m + sum((slopes[i + rows * k] * d for k, d in enumerate(away)), arb(0)) for i, m in enumerate(at_middle)]
+        return tuple(_both(a, b) for a, b in zip(plain, centred, strict=True))
+
+    def _cuts(self, box: Sides) -> list[int]:
+        """Into how many each side is cut, at most PIECES in all: by turns the side is halved that alone, the others in their
+        middle, widens the values most."""
+        cuts = [1] * len(box)
+        open_ = [k for k, (a, b) in enumerate(box) if b > a and self.matters[k]]
+        if not open_:
+            return cuts
+        middle = [((a + b) / 2, (a + b) / 2) for a, b in box]
+
+        def alone(k: int) -> float:
+            (m, _), half = middle[k], (box[k][1] - box[k][0]) / 2 / cuts[k]
+            return _spread(self._over([(m - half, m + half) if j == k else m_ for j, m_ in enumerate(middle)]))
+
+        widened = {k: alone(k) for k in open_}
+        while 2 * math.prod(cuts) <= PIECES:
+            k = max(open_, key=lambda k: widened[k])
+            cuts[k] *= 2
+            widened[k] = alone(k)
+        return cuts
+
+
+def _both(first: Ball, second: Ball) -> Ball:
+    """What is in both: two enclosures of one number."""
+    if not second.is_finite():
+        return first
+    return first.intersection(second) if first.is_finite() else second
+
+
+def _spread(values: Sequence[Ball]) -> float:
+    """How wide they are together; without end where one is not finite."""
+    return sum((float(v.rad()) for v in values), 0.0) if all(v.is_finite() for v in values) else math.inf
+
+
 class PlantEnclosure:
     """A plant of n dimensions in balls, of order 2 over boxes of x and v. Raises `BadInput` as `model` does."""
 
     def __init__(self, plant: Model, dimension: int, sign: int, order: int = 1) -> None:
-        self.dimension, self.sign, self.w_max = dimension, sign, _double(plant.w_max, math.inf)
-        kernel = lower(model(plant, dimension, order))
-        read = {o.name for a in kernel.body for o in operands(a.value) if isinstance(o, Var)} | {
-            o.name for o in kernel.outputs if isinstance(o, Var)
-        }
-        self.matters = [v.name in read for v in kernel.inputs]
-        self.enclosure = Enclosure(Program("plant", dimension, "double", (), (kernel,), ()), rounding=False)
+        self.dimension, self.sign, self.w_max, self.plant = dimension, sign, _double(plant.w_max, math.inf), plant
+        import casadi as ca
 
-    def over(self, box: Sides) -> Bounds:
-        """Bounds over a box, given as (lower, upper) by dimension."""
-        found = [self._piece(piece) for piece in _pieces(box, self.matters)]
-        worst = [np.max([getattr(b, name) for b in found], axis=0) for name in ("push", "most", "cross", "push_norm", "norm")]
-        least = [np.min([getattr(b, name) for b in found], axis=0) for name in ("least", "definite")]
-        return Bounds(worst[0], least[0], worst[1], worst[2], float(worst[3]), float(least[1]), float(worst[4]))
+        function = model(plant, dimension, order)
+        sides, sample = ca.SX.sym("y", function.nnz_in(0)), dimension if plant.mixing is not None else 0
+        past = sides.shape[0] - sample  # of the sample's x is told how far it is from x
+        given = ca.vertcat(sides[:past], *(sides[i] + sides[past + i] for i in range(sample)))
+        self.parts = [_Part(value, sides, dimension) for value in function(given)]
 
-    def _piece(self, box: Sides) -> Bounds:
-        n = self.dimension
-        values = self.enclosure.kernel("plant", *(hull(a, b) for a, b in box))
-        f = values[:n]
-        g = [[self.sign * values[n + i + j * n] for j in range(n)] for i in range(n)]  # CasADi stores columns
+    def over(self, box: Sides, drift: Sequence[float] = ()) -> Bounds:
+        """Bounds over a box, given as (lower, upper) by dimension, for all constants of the plant. drift: how far x of the sample
+        may be from x, by dimension, where the plant mixes."""
+        sample = [(-d, d) for d in drift] if self.plant.mixing is not None else []
+        sides = [*box, *self.plant.constants, *sample]
+        pushes = [self._push(values) for values in self.parts[0].pieces(sides)]
+        inputs = [self._input(values) for values in self.parts[1].pieces(sides)]
+        (push, push_norm), (most, cross, norm, least, definite) = (list(zip(*found, strict=True)) for found in (pushes, inputs))
+        worst = [np.asarray(np.max(np.array(v), axis=0)) for v in (push, most, cross)]
+        lowest = np.asarray(np.min(np.array(least), axis=0))
+        return Bounds(worst[0], lowest, worst[1], worst[2], max(push_norm), min(definite), max(norm))
+
+    def _push(self, f: Sequence[Ball]) -> tuple[Array, float]:
         push = np.array([_most(abs(v)) for v in f])
+        total = _up(math.sqrt(float(np.sum(push**2)))) * (1 + 1e-12) + self.w_max if push.any() else self.w_max
+        return np.array([_up(p + self.w_max) if p else self.w_max for p in push]), total
+
+    def _input(self, values: Sequence[Ball]) -> tuple[Array, Array, float, Array, float]:
+        """most, cross, norm, least, definite of g on a piece."""
+        n = self.dimension
+        g = [[self.sign * values[i + j * n] for j in range(n)] for i in range(n)]  # CasADi stores columns
         diagonal = [g[i][i] for i in range(n)]
         cross = np.array([[0.0 if i == j else _most(abs(g[i][j])) for j in range(n)] for i in range(n)])
         squares = [[sum(g[k][i] * g[k][j] for k in range(n)) for j in range(n)] for i in range(n)]
         symmetric = [[(g[i][j] + g[j][i]) / 2 for j in range(n)] for i in range(n)]
         largest = -least_eigenvalue([[-v for v in row] for row in squares])
-        return Bounds(
-            np.array([_up(p + self.w_max) for p in push]),
-            np.array([_least(v) for v in diagonal]),
+        return (
             np.array([_most(abs(v)) for v in diagonal]),
             cross,
-            _up(math.sqrt(float(np.sum(push**2)))) * (1 + 1e-12) + self.w_max,
-            least_eigenvalue(symmetric),
             math.sqrt(largest) if largest in (0.0, 1.0) else _up(math.sqrt(max(largest, 0.0)) * (1 + 1e-12)),
+            np.array([_least(v) for v in diagonal]),
+            least_eigenvalue(symmetric),
         )
 
 
@@ -136,13 +220,6 @@ def _positive_definite(matrix: Sequence[Sequence[Ball]]) -> bool:
             return False
         factor[i][j] = rest.sqrt() if i == j else rest / factor[j][j]
     return True
-
-
-def _pieces(box: Sides, matters: Sequence[bool]) -> list[Sides]:
-    """The box cut alike in the dimensions that matter, into at most PIECES (at least one)."""
-    cuts = max(1, math.floor(PIECES ** (1 / max(1, sum(matters))) + 1e-9))
-    edges = [np.linspace(a, b, cuts + 1 if m else 2).tolist() for (a, b), m in zip(box, matters, strict=True)]
-    return [list(piece) for piece in itertools.product(*(list(itertools.pairwise(e)) for e in edges))]
 
 
 def _most(value: Ball) -> float:

@@ -70,11 +70,12 @@ class Setting:
     start: Array
     drift: Array | None = None
     middle: Array | None = None
+    known_to: float = math.inf  # seconds: the bounds on g are for samples of that age at most
 
     @property
     def longest_age(self) -> float:
         """Of a sample, so that it and what acted before it stem from this window or the one before."""
-        return self.windows.shortest / (2 if self.law.latency else 1)
+        return min(self.known_to, self.windows.shortest / (2 if self.law.latency else 1))
 
     def with_law(self, **changes: Any) -> Setting:
         return replace(self, law=replace(self.law, **changes))

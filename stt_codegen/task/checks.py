@@ -57,6 +57,10 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
         given = getattr(task.tube, name)
         if isinstance(given, tuple):
             vectors.append((f"tube.{name}", given))
+    for name in ("f_max", "w_max", "g_min", "g_max", "g_cross"):
+        given = getattr(task.plant, name)
+        if isinstance(given, tuple):
+            vectors.append((f"plant.{name}", given))
     if isinstance(task.initial_set.speed, tuple):
         vectors.append(("initial_set.speed", task.initial_set.speed))
     vectors += [(name, given) for name in ("axes", "units") if (given := getattr(task, name)) is not None]
@@ -166,9 +170,23 @@ def _options_problem(task: TaskTables) -> str | None:
             return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
     if problem := _limits_problem(task) or _order_problem(task):
         return problem
-    low, high = task.plant.g_min, task.plant.g_max
-    if low is not None and high is not None and low > high:
-        return f"plant.g_min: is {decimal(low)}, above plant.g_max = {decimal(high)}"
+    return _plant_problem(task)
+
+
+def _plant_problem(task: TaskTables) -> str | None:
+    """Bounds of a sign that bounds nothing, or that contradict each other."""
+    for name in ("f_max", "w_max", "g_min", "g_max", "g_cross"):
+        value = getattr(task.plant, name)
+        positive = name in ("g_min", "g_max")
+        for i, entry in enumerate(value if isinstance(value, tuple) else () if value is None else (value,)):
+            if entry < 0 or (positive and not entry):
+                field = f"plant.{name}[{i}]" if isinstance(value, tuple) else f"plant.{name}"
+                return f"{field}: is {decimal(entry)}; it must be {'greater than 0' if positive else '0 or greater'}"
+    if task.plant.g_min is not None and task.plant.g_max is not None:
+        for i, b in enumerate(task.plant_bounds):
+            if b.g_min > b.g_max:
+                told = [f"[{i}]" if isinstance(v, tuple) else "" for v in (task.plant.g_min, task.plant.g_max)]
+                return f"plant.g_min{told[0]}: is {decimal(b.g_min)}, above plant.g_max{told[1]} = {decimal(b.g_max)}"
     return None
 
 

@@ -8,6 +8,7 @@ Long because every field of a task file stands here once, and what is made of it
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Literal
 
@@ -114,18 +115,24 @@ class PlantBounds(Table):
     order: Annotated[int, BeforeValidator(whole)] = Field(
         default=1, ge=1, le=2, description="1: u makes speeds; 2: accelerations, and the bounds here are of these"
     )
-    f_max: NotNegative | None = Field(default=None, description="bound on |f|; absent: 0")
-    w_max: NotNegative | None = Field(default=None, description="bound on |w|; absent: 0")
-    g_min: Positive | None = Field(default=None, description="bound on g_s from below; absent: 1, or g_max where that is less")
-    g_max: Positive | None = Field(default=None, description="bound on |g|; absent: 1, or g_min where that is more")
-    g_cross: NotNegative | None = Field(default=None, description="bound on every |g_ij|, i not j; absent: 0, no coupling")
+    f_max: Each | None = Field(default=None, description="bound on |f|, or one on each |f_i|; absent: 0")
+    w_max: Each | None = Field(default=None, description="bound on |w|, or one on each |w_i|; absent: 0")
+    g_min: Each | None = Field(
+        default=None, description="bound on g_s from below, or one on each g_ii; absent: 1, or g_max where that is less"
+    )
+    g_max: Each | None = Field(
+        default=None, description="bound on |g|, or one on each g_ii; absent: 1, or g_min where that is more"
+    )
+    g_cross: Each | None = Field(
+        default=None, description="bound on every |g_ij|, i not j, or one for each row i; absent: 0, no coupling"
+    )
     noise: NotNegative | None = Field(default=None, description="bound on the error of every measured x_i; absent: 0")
     noise_v: NotNegative | None = Field(
         default=None, description="bound on the error of every measured v_i, for order 2; absent: 0"
     )
 
     @property
-    def bounds(self) -> dict[str, Fraction | None]:
+    def bounds(self) -> dict[str, Fraction | tuple[Fraction, ...] | None]:
         """What the task says of each bound, those of order 2 only there."""
         names = ("f_max", "w_max", "g_min", "g_max", "g_cross", "noise", *(("noise_v",) if self.order == 2 else ()))
         return {name: getattr(self, name) for name in names}
@@ -134,6 +141,16 @@ class PlantBounds(Table):
     def stated(self) -> bool:
         """Whether the task says anything about the plant but its order."""
         return any(v is not None for v in self.bounds.values())
+
+
+@dataclass(frozen=True)
+class ComponentBounds:
+    """What [plant] says of component i: |f_i + w_i| <= force, g_min <= g_ii <= g_max, |g_ij| <= cross; -g for k < 0."""
+
+    force: Fraction
+    g_min: Fraction
+    g_max: Fraction
+    cross: Fraction
 
 
 def _named(sets: tuple[AnyUnsafe, ...]) -> tuple[AnyUnsafe, ...]:
@@ -215,11 +232,26 @@ class TaskTables(Table):
         return None if self.control.u_max is None else self._each(self.control.u_max)
 
     @property
-    def g_range(self) -> tuple[Fraction, Fraction]:
-        """g_min and g_max; where one is missing it is 1, or the other one where 1 contradicts it."""
-        low, high = self.plant.g_min, self.plant.g_max
-        least = low if low is not None else min(Fraction(1), high or Fraction(1))
-        return least, high if high is not None else max(Fraction(1), least)
+    def plant_bounds(self) -> tuple[ComponentBounds, ...]:
+        """[plant] by component. Where g_min or g_max is missing it is 1, or the other one where 1 contradicts it."""
+        found, plant = [], self.plant
+        given = [(None,) * self.dimension if v is None else self._each(v) for v in (plant.g_min, plant.g_max)]
+        force, wind, cross = (self._each(v or Fraction(0)) for v in (plant.f_max, plant.w_max, plant.g_cross))
+        for i, (low, high) in enumerate(zip(*given, strict=True)):
+            least = low if low is not None else min(Fraction(1), high or Fraction(1))
+            most = high if high is not None else max(Fraction(1), least)
+            found.append(ComponentBounds(force[i] + wind[i], least, most, cross[i]))
+        return tuple(found)
+
+    @property
+    def wind(self) -> Fraction:
+        """The largest norm of w that is within plant.w_max whatever its direction."""
+        return min(self._each(self.plant.w_max or Fraction(0)))
+
+    @property
+    def is_coupled(self) -> bool:
+        """Whether [plant] lets inputs push other components than their own."""
+        return any(b.cross for b in self.plant_bounds)
 
     @property
     def limits_are_demanded(self) -> bool:

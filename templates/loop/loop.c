@@ -234,11 +234,28 @@ static void blow(const wind *v, double t, const double *x, double *w)
     for (int i = 0; i < n; i++) w[i] *= s->strength;
 }
 
-static void rate_of(const wind *v, double t, const double *x, const double *u, double *rate)
+/* An input, x of the sample that it was made of, and since when it acts. */
+typedef struct {
+    double since, u[MOST], sample[MOST];
+} held_input;
+
+/* Inputs on their way, the oldest first: that one acts until the next one's time has come. */
+typedef struct {
+    held_input on_the_way[WAITING];
+    int first, count;
+} inputs;
+
+static held_input *of_age(inputs *q, int k)
 {
+    return &q->on_the_way[(q->first + k) % WAITING];
+}
+
+static void rate_of(const wind *v, double t, const double *x, const held_input *acts, double *rate)
+{
+    const double *u = acts->u;
     const int n = v->s->n;
     double g[MOST * MOST], w[MOST], *turn = rate + (v->s->order - 1) * n;
-    loop_plant(x, turn, g);
+    loop_plant(x, v->s->constants, acts->sample, turn, g);
     blow(v, t, x, w);
     if (v->s->lag > 0.0) {
         const int first = held_size(v->s);
@@ -252,40 +269,53 @@ static void rate_of(const wind *v, double t, const double *x, const double *u, d
     }
 }
 
-static void runge_kutta(const wind *v, double t, double h, const double *u, double *x)
+static void runge_kutta(const wind *v, double t, double h, const held_input *acts, double *x)
 {
     static const double at[4] = {0.0, 0.5, 0.5, 1.0}, share[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     const int n = state_size(v->s);
     double k[STATE] = {0}, y[STATE], sum[STATE] = {0};
     for (int stage = 0; stage < 4; stage++) {
         for (int i = 0; i < n; i++) y[i] = x[i] + at[stage] * h * k[i];
-        rate_of(v, t + at[stage] * h, y, u, k);
+        rate_of(v, t + at[stage] * h, y, acts, k);
         for (int i = 0; i < n; i++) sum[i] += share[stage] * k[i];
     }
     for (int i = 0; i < n; i++) x[i] += h * sum[i];
 }
 
 /* A step of h, by halves where one step and two halves differ by more than rounding and TOLERANCE allow. */
-static void integrate(const wind *v, double t, double h, const double *u, double *x, int depth)
+static void integrate(const wind *v, double t, double h, const held_input *acts, double *x, int depth)
 {
     const int n = state_size(v->s);
     double whole[STATE], halves[STATE], worst = 0.0;
     memcpy(whole, x, (size_t)n * sizeof *x);
-    runge_kutta(v, t, h, u, whole);
+    runge_kutta(v, t, h, acts, whole);
     if (v->s->constant) { /* f and g do not change: one step is exact but for what w does */
         memcpy(x, whole, (size_t)n * sizeof *x);
         return;
     }
     memcpy(halves, x, (size_t)n * sizeof *x);
-    runge_kutta(v, t, 0.5 * h, u, halves);
-    runge_kutta(v, t + 0.5 * h, 0.5 * h, u, halves);
+    runge_kutta(v, t, 0.5 * h, acts, halves);
+    runge_kutta(v, t + 0.5 * h, 0.5 * h, acts, halves);
     for (int i = 0; i < n; i++) worst = fmax(worst, fabs(halves[i] - whole[i]) / (1.0 + fabs(halves[i])));
     if (depth == 0 || !(worst > TOLERANCE)) {
         for (int i = 0; i < n; i++) x[i] = halves[i] + (halves[i] - whole[i]) / 15.0;
         return;
     }
-    integrate(v, t, 0.5 * h, u, x, depth - 1);
-    integrate(v, t + 0.5 * h, 0.5 * h, u, x, depth - 1);
+    integrate(v, t, 0.5 * h, acts, x, depth - 1);
+    integrate(v, t + 0.5 * h, 0.5 * h, acts, x, depth - 1);
+}
+
+/* From `now` on over h: each input while it is its turn. */
+static void drive(const wind *v, double now, double h, inputs *q, double *x)
+{
+    const double end = now + h;
+    for (double at = now, left = h; left > 0.0; left = end - at) {
+        while (q->count > 1 && of_age(q, 1)->since <= at) q->first = (q->first + 1) % WAITING, q->count--;
+        const double step = q->count > 1 ? fmin(left, of_age(q, 1)->since - at) : left;
+        integrate(v, at, step, of_age(q, 0), x, DEPTH);
+        if (step == left) return;
+        at += step;
+    }
 }
 
 static int inside(const double *faces, int count, const double *x, int n)
@@ -364,9 +394,11 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
 {
     const int n = s->n, size = held_size(s);
     wind v;
-    double x[STATE] = {0}, seen[STATE], u[MOST] = {0}, before[MOST] = {0}, w[MOST] = {0};
+    double x[STATE] = {0}, seen[STATE], u[MOST] = {0}, w[MOST] = {0};
+    static inputs q; /* one loop at a time in a process */
     int status = 0, lost = 0;
     memset(r, 0, sizeof *r);
+    q.first = q.count = 0;
     r->hit = -1, r->hit_at = r->left_at = r->outside_at = -1.0, r->margin = 0.5;
     start_wind(&v, s);
     memcpy(x, s->start, (size_t)size * sizeof *x);
@@ -384,20 +416,21 @@ void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advanc
             status = step(t, seen, u);
             if (status != 0 && r->outside++ == 0) r->outside_at = t;
             for (int i = 0; i < n; i++) r->u[i] = fmax(r->u[i], fabs(u[i]));
+            held_input *made = of_age(&q, q.count++);
+            made->since = k > 0 ? t + s->latency : 0.0;
+            memcpy(made->u, u, (size_t)n * sizeof *u);
+            memcpy(made->sample, seen, (size_t)n * sizeof *seen);
         }
         if (trace != NULL) {
             blow(&v, t, x, w);
             trace = write_row(trace, t, x, u, tube, w, status, n, s->order);
         }
-        if (k == 0) memcpy(before, u, (size_t)n * sizeof *u);
         for (int part = 0; part < s->parts; part++) {
-            const double now = t + part * h, waits = fmax(0.0, fmin(h, t + s->latency - now));
-            if (waits > 0.0) integrate(&v, now, waits, before, x, DEPTH);
-            if (waits < h) integrate(&v, now + waits, h - waits, u, x, DEPTH);
+            const double now = t + part * h;
+            drive(&v, now, h, &q, x);
             if (advance != NULL) advance(now, h);
             judge(s, now + h, x, tube, &v, r);
         }
-        memcpy(before, u, (size_t)n * sizeof *u);
     }
     if (trace != NULL) write_row(trace, s->end, x, u, tube, w, status, n, s->order);
     r->reached = inside(s->target, s->goals, x, n);

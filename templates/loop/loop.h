@@ -8,6 +8,7 @@
 #define MOST 64 /* dimensions */
 #define STATE (3 * MOST)
 #define FACES 1024 /* of one unsafe set */
+#define WAITING 128 /* inputs on their way */
 
 /* u from the measured state at time t; not 0 when the controller says that it is outside its tube, or that its input is bad. */
 typedef int (*loop_step)(double t, const double *x, double *u);
@@ -34,8 +35,9 @@ typedef struct {
     double noise;          /* of every measured component of x, at most */
     double noise_v;        /* and of v */
     const double *filter;  /* n, of order 2: what is held in the filtered tube is v + filter x */
+    const double *constants; /* of the plant, in this run */
     double lag;            /* seconds: what acts follows u by a first-order lag, 0 for none; at rest first */
-    double latency;        /* seconds from a sample to its u, less than a period; the first one acts at once */
+    double latency;        /* seconds from a sample to its u, less than WAITING - 2 periods; the first one acts at once */
     const double *start;   /* a state */
     int32_t walls, goals;  /* half-spaces of the state space and of the target */
     const double *space;   /* each n + 1 numbers, as in faces */
@@ -67,7 +69,7 @@ typedef struct {
 /* Runs it. trace, where given, takes samples + 1 rows: t, x, u, lower, upper, w, of order 2 v, status. tube and advance may be NULL. */
 void loop_run(const loop_setting *s, loop_step step, loop_tube tube, loop_advance advance, loop_result *r, double *trace);
 
-/* The plant: f (n) and g (n by n, by columns) at a state. */
-void loop_plant(const double *x, double *f, double *g);
+/* The plant: f (n) and g (n by n, by columns) at a state, with its constants, where u is what a sample made. */
+void loop_plant(const double *x, const double *p, const double *sample, double *f, double *g);
 
 #endif

@@ -1,0 +1,81 @@
+/* arm.h: prescribed-time reach-avoid-stay controller, refined tube, double precision.
+ *
+ * Certified (arm.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
+ * at rest in it; gamma(0) is in the certificate.
+ * The state stays in it (P9) sampled every 0.006 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
+ * w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8001,
+ * 0.8962], |u| <= [2.2, 6.8].
+ *
+ * Call arm_control once every period with the time since the start and the measured x and v. It keeps no state and
+ * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
+ */
+#ifndef ARM_H
+#define ARM_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef double arm_real;
+
+#define ARM_N 2
+#define ARM_T_C 14.0 /* prescribed time, seconds */
+#define ARM_PERIOD_PROVED 0.005999999999999999 /* seconds between samples, at most: from which starts, see above (P9) */
+#define ARM_DESIGN_HASH "a0cd213e16f6ec18" /* log it: names this design */
+
+typedef enum {
+    ARM_OK = 0,
+    ARM_OUTSIDE_TUBE = 1,
+    ARM_BAD_INPUT = 2
+} arm_status;
+
+/* Edges of the tube gamma at time t (seconds), in the task's units.
+ * t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+ */
+void arm_tube(arm_real t, arm_real lower[ARM_N], arm_real upper[ARM_N]);
+
+/* Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+ * The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+ */
+void arm_tube_rate(arm_real t, arm_real lower_rate[ARM_N], arm_real upper_rate[ARM_N]);
+
+/* Edges of the filtered tube at time t, in units per second: of v + lambda x, lambda = 0.6.
+ * While v + lambda x is between them, x stays in the tube. NaN when t is not finite.
+ */
+void arm_filtered_tube(arm_real t, arm_real lower[ARM_N], arm_real upper[ARM_N]);
+
+/* Control law (13), u = -k xi epsilon, k = [0.0429, 0.134], e clamped to [-0.99, 0.99] by component, u saturated.
+ * for v + lambda x in its tube, lambda = 0.6. t: seconds since the start (held within [0, t_c]);
+ * x: state; v: its rate; u: input.
+ * x by component: shoulder [rad], elbow [rad].
+ * OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law,
+ * finite, and points inward (0 where the tube is empty). BAD_INPUT: t, x or v has a NaN or an
+ * infinity; u is 0. u may be the array x or v itself.
+ */
+arm_status arm_control(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N], arm_real u[ARM_N]);
+
+/* How far x is from leaving the tube, and v + lambda x from leaving its own: the distance to the nearest edge
+ * over the width there, the lesser of both, least over the components. 0.5 in the middle, positive inside,
+ * negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]);
+
+/* Error transform of section IV for the state x in the box (lower, upper), by component:
+ *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+ *   epsilon = ln((1 + e) / (1 - e))
+ *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
+ */
+void arm_transform(const arm_real lower[ARM_N], const arm_real upper[ARM_N], const arm_real x[ARM_N],
+                   arm_real e[ARM_N], arm_real epsilon[ARM_N], arm_real xi[ARM_N]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

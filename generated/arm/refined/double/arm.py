@@ -1,0 +1,561 @@
+"""arm: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (arm.certificate.json): for every t the tube keeps 0.03 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
+at rest in it; gamma(0) is in the certificate.
+The state stays in it (P9) sampled every 0.006 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
+w| <= [1.3, 3.1], [0.92, 0.7] <= g_ii <= [1.08, 1.32], |g_ij| <= [0.06, 0.56]: |e| of v + lambda x < [0.8001,
+0.8962], |u| <= [2.2, 6.8].
+
+The same functions as arm.c (double precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 14.0  # prescribed time, seconds
+DESIGN_HASH = "a0cd213e16f6ec18"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-21: exact in float and double.
+COEFFICIENTS = (
+    -0.1912245750427246, -0.1412343978881836, 0.10855436325073242, 0.15854406356811523,
+    -0.1918802261352539, -0.1418905258178711, 0.1082305908203125, 0.1582202911376953,
+    -0.1912245750427246, -0.1412343978881836, 0.10855436325073242, 0.15854406356811523,
+    -0.18925762176513672, -0.1392674446105957, 0.1095266342163086, 0.1595163345336914,
+    -0.18597888946533203, -0.13598918914794922, 0.11114692687988281, 0.16113662719726562,
+    -0.18138933181762695, -0.13139963150024414, 0.11341524124145508, 0.1634054183959961,
+    -0.17548799514770508, -0.12549829483032227, 0.1163320541381836, 0.1663217544555664,
+    -0.1682758331298828, -0.1182856559753418, 0.11989641189575195, 0.16988658905029297,
+    -0.15975189208984375, -0.10976219177246094, 0.12410926818847656, 0.17409896850585938,
+    -0.1499166488647461, -0.09992694854736328, 0.12897014617919922, 0.17895984649658203,
+    -0.13877010345458984, -0.08878040313720703, 0.13447904586791992, 0.18446922302246094,
+    -0.126312255859375, -0.07632207870483398, 0.14063644409179688, 0.1906261444091797,
+    -0.11254262924194336, -0.06255292892456055, 0.14744186401367188, 0.1974315643310547,
+    -0.09746217727661133, -0.047472476959228516, 0.15489482879638672, 0.20488500595092773,
+    -0.0810699462890625, -0.031080245971679688, 0.1629934310913086, 0.2129836082458496,
+    -0.06336688995361328, -0.013376712799072266, 0.17044401168823242, 0.22043371200561523,
+    -0.044352054595947266, 0.005637645721435547, 0.17789459228515625, 0.22788429260253906,
+    -0.024027347564697266, 0.025962352752685547, 0.18534517288208008, 0.2353348731994629,
+    -0.004356861114501953, 0.04563283920288086, 0.19214725494384766, 0.24213743209838867,
+    0.014001846313476562, 0.06399202346801758, 0.19894981384277344, 0.24893951416015625,
+    0.031049728393554688, 0.0810394287109375, 0.20548629760742188, 0.2554764747619629,
+    0.046785831451416016, 0.09677600860595703, 0.21202325820922852, 0.26201295852661133,
+    0.06121110916137695, 0.11120080947875977, 0.2179117202758789, 0.2679014205932617,
+    0.0743246078491211, 0.1243143081665039, 0.2238001823425293, 0.2737903594970703,
+    0.08612680435180664, 0.13611650466918945, 0.22904062271118164, 0.27903079986572266,
+    0.0966176986694336, 0.1466073989868164, 0.23363304138183594, 0.28362274169921875,
+    0.10579729080200195, 0.15578699111938477, 0.2375774383544922, 0.287567138671875,
+    0.11366558074951172, 0.16365528106689453, 0.2408733367919922, 0.290863037109375,
+    0.12022209167480469, 0.1702122688293457, 0.24352121353149414, 0.29351139068603516,
+    0.12546777725219727, 0.17545747756958008, 0.24611377716064453, 0.29610347747802734,
+    0.12940168380737305, 0.17939138412475586, 0.24805831909179688, 0.2980480194091797,
+    0.13202428817749023, 0.18201446533203125, 0.24935436248779297, 0.2993440628051758,
+    0.13333606719970703, 0.18332576751708984, 0.250002384185791, 0.29999256134033203,
+    0.13333606719970703, 0.18332576751708984, 0.250002384185791, 0.29999256134033203,
+    0.13333606719970703, 0.18332576751708984, 0.250002384185791, 0.29999256134033203,
+)
+
+# Gain k of the control law, by component.
+GAIN = (
+    0.0429, 0.134,
+)
+
+# Saturation of u, by component.
+U_MAX = (
+    2.1999999999999997, 6.8,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    Before 0 the start; from t_c on the last number below 32 (t_c = 14 s).
+    """
+    positive = 0.0 < t
+    started = t if positive else 0.0
+    scaled = started * 2.2857142857142856
+    early = scaled < 31.999999999999996
+    u = scaled if early else 31.999999999999996
+    segment = int(u)
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b."""
+    v0 = b / a
+    v1 = math.log(v0)
+    v2 = -v1
+    v3 = 1.0 + v0
+    v4 = v3 / b
+    return v2, v4
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 14.0
+    per_second = 2.2857142857142856 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def filtered_tube(t):
+    """Edges of the filtered tube at time t, in units per second: of v + lambda x, lambda = 0.6.
+    While v + lambda x is between them, x stays in the tube. NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_rate = lower_slope * 2.2857142857142856
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_rate = upper_slope * 2.2857142857142856
+        filtered = lower_edge * 0.6
+        edge = lower_rate + filtered
+        lower[i] = edge
+        filtered2 = upper_edge * 0.6
+        edge2 = upper_rate + filtered2
+        upper[i] = edge2
+    return tuple(lower), tuple(upper)
+
+
+def control(t, x, v):
+    """Control law (13), u = -k xi epsilon, k = [0.0429, 0.134], e clamped to [-0.99, 0.99] by component, u saturated.
+    for v + lambda x in its tube, lambda = 0.6. t: seconds since the start (held within [0, t_c]);
+    x: state; v: its rate; u: input.
+    x by component: shoulder [rad], elbow [rad].
+    OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law,
+    finite, and points inward (0 where the tube is empty). BAD_INPUT: t, x or v has a NaN or an
+    infinity; u is 0. u may be the array x or v itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    v = _vector("v", v, 2)
+    u = [0.0] * 2
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    zero2 = zero
+    for j2 in range(2):
+        v_j = v[j2]
+        v_zero = v_j * 0.0
+        zeros2 = zero2 + v_zero
+        zero2 = zeros2
+    finite = zero2 <= 0.0
+    bad = not finite
+    if bad:
+        for j3 in range(2):
+            u[j3] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    outside = False
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_rate = lower_slope * 2.2857142857142856
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_rate = upper_slope * 2.2857142857142856
+        x_i = x[i]
+        v_i = v[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        room2 = upper_rate - lower_rate
+        to_lower2 = v_i - lower_rate
+        to_upper2 = upper_rate - v_i
+        gain_i = GAIN[i]
+        gain_minus = -gain_i
+        filtered = room * 0.6
+        room3 = room2 + filtered
+        filtered2 = to_lower * 0.6
+        to_lower3 = to_lower2 + filtered2
+        filtered3 = to_upper * 0.6
+        to_upper3 = to_upper2 + filtered3
+        upper_nearer = to_upper3 < to_lower3
+        nearest = to_upper3 if upper_nearer else to_lower3
+        gain = gain_minus if upper_nearer else gain_i
+        least = room3 * 0.005
+        clear = least < nearest
+        near = nearest if clear else least
+        far = room3 - near
+        over = 0.0 < to_lower
+        under = 0.0 < to_upper
+        between = over and under
+        within = 0.0 < nearest
+        inside = within and between
+        outside_any = outside if inside else True
+        u_limit = U_MAX[i]
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
+        u_min = -u_limit
+        u_held_above = u_min < push
+        u_held_raised = push if u_held_above else u_min
+        u_held_over = u_limit < u_held_raised
+        u_held = u_limit if u_held_over else u_held_raised
+        u[i] = u_held
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
+
+
+def margin(t, x, v):
+    """How far x is from leaving the tube, and v + lambda x from leaving its own: the distance to the nearest edge
+    over the width there, the lesser of both, least over the components. 0.5 in the middle, positive inside,
+    negative outside, at least -1; NaN when an argument is not finite.
+    Watch it: act while there is margin, not when the tube is left.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    v = _vector("v", v, 2)
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    zero2 = zero
+    for j2 in range(2):
+        v_j = v[j2]
+        v_zero = v_j * 0.0
+        zeros2 = zero2 + v_zero
+        zero2 = zeros2
+    finite = zero2 <= 0.0
+    bad = not finite
+    if bad:
+        return math.nan
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    margin = 0.5
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_rate = lower_slope * 2.2857142857142856
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_rate = upper_slope * 2.2857142857142856
+        x_i = x[i]
+        v_i = v[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        room2 = upper_rate - lower_rate
+        to_lower2 = v_i - lower_rate
+        to_upper2 = upper_rate - v_i
+        filtered = room * 0.6
+        room3 = room2 + filtered
+        filtered2 = to_lower * 0.6
+        to_lower3 = to_lower2 + filtered2
+        filtered3 = to_upper * 0.6
+        to_upper3 = to_upper2 + filtered3
+        upper_nearer = to_upper3 < to_lower3
+        nearest = to_upper3 if upper_nearer else to_lower3
+        share = nearest / room3
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        upper_nearer2 = to_upper < to_lower
+        nearest2 = to_upper if upper_nearer2 else to_lower
+        share2 = nearest2 / room
+        beyond2 = share2 < -1.0
+        held_share2 = -1.0 if beyond2 else share2
+        filtered_less = held_share < held_share2
+        lesser = held_share if filtered_less else held_share2
+        less = lesser < margin
+        margin_next = lesser if less else margin
+        margin = margin_next
+    return margin
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = -1.0 if upper_nearer else 1.0
+        least = width * 0.005
+        widened = width - room
+        spare = widened * 0.5
+        distance = nearest + spare
+        farther = least < distance
+        clear = filled and farther
+        near = distance if clear else least
+        far = width - near
+        a = far if upper_nearer else near
+        b = near if upper_nearer else far
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.99 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.99
+        e_held_over = 0.99 < e_held_raised
+        e_held = 0.99 if e_held_over else e_held_raised
+        epsilon_near, xi_i = _transformed_error(near, far)
+        epsilon_i = gain * epsilon_near
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)

@@ -1,0 +1,632 @@
+/* base.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (base.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
+ * at rest in it; gamma(0) is in the certificate.
+ * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.8 at rest, for |f +
+ * w| <= [0.5, 0.53, 0.4], 0.85 <= g_ii <= 1.18, |g_ij| <= [0.05, 0.05, 0], x measured to 0.003, u 0.002 s after its
+ * sample at most, the first at once, v measured to 0.01: |e| of v + lambda x < [0.8207, 0.8275, 0.8001], |u| <= [2.1,
+ * 2.5, 1.1].
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include "base.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error "base.c: compile without -ffast-math; it tests its inputs for NaN and infinity"
+#endif
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#error "base.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that"
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1], lower[2], upper[2]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const base_real base_coefficients[210] = {
+    0.10730171F, 0.1627016F, 0.10464764F, 0.16004753F,
+    -0.03306961F, 0.033076286F,
+    0.10065365F, 0.16863346F, 0.097691536F, 0.16433716F,
+    -0.033450127F, 0.033446312F,
+    0.090143204F, 0.1627016F, 0.10464764F, 0.1825409F,
+    -0.03306961F, 0.033076286F,
+    0.07963276F, 0.14490509F, 0.1255188F, 0.21465778F,
+    -0.03192711F, 0.033143997F,
+    0.06912136F, 0.124521255F, 0.16030216F, 0.26068878F,
+    -0.030023575F, 0.03397274F,
+    0.060599327F, 0.11599922F, 0.20899963F, 0.31054592F,
+    -0.027359009F, 0.035562515F,
+    0.063941F, 0.1193409F, 0.2716112F, 0.36040306F,
+    -0.023932457F, 0.037914276F,
+    0.07914734F, 0.13454723F, 0.34512043F, 0.41026115F,
+    -0.019744873F, 0.041028023F,
+    0.106217384F, 0.16161728F, 0.4047184F, 0.4601183F,
+    -0.014795303F, 0.044901848F,
+    0.14515209F, 0.20055199F, 0.4504032F, 0.5058031F,
+    -0.009084702F, 0.049538612F,
+    0.19595146F, 0.2513504F, 0.48217392F, 0.5375738F,
+    -0.0026130676F, 0.054935455F,
+    0.25861454F, 0.31401443F, 0.5000315F, 0.5554304F,
+    0.004620552F, 0.061094284F,
+    0.3239193F, 0.3793192F, 0.5039749F, 0.5593748F,
+    0.012615204F, 0.068014145F,
+    0.37736034F, 0.43276024F, 0.49400425F, 0.54940414F,
+    0.020296097F, 0.07569599F,
+    0.41893673F, 0.47433662F, 0.47012138F, 0.5255213F,
+    0.028738976F, 0.08413887F,
+    0.4486494F, 0.5040493F, 0.4323244F, 0.48772335F,
+    0.03794384F, 0.093343735F,
+    0.46649742F, 0.5218973F, 0.38061333F, 0.43601322F,
+    0.047909737F, 0.10330963F,
+    0.47248077F, 0.52788067F, 0.3149891F, 0.37038898F,
+    0.058636665F, 0.11403656F,
+    0.47828388F, 0.5336838F, 0.25667572F, 0.31207561F,
+    0.07005787F, 0.12545776F,
+    0.4959507F, 0.5513506F, 0.21227646F, 0.26767635F,
+    0.08071709F, 0.13611698F,
+    0.5254822F, 0.5808821F, 0.18179035F, 0.23719025F,
+    0.09061527F, 0.14601517F,
+    0.5668783F, 0.6222782F, 0.1652174F, 0.2206173F,
+    0.099752426F, 0.15515232F,
+    0.62013817F, 0.67553806F, 0.16255856F, 0.21795845F,
+    0.108127594F, 0.16352749F,
+    0.6852627F, 0.7406626F, 0.17381382F, 0.22921371F,
+    0.11574173F, 0.17114162F,
+    0.7486496F, 0.80404854F, 0.19898224F, 0.25438118F,
+    0.12259483F, 0.17799473F,
+    0.8001709F, 0.8555708F, 0.23806381F, 0.2934637F,
+    0.12868595F, 0.18408585F,
+    0.83982944F, 0.8952284F, 0.2910595F, 0.34645844F,
+    0.13401604F, 0.18941498F,
+    0.8676224F, 0.9230223F, 0.35796833F, 0.41336823F,
+    0.13858414F, 0.19398403F,
+    0.8835516F, 0.9389515F, 0.427536F, 0.4829359F,
+    0.1423912F, 0.1977911F,
+    0.8876171F, 0.943017F, 0.48319054F, 0.53859043F,
+    0.14543629F, 0.20083618F,
+    0.87981796F, 0.9352169F, 0.52493095F, 0.58033085F,
+    0.14772129F, 0.20312023F,
+    0.87053967F, 0.92593956F, 0.5527582F, 0.6081581F,
+    0.14924335F, 0.20464325F,
+    0.86126137F, 0.91666126F, 0.5666714F, 0.62207127F,
+    0.15000534F, 0.20540524F,
+    0.86126137F, 0.91666126F, 0.5666714F, 0.62207127F,
+    0.15000534F, 0.20540524F,
+    0.86126137F, 0.91666126F, 0.5666714F, 0.62207127F,
+    0.15000534F, 0.20540524F
+};
+
+/* lambda of v + lambda x, by component. */
+static const base_real base_filter[3] = {
+    1.4306641F, 1.359375F, 1.0097656F
+};
+
+/* Gain k of the control law, by component. */
+static const base_real base_gain[3] = {
+    0.358F, 0.562F, 0.112F
+};
+
+/* Saturation of u, by component. */
+static const base_real base_u_max[3] = {
+    2.1F, 2.5F, 1.0999999F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 25 s).
+ */
+static inline void base_segment(base_real t, int32_t *row, base_real *s)
+{
+    const bool positive = 0.0F < t;
+    const base_real started = positive ? t : 0.0F;
+    const base_real scaled = started * 1.28F;
+    const bool early = scaled < 31.999998F;
+    const base_real u = early ? scaled : 31.999998F;
+    const int32_t segment = (int32_t)u;
+    const base_real base = (base_real)segment;
+    const base_real place = u - base;
+    const int32_t first = segment * 6;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static inline void base_basis(base_real s, base_real *w0, base_real *w1, base_real *w2, base_real *w3)
+{
+    const base_real v0 = 1.0F - s;
+    const base_real v1 = v0 * v0;
+    const base_real v2 = v1 * v0;
+    const base_real v3 = v0 * s;
+    const base_real v4 = 1.0F + v3;
+    const base_real v5 = 3.0F * v4;
+    const base_real v6 = v0 * v5;
+    const base_real v7 = 1.0F + v6;
+    const base_real v8 = s * v5;
+    const base_real v9 = 1.0F + v8;
+    const base_real v10 = s * s;
+    const base_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static inline void base_basis_rate(base_real s, base_real *dw0, base_real *dw1, base_real *dw2, base_real *dw3)
+{
+    const base_real v0 = 1.0F - s;
+    const base_real v1 = v0 + v0;
+    const base_real v2 = v0 * v1;
+    const base_real v3 = v0 * v0;
+    const base_real v4 = v2 + v3;
+    const base_real v5 = -v4;
+    const base_real v6 = v0 - s;
+    const base_real v7 = 3.0F * v6;
+    const base_real v8 = v0 * v7;
+    const base_real v9 = v0 * s;
+    const base_real v10 = 1.0F + v9;
+    const base_real v11 = 3.0F * v10;
+    const base_real v12 = v8 - v11;
+    const base_real v13 = s * v7;
+    const base_real v14 = v11 + v13;
+    const base_real v15 = s + s;
+    const base_real v16 = s * v15;
+    const base_real v17 = s * s;
+    const base_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static inline base_real base_blend(base_real w0, base_real w1, base_real w2, base_real w3, base_real q0,
+                                   base_real q1, base_real q2, base_real q3)
+{
+    const base_real v0 = w0 * q0;
+    const base_real v1 = w1 * q1;
+    const base_real v2 = v0 + v1;
+    const base_real v3 = w2 * q2;
+    const base_real v4 = w3 * q3;
+    const base_real v5 = v3 + v4;
+    const base_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static inline base_real base_normalized_error(base_real a, base_real b, base_real width)
+{
+    const base_real v0 = a - b;
+    const base_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static inline void base_transformed_error(base_real a, base_real b, base_real *epsilon, base_real *xi)
+{
+    const base_real v0 = b / a;
+    const base_real v1 = logf(v0);
+    const base_real v2 = -v1;
+    const base_real v3 = 1.0F + v0;
+    const base_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static inline base_real base_law(base_real k, base_real xi, base_real epsilon)
+{
+    const base_real v0 = k * xi;
+    const base_real v1 = v0 * epsilon;
+    const base_real v2 = -v1;
+    return v2;
+}
+
+void base_tube(base_real t, base_real lower[BASE_N], base_real upper[BASE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (base_real)NAN;
+            upper[j] = (base_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real w0;
+    base_real w1;
+    base_real w2;
+    base_real w3;
+    base_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_edge = base_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_edge = base_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void base_tube_rate(base_real t, base_real lower_rate[BASE_N], base_real upper_rate[BASE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower_rate[j] = (base_real)NAN;
+            upper_rate[j] = (base_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real dw0;
+    base_real dw1;
+    base_real dw2;
+    base_real dw3;
+    base_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 25.0F;
+    const base_real per_second = moving ? 1.28F : 0.0F;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_slope = base_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_slope = base_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+void base_filtered_tube(base_real t, base_real lower[BASE_N], base_real upper[BASE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            lower[j] = (base_real)NAN;
+            upper[j] = (base_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real w0;
+    base_real w1;
+    base_real w2;
+    base_real w3;
+    base_basis(s, &w0, &w1, &w2, &w3);
+    base_real dw0;
+    base_real dw1;
+    base_real dw2;
+    base_real dw3;
+    base_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_edge = base_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_slope = base_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_rate = lower_slope * 1.28F;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_edge = base_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_slope = base_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_rate = upper_slope * 1.28F;
+        const base_real filter_i = base_filter[i];
+        const base_real filtered = lower_edge * filter_i;
+        const base_real edge = lower_rate + filtered;
+        lower[i] = edge;
+        const base_real filtered2 = upper_edge * filter_i;
+        const base_real edge2 = upper_rate + filtered2;
+        upper[i] = edge2;
+    }
+}
+
+base_status base_control(base_real t, const base_real x[BASE_N], const base_real v[BASE_N], base_real u[BASE_N])
+{
+    const base_real t_zero = t * 0.0F;
+    base_real zero = t_zero;
+    for (int32_t j = 0; j < 3; ++j) {
+        const base_real x_j = x[j];
+        const base_real x_zero = x_j * 0.0F;
+        const base_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    base_real zero2 = zero;
+    for (int32_t j2 = 0; j2 < 3; ++j2) {
+        const base_real v_j = v[j2];
+        const base_real v_zero = v_j * 0.0F;
+        const base_real zeros2 = zero2 + v_zero;
+        zero2 = zeros2;
+    }
+    const bool finite = zero2 <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j3 = 0; j3 < 3; ++j3) {
+            u[j3] = 0.0F;
+        }
+        return BASE_BAD_INPUT;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real w0;
+    base_real w1;
+    base_real w2;
+    base_real w3;
+    base_basis(s, &w0, &w1, &w2, &w3);
+    base_real dw0;
+    base_real dw1;
+    base_real dw2;
+    base_real dw3;
+    base_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    bool outside = false;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_edge = base_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_slope = base_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_rate = lower_slope * 1.28F;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_edge = base_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_slope = base_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_rate = upper_slope * 1.28F;
+        const base_real x_i = x[i];
+        const base_real v_i = v[i];
+        const base_real room = upper_edge - lower_edge;
+        const base_real to_lower = x_i - lower_edge;
+        const base_real to_upper = upper_edge - x_i;
+        const base_real room2 = upper_rate - lower_rate;
+        const base_real to_lower2 = v_i - lower_rate;
+        const base_real to_upper2 = upper_rate - v_i;
+        const base_real filter_i = base_filter[i];
+        const base_real gain_i = base_gain[i];
+        const base_real gain_minus = -gain_i;
+        const base_real filtered = room * filter_i;
+        const base_real room3 = room2 + filtered;
+        const base_real filtered2 = to_lower * filter_i;
+        const base_real to_lower3 = to_lower2 + filtered2;
+        const base_real filtered3 = to_upper * filter_i;
+        const base_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const base_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const base_real gain = upper_nearer ? gain_minus : gain_i;
+        const base_real least = room3 * 0.005F;
+        const bool clear = least < nearest;
+        const base_real near = clear ? nearest : least;
+        const base_real far = room3 - near;
+        const bool over = 0.0F < to_lower;
+        const bool under = 0.0F < to_upper;
+        const bool between = over && under;
+        const bool within = 0.0F < nearest;
+        const bool inside = within && between;
+        const bool outside_any = inside ? outside : true;
+        const base_real u_limit = base_u_max[i];
+        base_real epsilon;
+        base_real xi;
+        base_transformed_error(near, far, &epsilon, &xi);
+        const base_real push = base_law(gain, xi, epsilon);
+        const base_real u_min = -u_limit;
+        const bool u_held_above = u_min < push;
+        const base_real u_held_raised = u_held_above ? push : u_min;
+        const bool u_held_over = u_limit < u_held_raised;
+        const base_real u_held = u_held_over ? u_limit : u_held_raised;
+        u[i] = u_held;
+        outside = outside_any;
+    }
+    return outside ? BASE_OUTSIDE_TUBE : BASE_OK;
+}
+
+base_real base_margin(base_real t, const base_real x[BASE_N], const base_real v[BASE_N])
+{
+    const base_real t_zero = t * 0.0F;
+    base_real zero = t_zero;
+    for (int32_t j = 0; j < 3; ++j) {
+        const base_real x_j = x[j];
+        const base_real x_zero = x_j * 0.0F;
+        const base_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    base_real zero2 = zero;
+    for (int32_t j2 = 0; j2 < 3; ++j2) {
+        const base_real v_j = v[j2];
+        const base_real v_zero = v_j * 0.0F;
+        const base_real zeros2 = zero2 + v_zero;
+        zero2 = zeros2;
+    }
+    const bool finite = zero2 <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        return (base_real)NAN;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real w0;
+    base_real w1;
+    base_real w2;
+    base_real w3;
+    base_basis(s, &w0, &w1, &w2, &w3);
+    base_real dw0;
+    base_real dw1;
+    base_real dw2;
+    base_real dw3;
+    base_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    base_real margin = 0.5F;
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_edge = base_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_slope = base_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_rate = lower_slope * 1.28F;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_edge = base_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_slope = base_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_rate = upper_slope * 1.28F;
+        const base_real x_i = x[i];
+        const base_real v_i = v[i];
+        const base_real room = upper_edge - lower_edge;
+        const base_real to_lower = x_i - lower_edge;
+        const base_real to_upper = upper_edge - x_i;
+        const base_real room2 = upper_rate - lower_rate;
+        const base_real to_lower2 = v_i - lower_rate;
+        const base_real to_upper2 = upper_rate - v_i;
+        const base_real filter_i = base_filter[i];
+        const base_real filtered = room * filter_i;
+        const base_real room3 = room2 + filtered;
+        const base_real filtered2 = to_lower * filter_i;
+        const base_real to_lower3 = to_lower2 + filtered2;
+        const base_real filtered3 = to_upper * filter_i;
+        const base_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const base_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const base_real share = nearest / room3;
+        const bool beyond = share < (-1.0F);
+        const base_real held_share = beyond ? (-1.0F) : share;
+        const bool upper_nearer2 = to_upper < to_lower;
+        const base_real nearest2 = upper_nearer2 ? to_upper : to_lower;
+        const base_real share2 = nearest2 / room;
+        const bool beyond2 = share2 < (-1.0F);
+        const base_real held_share2 = beyond2 ? (-1.0F) : share2;
+        const bool filtered_less = held_share < held_share2;
+        const base_real lesser = filtered_less ? held_share : held_share2;
+        const bool less = lesser < margin;
+        const base_real margin_next = less ? lesser : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
+void base_transform(const base_real lower[BASE_N], const base_real upper[BASE_N], const base_real x[BASE_N],
+                    base_real e[BASE_N], base_real epsilon[BASE_N], base_real xi[BASE_N])
+{
+    for (int32_t i = 0; i < 3; ++i) {
+        const base_real lower_edge = lower[i];
+        const base_real upper_edge = upper[i];
+        const base_real x_i = x[i];
+        const base_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const base_real width = wide ? room : 9.536743e-7F;
+        const base_real to_lower = x_i - lower_edge;
+        const base_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const base_real nearest = upper_nearer ? to_upper : to_lower;
+        const base_real gain = upper_nearer ? (-1.0F) : 1.0F;
+        const base_real least = width * 0.005F;
+        const base_real widened = width - room;
+        const base_real spare = widened * 0.5F;
+        const base_real distance = nearest + spare;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
+        const base_real near = clear ? distance : least;
+        const base_real far = width - near;
+        const base_real a = upper_nearer ? far : near;
+        const base_real b = upper_nearer ? near : far;
+        const base_real e_raw = base_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const base_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const base_real e_held = e_held_over ? 0.99F : e_held_raised;
+        base_real epsilon_near;
+        base_real xi_i;
+        base_transformed_error(near, far, &epsilon_near, &xi_i);
+        const base_real epsilon_i = gain * epsilon_near;
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const base_real e_settled = empty ? 0.0F : e_held;
+        const base_real e_out = finite ? e_settled : (base_real)NAN;
+        e[i] = e_out;
+        const base_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const base_real epsilon_out = finite ? epsilon_settled : (base_real)NAN;
+        epsilon[i] = epsilon_out;
+        const base_real xi_settled = empty ? 0.0F : xi_i;
+        const base_real xi_out = finite ? xi_settled : (base_real)NAN;
+        xi[i] = xi_out;
+    }
+}
