@@ -73,6 +73,12 @@ REFUTED = {
     "windows.shortest",
     "windows.printed_wall",
     "windows.random_side",
+    "limits.clipped",
+    "limits.clipped_leaves",
+    "limits.nominal",
+    "filtered.nominal_period",
+    "filtered.stamps_alone",
+    "filtered.forward_held",
 }
 
 
