@@ -403,7 +403,6 @@ def test_a_plant_of_order_two_is_a_file_with_x_and_v(tmp_path: Path) -> None:
         ("[tube]\nfilter = [1, 0]\n[plant]\norder = 2\n", ["tube.filter[1]", "greater than 0"]),
         ("[tube]\nfilter = [1, 2, 3]\n[plant]\norder = 2\n", ["tube.filter", "3 entries"]),
         ('[tube]\ndesign = "adaptive"\n[plant]\norder = 2\n', ["plant.order", "refined"]),
-        ("[emit]\nselftest = true\n[plant]\norder = 2\n", ["emit.selftest"]),
     ],
 )
 def test_what_does_not_fit_the_order_is_refused(more: str, words: list[str]) -> None:

@@ -4,6 +4,9 @@ One call for every three segments of the table (a dozen where there is none), so
 middle of the tube, where u is not saturated; and a few beside the edges, outside and far away. What u may be is an enclosure of
 the emitted arithmetic (`program.arb`), so every right compiler and library passes, whether or not it fuses multiplications or how
 it rounds, and nothing that is wrong by more than rounding does. A NaN at the end finds arithmetic without it.
+
+For plants of order 2 it is v + lambda x that stands near the middle, of the filtered tube, and x elsewhere in its own, so that
+a wrong lambda moves u too; v is what is left. Then one of the two strikes while the other is calm.
 """
 
 from __future__ import annotations
@@ -11,22 +14,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from flint import arb
 
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.errors import BadInput
 from stt_codegen.program import REAL, Program, Status, Table
 from stt_codegen.program.ball_arithmetic import ball
 from stt_codegen.program.balls import Enclosure
 from stt_codegen.program.number import FORMATS, round_to, ulp_exponent
 from stt_codegen.task import Task
 
-# Where x stands between the edges, by vector; the next dimension takes the next of the list.
+Edges = dict[str, list[arb]]
+Shares = tuple[Fraction | None, Fraction | None]  # where x and v + lambda x stand between their edges; None: near the middle
+
+# Where that is, by vector; the next dimension takes the next of the list, v + lambda x the one after x's.
 CALM = tuple(Fraction(v) for v in ("0.4", "0.6", "0.45", "0.55", "0.375"))
-STRIKING = tuple(Fraction(v) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
+STRIKING: tuple[Shares, ...] = tuple((Fraction(v), None) for v in ("0.03", "0.97", "-0.5", "1.5", "9"))
+STRIKING_SECOND: tuple[Shares, ...] = (
+    *((None, Fraction(v)) for v in ("0.03", "0.97", "-0.5", "1.5")),
+    *((Fraction(v), None) for v in ("0.03", "0.97", "-0.03", "1.03")),
+    (Fraction(9), Fraction(9)),
+)
 PARTS = 36  # of the time, where there are no segments
 PLACES = tuple(Fraction(v) for v in ("0.45", "0.4", "0.5", "0.35", "0.55"))  # of t in its segment or part
+PIECES = 16  # of the ball of the place in a segment, for order 2
+VAGUE = 1 / 8  # of u: with more left open near the middle, a wrong table would pass
 TIGHT = 1e-4  # a ball's radius over its size where nothing was left undecided
 
 
@@ -47,39 +62,51 @@ def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program)
     """The vectors of `control`, and of `control_tick` where there is one."""
     balls = Enclosure(program, rounding=True)
     parts = design.parts or PARTS
-    calm = sorted({*range(0, parts, 3), parts - 1})
-    striking = [parts * (2 * k + 1) // (2 * len(STRIKING)) for k in range(len(STRIKING))]
-    when = [(Fraction(k, parts), None) for k in calm] + [(Fraction(k, parts), s) for k, s in zip(striking, STRIKING, strict=True)]
-    when += [(Fraction(-1, 8), None), (Fraction(9, 8), None)]  # before the start and after t_c
+    calm: Shares = (None, None)
+    places = sorted({*range(0, parts, 3), parts - 1})
+    strikes = STRIKING if task.order == 1 else STRIKING_SECOND
+    struck = [parts * (2 * k + 1) // (2 * len(strikes)) for k in range(len(strikes))]
+    when = [(Fraction(k, parts), calm) for k in places] + [(Fraction(k, parts), s) for k, s in zip(struck, strikes, strict=True)]
+    when += [(Fraction(-1, 8), calm), (Fraction(9, 8), calm)]  # before the start and after t_c
     names = [f.name for f in program.functions if f.name in ("control", "control_tick")]
-    return [_vectors(task, program, balls, name, when, Fraction(1, parts)) for name in names]
+    return [_vectors(task, design, program, balls, name, when) for name in names]
 
 
 def _vectors(
-    task: Task, program: Program, balls: Enclosure, name: str, when: Sequence[tuple[Fraction, Fraction | None]], part: Fraction
+    task: Task,
+    design: RefinedDesign | AdaptiveDesign,
+    program: Program,
+    balls: Enclosure,
+    name: str,
+    when: Sequence[tuple[Fraction, Shares]],
 ) -> Vectors:
-    """Calls at these shares of the time, each with where x stands (near the middle without)."""
+    """Calls at these shares of the time, each with where x and v + lambda x stand."""
     function, scalar, n = program.function(name), program.scalar, program.dimension
     points: list[Fraction] = []
     low: list[Fraction] = []
     high: list[Fraction] = []
     statuses: list[Status] = []
     ticks: list[int] = []
-    for k, (begin, share) in enumerate(when):
-        given, edges = _time(task, program, balls, begin, part, k)
-        x = []
-        for i, (a, b) in enumerate(zip(edges["lower"], edges["upper"], strict=True)):
-            first, last = Fraction(float(a.mid())), Fraction(float(b.mid()))
-            x.append(round_to(first + (CALM[(k + i) % len(CALM)] if share is None else share) * (last - first), scalar))
-        given["x"] = x
+    part, places = Fraction(1, design.parts or PARTS), _places(design, balls)
+    for k, (begin, (share, filtered_share)) in enumerate(when):
+        given, tube, filtered = _time(task, program, balls, [begin + place * part for place in places], k)
+        given["x"] = [round_to(value, scalar) for value in _standing(tube, share, k)]
+        if isinstance(design, RefinedDesign) and filtered is not None:
+            held = zip(_standing(filtered, filtered_share, k + 1), design.filter, given["x"], strict=True)
+            given["v"] = [round_to(z - value * x, scalar) for z, value, x in held]
         if name == "control_tick":
             assert task.emit.tick_period is not None
             ticks.append(max(0, int(given.pop("t") / task.emit.tick_period)))
-            outputs, found = balls.run(name, tick=ticks[-1], **{key: _balls(v) for key, v in given.items()})
-        else:
-            outputs, found = balls.run(name, **{key: _balls(v) for key, v in given.items()})
-        (status,) = found
-        statuses.append(status)
+        inputs = {key: _balls(v) for key, v in given.items()}
+        outputs, found = _found(task, balls, name, inputs | ({"tick": ticks[-1]} if ticks else {}))
+        second = task.order == 2 and name == "control" and share is None and filtered_share is None
+        if len(found) != 1 or any(not u.is_finite() or (second and u.rad() > VAGUE * abs(u.mid())) for u in outputs["u"]):
+            doubles = 'use emit.scalar = "double", ' if scalar == "float" else ""
+            raise BadInput(
+                f"emit.selftest: a {scalar} rounds too much to tell u, so far from the origin or in so narrow a tube; "
+                f"{doubles}put the origin near the task, or leave it out"
+            )
+        statuses += found
         for value in given.values():
             points += value if isinstance(value, list) else [value]
         low += [_outward(u, scalar, -1) for u in outputs["u"]]
@@ -98,19 +125,57 @@ def _vectors(
     )
 
 
+def _found(task: Task, balls: Enclosure, name: str, given: dict[str, Any]) -> tuple[dict[str, list[arb]], Any]:
+    """u and the statuses. Of order 2 a slope is a small difference of large terms, which all move with the place in the segment,
+    but apart in balls. So that place is taken in pieces; a tick gives it so exactly that there is no need."""
+    if task.order == 1 or name != "control":
+        return balls.run(name, **given)
+    row, place = balls.kernel("segment", given["t"])
+    ends = [place.lower() + (place.upper() - place.lower()) * k / PIECES for k in range(PIECES)] + [place.upper()]
+    return balls.run_given(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **given)
+
+
+def _places(design: RefinedDesign | AdaptiveDesign, balls: Enclosure) -> Sequence[Fraction]:
+    """PLACES. For order 2 the best first: a table entry moves a filtered edge by the edge's rate and by lambda times the edge,
+    and at some places in a segment the two cancel, so that a wrong entry is not seen there."""
+    if not isinstance(design, RefinedDesign) or not design.filter:
+        return PLACES
+    per_second = float(Fraction(design.segments) / design.prescribed_time)
+
+    def least_seen(place: Fraction) -> float:
+        weights, rates = ([float(w.mid()) for w in balls.kernel(name, ball(place))] for name in ("basis", "basis_rate"))
+        return min(
+            abs(per_second * rate + float(value) * weight)
+            for value in design.filter
+            for weight, rate in zip(weights, rates, strict=True)
+        )
+
+    return sorted(PLACES, key=least_seen, reverse=True)
+
+
 def _time(
-    task: Task, program: Program, balls: Enclosure, begin: Fraction, part: Fraction, k: int
-) -> tuple[dict[str, Any], dict[str, list[arb]]]:
-    """Time (and alpha) of vector k and the tube's edges there: the first place that is not so near to a knot that either segment
-    may be taken."""
-    for place in PLACES:
-        given: dict[str, Any] = {"t": round_to(task.prescribed_time * (begin + place * part), program.scalar)}
+    task: Task, program: Program, balls: Enclosure, shares: Sequence[Fraction], k: int
+) -> tuple[dict[str, Any], Edges, Edges | None]:
+    """Time (and alpha) of vector k, the tube's edges there, and for order 2 the filtered tube's: the first of these shares of
+    the time that is not so near to a knot that either segment may be taken, which shows in the tube."""
+    names = ["tube"] if task.order == 1 else ["tube", "filtered_tube"]
+    for share in shares:
+        given: dict[str, Any] = {"t": round_to(task.prescribed_time * share, program.scalar)}
         if any(p.name == "alpha" for p in program.function("control").params):
             given["alpha"] = [Fraction(k % 4, 8)] * (2 * program.dimension)
-        edges, _ = balls.run("tube", **{name: _balls(v) for name, v in given.items()})
-        if all(edge.rad() < TIGHT * (1 + abs(edge.mid())) for pair in edges.values() for edge in pair):
+        tubes = [balls.run(name, **{key: _balls(v) for key, v in given.items()})[0] for name in names]
+        if all(edge.rad() < TIGHT * (1 + abs(edge.mid())) for pair in tubes[0].values() for edge in pair):
             break
-    return given, edges
+    return given, tubes[0], tubes[1] if len(tubes) > 1 else None
+
+
+def _standing(edges: Edges, share: Fraction | None, k: int) -> list[Fraction]:
+    """By component, what stands at this share of the way from the lower edge to the upper one, or near the middle."""
+    found = []
+    for i, (a, b) in enumerate(zip(edges["lower"], edges["upper"], strict=True)):
+        first, last = Fraction(float(a.mid())), Fraction(float(b.mid()))
+        found.append(first + (CALM[(k + i) % len(CALM)] if share is None else share) * (last - first))
+    return found
 
 
 def _balls(value: Fraction | Sequence[Fraction]) -> Any:

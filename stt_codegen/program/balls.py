@@ -21,7 +21,7 @@ from typing import Any
 
 from flint import arb
 
-from stt_codegen.program.ball_arithmetic import HELPERS, Ball, Undecided, _hull, ball
+from stt_codegen.program.ball_arithmetic import HELPERS, Ball, Undecided, _hull, _joined, ball
 from stt_codegen.program.nodes import (
     Assign,
     Call,
@@ -57,6 +57,7 @@ class Enclosure:
         form = FORMATS[program.scalar]
         ulps = form.roundoff * 2 * LIBRARY_ULPS
         printer = _Printer(program, rounding)
+        self._given: dict[str, tuple[Ball, ...]] = {}
         names: dict[str, Any] = {f.__name__: f for f in HELPERS}
         names |= {"_one": arb(1, _up(form.roundoff)), "_ulps": arb(1, _up(ulps))}
         names |= {"_least_mantissa": form.least_mantissa}
@@ -80,11 +81,25 @@ class Enclosure:
         names = [p.name for p in self.program.function(function).outputs]
         return dict(zip(names, outputs, strict=True)), statuses
 
+    def run_given(
+        self, function: str, kernel: str, results: Iterable[tuple[Ball, ...]], **inputs: Ball | Sequence[Ball]
+    ) -> tuple[dict[str, list[Ball]], Any]:
+        """As `run`, for a kernel that gives one of these results and is not run itself."""
+        exits = []
+        try:
+            for self._given[kernel] in results:
+                exits.append(self._names[function](**inputs)[::-1])
+        finally:
+            self._given.clear()
+        outputs, statuses = _joined(exits)
+        names = [p.name for p in self.program.function(function).outputs]
+        return dict(zip(names, outputs, strict=True)), statuses
+
     def _split(self, name: str) -> Callable[..., tuple[Ball, ...]]:
         """A kernel that is run for every outcome of the comparisons that its inputs leave undecided."""
 
         def run(*inputs: Ball) -> tuple[Ball, ...]:
-            return split(inputs, {})
+            return self._given[name] if name in self._given else split(inputs, {})
 
         def split(inputs: tuple[Ball, ...], assumed: dict[str, int]) -> tuple[Ball, ...]:
             try:
