@@ -2,8 +2,8 @@
 
 With the heading h the point moves at R(h) diag(1, AHEAD) (speed, turning rate). The board turns the velocity u that it wants of
 the point into both, by the heading of the sample: (speed, turning rate) = diag(1, 1/AHEAD) R(-h) u. Until the next sample the
-rover has turned by an angle that nobody tells the controller: p. It is at most the turning rate times the greatest age of a sample,
-and the turning rate at most sqrt(2) U_MAX / AHEAD, where |u_i| <= U_MAX. The heading itself is free.
+rover has turned by an angle that nobody tells the controller: p. It is at most the turning rate times the greatest age of a
+sample, and the turning rate at most sqrt(2) U_MAX / AHEAD, where |u_i| <= U_MAX. The heading itself is free.
 """
 
 import casadi as ca

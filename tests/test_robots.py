@@ -98,12 +98,9 @@ def test_u_is_mixed_at_the_sample_and_held_with_it() -> None:
         run = Loop(controller, own).run(Scenario(50.0, latency=latency), trace=True)
         assert run.trace is not None
         x, u = run.trace[:, 1:3], run.trace[:, 3:5]
-        moved = (1 + x) * u
-        behind = 2 if latency else 0
-        if not latency:
-            wanted = 0.02 * moved[:-1]
-        else:  # 1.5 periods late: half of a period is the input before that
-            wanted = 0.01 * moved[: -1 - behind] + 0.01 * moved[1:-behind]
+        moved, behind = (1 + x) * u, 2 if latency else 0
+        late = 0.01 * moved[: -1 - behind] + 0.01 * moved[1 : len(moved) - behind]  # 1.5 periods: half of one is of the one before
+        wanted = late if latency else 0.02 * moved[:-1]
         assert np.allclose(np.diff(x, axis=0)[behind:], wanted, atol=1e-12)
 
 
@@ -135,7 +132,8 @@ def test_the_rovers_point_is_kept_by_the_rover_itself() -> None:
     ahead, radius, period, latency = 0.25, 0.2, float(task.sampling_period), float(task.control.latency)
     assert [float(v) for v in task.half_extents] == [ahead + radius] * 2
     draw = np.random.default_rng(2)
-    for heading in (0.0, 2.0, math.pi, -1.5):
+    for first in (0.0, 2.0, math.pi, -1.5):
+        heading = first
         point = np.array([float(v) for v in task.initial_state])
         held = np.zeros(2)
         pending: np.ndarray | None = None

@@ -161,7 +161,7 @@ class Loops:
 
 def run_loop(asked: Loops, where: Where) -> bool:
     """`stt-codegen bench loop`. True when no run of ours failed."""
-    from stt_codegen.bench import loop
+    from stt_codegen.bench import cascade, loop
 
     out, processes, begin = where.out, where.workers, time.perf_counter()
     wanted, outcomes = loop.jobs(asked.count, asked.rate, asked.w_max, asked.runs, asked.peers), []
@@ -171,11 +171,18 @@ def run_loop(asked: Loops, where: Where) -> bool:
             advance()
     outcomes.sort(key=lambda o: o.job.seed)
     rows, lines = loop.rows(outcomes), loop.lines(outcomes, time.perf_counter() - begin, processes)
+    inert, told, kept = cascade.compare(asked.w_max, processes) if asked.peers else ([], [], True)
+    second = f"{table(cascade.HEADINGS, inert)}\n\n" + "\n\n".join(told)
     if where.as_json:
-        print(json.dumps({"rows": [dict(zip(loop.HEADINGS, r, strict=True)) for r in rows], "lines": lines}, indent=2))
+        document: dict[str, object] = {"rows": [dict(zip(loop.HEADINGS, r, strict=True)) for r in rows], "lines": lines}
+        if asked.peers:
+            document["order 2"] = {"rows": [dict(zip(cascade.HEADINGS, r, strict=True)) for r in inert], "lines": told}
+        print(json.dumps(document, indent=2))
     else:
-        print(table(loop.HEADINGS, rows) + "\n\n" + "\n".join(lines))
+        print(table(loop.HEADINGS, rows) + "\n\n" + "\n".join(lines) + (f"\n\n{second}" if asked.peers else ""))
     if out is not None:
         head = f"## Closed loops\n\nMade by `{command()}`; {machine()}."
         record(out, "loop", f"{head}\n\n{table(loop.HEADINGS, rows)}\n\n" + "\n\n".join(lines))
-    return all(r.good and r.kept for o in outcomes for r in o.runs.get("own", ()))
+        if asked.peers:
+            record(out, "cascade", f"## Plants of order 2 beside a cascade\n\nMade by `{command()}`; {machine()}.\n\n{second}")
+    return kept and all(r.good and r.kept for o in outcomes for r in o.runs.get("own", ()))

@@ -69,7 +69,7 @@ def loop(
     runs: Annotated[int, typer.Option(min=1, help="runs of every arena")] = 10,
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
-    peers: Annotated[bool, typer.Option("--peers", help="a barrier filter and the literal tube in the same loops")] = False,
+    peers: Annotated[bool, typer.Option("--peers", help="a barrier filter, the literal tube; of order 2 a cascade")] = False,
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the table into this file")] = None,
     json: Json = False,
 ) -> None:
