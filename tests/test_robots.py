@@ -99,7 +99,9 @@ def test_u_is_mixed_at_the_sample_and_held_with_it() -> None:
         assert run.trace is not None
         x, u = run.trace[:, 1:3], run.trace[:, 3:5]
         moved, behind = (1 + x) * u, 2 if latency else 0
-        late = 0.01 * moved[: -1 - behind] + 0.01 * moved[1 : len(moved) - behind]  # 1.5 periods: half of one is of the one before
+        late = (
+            0.01 * moved[: -1 - behind] + 0.01 * moved[1 : len(moved) - behind]
+        )  # 1.5 periods: half of one is of the one before
         wanted = late if latency else 0.02 * moved[:-1]
         assert np.allclose(np.diff(x, axis=0)[behind:], wanted, atol=1e-12)
 
