@@ -17,7 +17,7 @@ from mutations import judge
 from test_shapes import checked
 from truth import first_fault
 
-from stt_codegen.certify.moving import FREE, MovingBlock, cut
+from stt_codegen.certify.moving import FREE, Lines, MovingBlock, cut
 from stt_codegen.design.refine import refine
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
@@ -194,6 +194,13 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
                         slack.append(left - math.ceil(bound))
                     assert told[r] <= math.floor(min(slack) / row.per)
                     assert len(legs) > 1 or told[r] == math.floor(min(slack) / row.per)
+
+
+def test_a_slope_beyond_64_bits_is_no_trouble_at_time_0() -> None:
+    """At time 0 the slope counts for nothing, and is there all the same."""
+    steep = Lines(Fraction(0), Fraction(1), np.array([[3]], dtype=object), np.array([[2**70]], dtype=object), 1)
+    assert steep.bounds(np.array([[0, 0, 0, 0]]), 1).tolist() == [[[3] * 4]]
+    assert steep.bounds(np.array([[0, 1, 2, 3]]), 3).tolist() == [[[3 + -(-k * 2**70 // 3) for k in range(4)]]]
 
 
 @pytest.mark.parametrize("clock", CLOCKS)

@@ -13,9 +13,10 @@ from conftest import ROOT
 from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import Controller, build, build_task
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
+from stt_codegen.task import load_task
 
 MAIN = """#include <stdio.h>
 #include "omni_s2.h"
@@ -105,6 +106,35 @@ def test_the_arduino_library_and_its_sketch_compile_for_an_uno(tool, tmp_path) -
     sizes = run(tool("avr-size"), "uno.elf", folder=tmp_path).splitlines()[1].split()
     assert int(sizes[0]) + int(sizes[1]) <= 32256  # flash of an Uno less its boot loader
     assert int(sizes[1]) + int(sizes[2]) <= 2048 - 512  # its memory, with room for the stack
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("drone", {}),
+        ("drone", {"control": {"outside": "stop"}}),
+        ("omni_board", {}),
+        ("omni_board", {"control": {"outside": "hold"}}),
+        ("omni_s2", {"control": {"outside": "stop"}, "emit": {"selftest": True}}),
+    ],
+)
+def test_every_sketch_calls_what_its_header_has(name: str, changed: dict, tool, tmp_path) -> None:
+    """Compiled as C++ against a header that stands for Arduino's."""
+    controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
+    write_files(tmp_path, package(controller, "arduino"))
+    (tmp_path / "Arduino.h").write_text(
+        "#include <math.h>\n#include <stdint.h>\n#define LED_BUILTIN 13\n#define OUTPUT 1\n#define HIGH 1\n#define LOW 0\n"
+        "int analogRead(int pin); void analogWrite(int pin, int value); void pinMode(int pin, int mode); unsigned long micros();\n"
+        "void digitalWrite(int pin, int value);\n"
+        "template <class T> T constrain(T v, int a, int b) { return v < a ? a : v > b ? b : v; }\n"
+    )
+    own = tmp_path / name
+    sketch = own / "examples" / f"{name}_loop" / f"{name}_loop.ino"
+    flags = ["-Wall", "-Wextra", "-Werror", f"-I{tmp_path}", f"-I{own / 'src'}", "-std=gnu++11", "-x", "c++"]
+    run(tool("g++"), *flags, "-include", "Arduino.h", "-fsyntax-only", sketch, folder=tmp_path)
+    text, outside = sketch.read_text(), controller.task.control.outside
+    assert f"{name}_{'control' if outside == 'return' else 'guard'}" in text
+    assert (own / "src" / f"{name}_guard.c").exists() == (outside != "return")
 
 
 @pytest.mark.parametrize("design", ["refined", "adaptive"])

@@ -55,7 +55,7 @@ KNOWN = {
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain e_max u_max period latency",
+    "control": "gain e_max u_max period latency outside",
     "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
@@ -137,6 +137,7 @@ class Task:
         self.gain = None if gain == "auto" else _each(gain, n)
         self.e_max = _each(control.get("e_max", Decimal("0.99")), n)
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
+        self.outside = _outside(control, self.order == 2 or self.clock is not None)
         self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
         given = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or []), self.period, self.tick, *(self.u_max or [])]
@@ -239,6 +240,13 @@ def _each(value: Any, n: int) -> list[Fraction]:
     if len(found) != n:
         raise Unusable(f"the task has {len(found)} numbers where {n} are needed")
     return found
+
+
+def _outside(control: dict[str, Any], goes_on: bool) -> str:
+    kind = str(control.get("outside", "return"))
+    if kind not in ("return", *GUARDS) or (kind == "hold" and goes_on):
+        raise Unusable("the task has an `outside` that is not known here, or a tube that waits for what does not")
+    return kind
 
 
 def _told(value: Any) -> Any:
@@ -579,6 +587,29 @@ class Source:
         self.functions[match[3]] = Function(head, self.types[match[2]], params, body)
 
 
+GUARDS = {  # P: the prefix, M: in capitals, V: v, where there is one
+    "hold": """P_status P_guard(P_real t, const P_real x[M_N], P_real held[2], P_real u[M_N]) {
+        const P_real now = t - held[0]; const P_status status = P_control(now, x, u);
+        if (status == M_OK) { held[1] = now; } if (status != M_OUTSIDE_TUBE) { return status; }
+        held[0] = t - held[1]; return P_control(held[1], x, u); }""",
+    "stop": """P_status P_guard(P_real t, const P_real x[M_N], const P_real v[M_N], int *stopped, P_real u[M_N]) {
+        P_status status = P_control(t, x, v, u); if (status == M_OUTSIDE_TUBE) { *stopped = 1; }
+        if (*stopped != 0) { for (int i = 0; i < M_N; i++) { u[i] = 0; }
+            if (status == M_OK) { status = M_OUTSIDE_TUBE; } } return status; }""",
+}
+
+
+def guard(task: Task) -> tuple[list[str], list[str]]:
+    """The tokens of the guard's prototype, and of its file; none where there is no guard."""
+    if task.outside == "return":
+        return [], []
+    text = GUARDS[task.outside]
+    text = text if task.order == 2 else text.replace("const P_real v[M_N], ", "").replace(" v,", "")
+    text = re.sub(r"\bM_", f"{task.name.upper()}_", re.sub(r"\bP_", f"{task.name}_", text))
+    found = tokens(text.encode())
+    return [*found[: found.index("{")], ";"], [f'#include "{task.name}.h"', *found]
+
+
 def header(source: Source, task: Task, hash_: str) -> list[str]:
     """The tokens that the header must have; * stands for a literal that is compared by its value."""
     p, macro = source.p, source.p.upper()
@@ -591,6 +622,7 @@ def header(source: Source, task: Task, hash_: str) -> list[str]:
         *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
         *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
         *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
+        *guard(task)[0],
         *([f"#define {macro}_SELFTEST_{hash_}", *f"int {p}_selftest ( void ) ;".split()] if task.selftest else []),
         "#ifdef __cplusplus", "}", "#endif", "#endif",
     ]  # fmt: skip
@@ -1646,13 +1678,15 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     scalar, p = certificate["scalar"], task.name
     need(scalar in ("float", "double"), "the certificate's scalar is not known")
     source = Source(text, task, scalar == "float")
-    names = [f"{p}.h", f"{p}.c", f"{p}.py", *([f"{p}_selftest.c"] if task.selftest else [])]
+    others = [*(["guard"] if task.outside != "return" else []), *(["selftest"] if task.selftest else [])]
+    names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name in others)]
     need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     head = (folder / names[0]).read_bytes()
     for name in names:
         data = text if name == f"{p}.c" else (folder / name).read_bytes() if (folder / name).exists() else None
         same = data is None or certificate["sha256"][name] == hashlib.sha256(data).hexdigest()
+        need(not name.endswith("_guard.c") or data is None or tokens(data) == guard(task)[1], "the guard does what it should not")
         need(same, f"{'the C file' if name == f'{p}.c' else name} is not that of the certificate (SHA-256)")
 
     grid = certificate["grid"]

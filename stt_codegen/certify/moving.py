@@ -72,7 +72,8 @@ class Lines:
 
     def bounds(self, places: npt.NDArray[Any], per: int) -> Any:
         """The least whole numbers that are no less than any bound, at the times places / per, (P, 4): shape (P, R, 4)."""
-        most = max(map(abs, self.constant.ravel())) * per + max(map(abs, self.slope.ravel())) * int(np.abs(places).max())
+        farthest = max(1, int(np.abs(places).max()))  # at time 0 the slope itself must fit too
+        most = max(map(abs, self.constant.ravel())) * per + max(map(abs, self.slope.ravel())) * farthest
         kind: Any = np.int64 if max(most, self.whole * per) < LARGEST else object
         constant, slope = (v.astype(kind)[None, :, :, None] for v in (self.constant * per, self.slope))
         value = -((constant + slope * places.astype(kind)[:, None, None, :]) // -(self.whole * per))

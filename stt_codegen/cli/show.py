@@ -229,7 +229,8 @@ def show_run(report: RunReport) -> None:
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
-    console.print(f"  unsafe sets entered: {hit}; state space left: {left}; at t_c {reached}")
+    then = f"{_time(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
+    console.print(f"  unsafe sets entered: {hit}; state space left: {left}; {then} {reached}")
     tube = f"least margin {run.margin:.3g} of the width" if run.kept else "[red]was left[/red]"
     if report.fulfilled and not run.kept:
         tube += "; the task was met without a guarantee"

@@ -17,7 +17,7 @@ from stt_codegen.certify.certificate import Certificate
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
-from stt_codegen.emit.naming import check_names, file_names, selftest_name
+from stt_codegen.emit.naming import check_names, file_names, guard_name, selftest_name
 from stt_codegen.program import Const, Program, Status
 from stt_codegen.program.number import round_down, round_to
 from stt_codegen.program.print.c import CPrinter
@@ -47,6 +47,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "notice": _notice(task, certificate),
         "clock": _clock(task),
         "selftest": task.emit.selftest,
+        "outside": task.control.outside,
         "steps": certificate.steps if certificate.holds else None,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
@@ -68,6 +69,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         made = suites(task, design, program)
         total = sum(len(v.statuses) for v in made)
         files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
+    if task.control.outside != "return":
+        files[guard_name(task.name)] = template("guard.c.j2").render(**common)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     if task.written is not None:

@@ -78,6 +78,11 @@ class RunReport:
     def fulfilled(self) -> bool:
         return self.run.good
 
+    @property
+    def _unsaid(self) -> set[str]:
+        """What of a run is no data, or not asked for."""
+        return {"trace"} | (set() if self.controller.task.control.outside == "hold" else {"waited"})
+
     def document(self) -> dict[str, Any]:
         """The report as JSON data."""
         s = self.scenario
@@ -97,7 +102,7 @@ class RunReport:
             "seed": s.seed,
             "fulfilled": self.run.good,
             "kept": self.run.kept,
-            **{name: _numbers_or_null(value) for name, value in asdict(self.run).items() if name != "trace"},
+            **{name: _numbers_or_null(value) for name, value in asdict(self.run).items() if name not in self._unsaid},
             "foretold": list(self.foretold),
             "files": list(self.files),
         }

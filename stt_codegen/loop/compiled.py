@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.compare.toolchain import find_compiler, run_compiler
+from stt_codegen.emit.naming import guard_name
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
@@ -83,13 +84,15 @@ class Judged(ctypes.Structure):
 
 @dataclass(frozen=True)
 class Own:
-    """An emitted controller as the loop calls it; `start` sets alpha to 0 where there is one. `library` keeps it loaded."""
+    """An emitted controller as the loop calls it; `start` sets what it keeps to 0. `library` keeps it loaded; lag: by how many
+    seconds its tube waits, of one that does."""
 
     step: Any
     tube: Any
     advance: Any
     start: Callable[[], None]
     library: Any
+    lag: Callable[[], float] = lambda: 0.0
 
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
@@ -138,14 +141,20 @@ def own(controller: Controller) -> Own:
     prefix, adaptive = controller.task.name, controller.design.stateful
     steps = controller.certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
-    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": controller.task.order}
+    task, outside = controller.task, controller.task.control.outside
+    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": task.order}
+    words |= {"outside": outside}
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
         Path(folder, "adapter.c").write_text(template("loop/adapter.c.j2").render(**words))
-        sources = [f"{folder}/adapter.c", f"{folder}/{prefix}.c"]
+        names = ["adapter.c", f"{prefix}.c", *([guard_name(prefix)] if outside != "return" else [])]
+        sources = [f"{folder}/{name}" for name in names]
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/own.so")
+    if outside != "return":
+        library.loop_own_lag.restype = ctypes.c_double
+        return Own(library.loop_own_step, library.loop_own_tube, None, library.loop_own_start, library, library.loop_own_lag)
     if not adaptive:
         return Own(library.loop_own_step, library.loop_own_tube, None, lambda: None, library)
     library.loop_own_advance.argtypes = [ctypes.c_double, ctypes.c_double]

@@ -43,6 +43,7 @@ STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
 MOST_FACES = 1024  # of an unsafe set, as in loop.h
+WAITS = 8  # of a tube that waits, after which a run is not made longer
 WAITING = 100  # inputs on their way, less than in loop.h
 
 
@@ -102,7 +103,8 @@ class Scenario:
 class Run:
     """What came of it. hit: the unsafe set that was entered first; times are None where it did not happen; outside: samples at
     which the controller said OUTSIDE_TUBE; margin: least distance to an edge over the width, all along; e, u: largest |e_i|,
-    |u_i|. trace: rows of t, x, u, lower, upper, w, status at every sample and at the end, where asked for."""
+    |u_i|; waited: seconds the tube did (control.outside = "hold"), by which the run is longer. trace: rows of t, x, u, lower,
+    upper, w, status at every sample and at the end, where asked for."""
 
     hit: str | None
     hit_at: float | None
@@ -114,6 +116,7 @@ class Run:
     e: tuple[float, ...]
     u: tuple[float, ...]
     last: tuple[float, ...]
+    waited: float = 0.0
     trace: Array | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -139,7 +142,7 @@ class Loop:
         self.filter = np.array([float(v) for v in getattr(controller.design, "filter", ())])
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:
-        task, field_ = self.controller.task, self.field
+        task = self.controller.task
         given = task.initial_state if scenario.start is None else scenario.start
         try:
             start = np.array([float(v) for v in given])  # doubles, whatever numbers they were: C reads them by address
@@ -153,12 +156,22 @@ class Loop:
         if not np.isfinite(start).all():
             raise BadInput("--start: every number must be finite")
         constants = _constants(self.plant, scenario.seed)
+        t_c = float(task.prescribed_time)
+        end, run = t_c, self._until(t_c, scenario, start, constants, trace)
+        for _ in range(WAITS):  # a tube that waits is late by as much
+            if t_c + run.waited <= end:
+                break
+            end = t_c + run.waited
+            run = self._until(end, scenario, start, constants, trace)
+        return run
+
+    def _until(self, end: float, scenario: Scenario, start: Array, constants: Array, trace: bool) -> Run:
+        """The run to that time, seconds."""
+        task, field_ = self.controller.task, self.field
         period = 1 / scenario.rate
-        samples = max(1, math.ceil(float(task.prescribed_time) / period - 1e-9))
+        samples = max(1, math.ceil(end / period - 1e-9))
         if samples > MOST_SAMPLES:
-            raise BadInput(
-                f"--rate {scenario.rate:g}: makes {samples} samples in {float(task.prescribed_time):g} s; at most {MOST_SAMPLES}"
-            )
+            raise BadInput(f"--rate {scenario.rate:g}: makes {samples} samples in {end:g} s; at most {MOST_SAMPLES}")
         setting = Setting(
             n=task.dimension,
             sets=len(field_.names),
@@ -170,7 +183,7 @@ class Loop:
             constant=self.constant and not scenario.lag,
             seed=scenario.seed,
             period=period,
-            end=float(task.prescribed_time),
+            end=end,
             strength=scenario.strength,
             noise=scenario.noise,
             noise_v=scenario.noise_v,
@@ -224,6 +237,7 @@ class Loop:
             e=tuple(r.e[:n]),
             u=tuple(r.u[:n]),
             last=tuple(r.last[:n]),
+            waited=self.own.lag(),
             trace=rows,
         )
 

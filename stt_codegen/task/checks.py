@@ -207,6 +207,24 @@ def _order_problem(task: TaskTables) -> str | None:
     return None
 
 
+def _outside_problem(task: TaskTables) -> str | None:
+    """Why the tube cannot do that once it is left."""
+    kind = task.control.outside
+    if kind == "return":
+        return None
+    if task.tube.design != "refined":
+        return f'which the {task.tube.design} design does not know; use "return" or the refined design'
+    if kind == "stop":
+        return None
+    timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
+    if timed is not None or task.target_set.motion is not None:
+        field = "target_set" if timed is None else f"unsafe[{timed}]"
+        return f'but {field} does not wait for a tube that stands; use "return" or "stop"'
+    if task.order == 2:
+        return 'but with inertia a tube that moves cannot stand at once; use "return" or "stop"'
+    return None
+
+
 def _limits_problem(task: TaskTables) -> str | None:
     tube = task.tube
     for name in ("max_speed", "max_acceleration"):
@@ -255,6 +273,8 @@ def _control_problem(task: TaskTables) -> str | None:
         return f"initial_set.share: is {decimal(share)}, {told}; lower the share or raise e_max"
     if control.period is not None and tick is not None and tick > control.period:
         return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
+    if problem := _outside_problem(task):
+        return f'control.outside: is "{control.outside}", {problem}'
     if control.gain == "auto" and control.period is None:
         return 'control.gain: is "auto", which needs control.period; give the seconds between samples, or a number'
     return None

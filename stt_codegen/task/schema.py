@@ -34,6 +34,7 @@ from stt_codegen.task.values import (
 DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double"]
 Preference = Literal["balanced", "slow", "wide", "period"]
+Outside = Literal["return", "hold", "stop"]
 
 
 class InitialSet(Box):
@@ -98,6 +99,9 @@ class ControlOptions(Table):
     u_max: Each | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
     period: Positive | None = Field(default=None, description="seconds between samples; proved (P9), or the task is refused")
     latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
+    outside: Outside = Field(
+        default="return", description="once the tube is left: u pushes back, the tube waits, or u is 0 until it is reset"
+    )
 
 
 class EmitOptions(Table):
