@@ -55,7 +55,7 @@ KNOWN = {
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain e_max u_max period latency outside",
+    "control": "gain e_max u_max period latency outside velocity period_min",
     "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
@@ -137,7 +137,7 @@ class Task:
         self.gain = None if gain == "auto" else _each(gain, n)
         self.e_max = _each(control.get("e_max", Decimal("0.99")), n)
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
-        self.outside = _outside(control, self.order == 2 or self.clock is not None)
+        self.apart, self.outside = self._apart(control, document), _outside(control, self.order == 2 or self.clock is not None)
         self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
         given = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or []), self.period, self.tick, *(self.u_max or [])]
@@ -170,6 +170,18 @@ class Task:
         self.stated = {k: None if k not in plant else _told(plant[k]) for k in known}
         if any(isinstance(plant.get(k), list) for k in ("noise", "noise_v")):
             raise Unusable("the task has a list as noise")
+
+    def _apart(self, control: dict[str, Any], document: dict[str, Any]) -> Fraction | None:
+        """Seconds between samples at least, where v is by differences."""
+        kind, shortest = control.get("velocity", "measured"), _number(control.get("period_min", 1))
+        known = kind == "differences" and self.order == 2 and self.period is not None and self.u_max is not None
+        if kind != "measured" and (not known or "noise_v" in document.get("plant", {}) or any(self.speed)):
+            raise Unusable("the task has a velocity that is not known here, or by differences of what is not known")
+        if shortest <= 0 or (kind == "measured" and "period_min" in control):
+            raise Unusable("the task has a period_min that is not positive, or for a velocity that is measured")
+        if not known or self.period is None:
+            return None
+        return shortest if "period_min" in control else self.period / 2
 
     @property
     def limited(self) -> bool:
@@ -619,7 +631,8 @@ def header(source: Source, task: Task, hash_: str) -> list[str]:
         "#ifdef __cplusplus", "extern", '"C"', "{", "#endif",
         *f"typedef {source.scalar} {p}_real ;".split(), f"#define {macro}_N {task.n}", f"#define {macro}_T_C *",
         *([f"#define {macro}_TICK_PERIOD *", f"#define {macro}_TICKS {last}U"] if task.tick else []),
-        *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
+        *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []),
+        *([f"#define {macro}_PERIOD_SHORTEST *"] if task.apart is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
         *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
         *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
         *guard(task)[0],
@@ -1128,6 +1141,13 @@ class Specification:
         pairs = ((m.op("*", m.symbol(f"{side}'"), k), m.op("*", m.symbol(side), self.each("filter"))) for side in "LU")
         self.of_time(["lower", "upper"], [m.op("+", *pair) for pair in pairs])
 
+    def velocity(self) -> None:
+        m = self.m
+        positive = m.less(0, m.symbol("dt"))
+        moved = m.op("-", *(m.symbol(f"load {name}", self.i) for name in ("x", "x_before")))
+        mean = m.op("/", moved, m.symbol("dt") if positive else 1)
+        m.effects += [("store", "v", mean if positive else m.symbol("nan")), ("return", None)]
+
     def tube_rate(self) -> None:
         m = self.m
         moving = m.less(m.symbol("t"), self.constant(self.task.t_c))
@@ -1160,7 +1180,8 @@ def computes(source: Source, task: Task, gain: list[Fraction], wide: bool, filte
     spec, free, ticks = Specification(m, gain, False, filtered), Specification(m, gain, wide, filtered), task.tick is not None
     kernels = [k for k in KERNELS if ticks or k != "segment_at_tick"]
     second = ["filtered_tube"] if task.order == 2 else []
-    public = ["tube", "tube_rate", *second, "control", *(["control_tick"] if ticks else []), "margin", "transform"]
+    velocity = ["velocity"] if task.apart is not None else []
+    public = ["tube", "tube_rate", *second, *velocity, "control", *(["control_tick"] if ticks else []), "margin", "transform"]
     need(list(source.functions) == kernels + public, "the C has other functions than it should")
     need({k: v for k, v in source.tables.items() if k != "coefficients"} == spec.tables(), "a table of the C is not the task's")
     t, tick, x, out = ("real", m.symbol("t")), ("uint", m.symbol("tick")), ("real", "array"), ("real", "result")
@@ -1176,6 +1197,8 @@ def computes(source: Source, task: Task, gain: list[Fraction], wide: bool, filte
         ("margin", [free.margin, spec.margin][: 1 + wide], {"t": t, **state}),
     ]
     functions += [("filtered_tube", [spec.filtered_tube], {"t": t, "lower": out, "upper": out}) for _ in second]
+    apart: dict[str, Value] = {"dt": ("real", m.symbol("dt")), "x": x, "x_before": x, "v": out}
+    functions += [(name, [spec.velocity], apart) for name in velocity]
     for name, time in (("control", t), ("control_tick", tick))[: 1 + ticks]:
         functions.append(
             (name, [partial(s.control, name == "control") for s in (free, spec)[: 1 + wide]], {"t": time, **state, "u": out})
@@ -1770,6 +1793,12 @@ def shifts(
         z = max(h - v for piece in edges for v, h in zip(*piece[i]))
         fastest = tube.fastest(i) * tube.unit * tube.segments / task.t_c
         rest = eps * (s * task.farthest + fastest + s * w + 8 * (z + 2 * s * w))
+        if task.apart is not None and task.period is not None:
+            limit = [rounded(v, source.bits, math.floor) for v in task.u_max or []]
+            force, _, g_max, cross = bounds(task, i)
+            turn = force + g_max * limit[i] + cross * (sum(limit, Fraction(0)) - limit[i])
+            noise_v = turn * task.period / 2 + 2 * (noise + eps * (task.farthest + noise)) / task.apart
+            noise_v += 4 * eps * (fastest + s * w + noise_v)
         found.append((2 * (rate + s * own), rest + noise_v + s * noise))
     return found
 
@@ -1784,9 +1813,13 @@ def _sampled(
     filtered: list[Fraction],
 ) -> None:
     """The claim about samples: its numbers are the task's, and what is proved with its rho."""
-    need(set(claim) == {"period", "latency", "share", "plant", "rho", "u", "shift"}, "the certificate's `sampled` is not known")
+    known = {"period", "latency", "share", "plant", "rho", "u", "shift", *(["period_min"] if task.apart is not None else [])}
+    need(set(claim) == known, "the certificate's `sampled` is not known")
     told: dict[str, Any] = {"period": str(task.period), "latency": str(task.latency), "share": str(task.share)}
     told["plant"] = task.stated
+    if task.apart is not None:
+        need(task.apart <= (task.period or 0), "the task has a period_min above its period")
+        told["period_min"] = str(task.apart)
     for key, value in told.items():
         need(claim[key] == value, f"the certificate's sampled {key} is not the task's")
     rho, u, shift = (fractions(claim[key], task.n) for key in ("rho", "u", "shift"))
@@ -1806,13 +1839,13 @@ def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequen
 
 def _header(text: bytes, source: Source, task: Task, hash_: str) -> None:
     """The header: nothing but its types, constants and prototypes."""
-    numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period}
+    numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period, "PERIOD_SHORTEST": task.apart}
     found = tokens(text)
     for k, token in enumerate(found):
         name, value = (token.split(" ") if token.startswith("#define ") and token.count(" ") == 2 else ["", "", ""])[1:3]
         wanted = numbers.get(name.removeprefix(f"{task.name.upper()}_"))
         if wanted is not None:
-            toward = math.floor if name.endswith("PROVED") else round
+            toward = math.floor if name.endswith("PROVED") else math.ceil if name.endswith("SHORTEST") else round
             need(source.number(value) == ("real", rounded(wanted, source.bits, toward)), f"{name} of the header is wrong")
             found[k] = f"#define {name} *"
     should = [*header(source, task, hash_), "the end"]

@@ -12,7 +12,7 @@ import numpy as np
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered, pressed, slopes_at_start
 from stt_codegen.program.number import FORMATS
-from stt_codegen.sampling.inertia import ROUNDINGS
+from stt_codegen.sampling.inertia import ROUNDINGS, difference_error
 from stt_codegen.task import Task
 
 
@@ -100,11 +100,16 @@ def inertial_shift(
     size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
     bezier, edges = design.bezier().astype(object), filtered(design)
     per_second = Fraction(design.segments) / design.prescribed_time
-    found = []
+    found, widths, rates = [], [], []
     for i, s in enumerate(design.filter):
         width = max((bezier[:, i, UPPER] - bezier[:, i, LOWER]).ravel()) * design.unit
         wide = max((edges.coefficients[:, i, UPPER] - edges.coefficients[:, i, LOWER]).ravel()) * edges.unit
         fastest = 3 * int(np.abs(np.diff(design.bezier()[:, i], axis=-1)).max()) * design.unit * per_second
         rounded = roundoff * (s * size + fastest + s * width + ROUNDINGS * (wide + 2 * s * width))
         found.append(2 * (rate[i] + s * edge_error[i]) + (plant.noise_v or 0) + s * (plant.noise or 0) + rounded)
-    return tuple(found)
+        widths.append(width)
+        rates.append(fastest)
+    if not task.differs:
+        return tuple(found)
+    of_v = difference_error(task, plant.noise or Fraction(0), rates, widths, design.filter)
+    return tuple(a + b for a, b in zip(found, of_v, strict=True))

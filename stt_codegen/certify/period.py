@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -30,6 +30,7 @@ from stt_codegen.sampling import (
     Period,
     Setting,
     bounds_of_task,
+    difference_age,
     eps_of_share,
     eps_of_starts,
     extremes,
@@ -187,7 +188,8 @@ def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]
     if task.order == 2:
         noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
         law = inertial_law(task, design, edge_error, rate, noise, float(task.control.latency))
-        return inertial_setting(design, [bounds_of_task(task)] * (design.segments + 1), law, eps_of_starts(task, design))
+        made = inertial_setting(design, [bounds_of_task(task)] * (design.segments + 1), law, eps_of_starts(task, design))
+        return replace(made, known_to=difference_age(task))
     windows = refined_windows(design)
     law = law_of(task, edge_error, float(task.plant.noise or 0), float(task.control.latency))
     start = eps_of_share(task.initial_set.share, task.dimension)
@@ -277,11 +279,17 @@ def _told(task: Task) -> str:
         at_most = by_component(task.start_speed)
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
         told += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
-    return f"sampled every {decimal(control.period)} s or faster, from every start with {starts}, for {', '.join(told)}"
+    often = "s or faster"
+    if task.differs:
+        often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"
+    return f"sampled every {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(told)}"
 
 
 def _advice(task: Task, setting: Setting, age: Fraction) -> str:
     """Which gain, period or limit would do, as a task file has them: with the sign of the task's gain."""
+    if task.differs:
+        why = "the error of a velocity by differences grows with it, what noise adds falls"
+        return f"use another control.period ({why}), state less noise, or measure the velocity"
     gains, latency = Gains(setting, natural_gain(setting), statements=("sharp",)), float(task.control.latency)
     sign = 1 if task.gain[0] > 0 else -1
 

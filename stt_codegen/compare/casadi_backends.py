@@ -110,6 +110,10 @@ class CasadiRefined(_CasadiLaw):
         value = np.array([float(v) for v in self.design.filter])
         return tuple(rate + value * edge for rate, edge in zip(self._tube_rate(t), self._tube(t), strict=True))
 
+    def _velocity(self, dt: Array, x: Array, before: Array) -> tuple[Array, ...]:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (np.where(dt[:, None] > 0, (x - before) / dt[:, None], np.nan),)
+
     def _control(self, *inputs: Array) -> tuple[Array, ...]:
         """Of order 2 the law is about v + lambda x in the filtered tube."""
         if not self.design.filter:

@@ -216,6 +216,16 @@ def _inertial_rows(
     bounds = [((1 + 2 * np.abs(s)) * d / (wide - 2 * d)).max(axis=1) for s, (_, wide, d) in zip(shares, rooms, strict=True)]
     want = np.minimum(shares[0].min(axis=1), shares[1].min(axis=1))
     rows.add("margin", backend.call("margin", t, x, v)[0], want, np.maximum(*bounds) + 8 * rows.eps, 1.0)
+    if task.differs:
+        dt = np.abs(v[:, 0]) % np.asarray(2, dtype=x.dtype) + np.asarray(float(task.shortest_period), dtype=x.dtype)
+        dt[::16] = np.array([0, -1], dtype=x.dtype)[np.arange(len(dt[::16])) % 2]
+        before = np.asarray(x + dt[:, None] * np.clip(v, -1, 1), dtype=x.dtype)
+        with np.errstate(all="ignore"):
+            mean = np.where(dt[:, None] > 0, (x.astype(np.longdouble) - before) / dt[:, None], np.nan)
+        sure = 4 * rows.eps * np.abs(np.where(np.isnan(mean), 0, mean))
+        got = backend.call("velocity", dt, x, before)[0]
+        none = np.isnan(mean)
+        rows.add("velocity", np.where(none, np.where(np.isnan(got), 0, 1), got), np.where(none, 0, mean), sure, 1.0)
     status, u = backend.call("control", t, x, v)
     _input_row(rows, controller, (*edges, moved), truth, u, "")
     inside = np.all([(a < z) & (z < b) for z, a, b in ((truth, *edges), (x, low, high))], axis=(0, 2))

@@ -148,7 +148,32 @@ def inertial_functions(
     """`filtered_tube`, `control`, `control_tick` where there is a clock, and `margin`."""
     frame = Frame(spline, Filter.of(design), design.dimension)
     frames = [replace(frame, spline=replace(spline, segment=kernel)) for kernel in (spline.segment, *clock)]
-    return (_filtered_tube(frame), *(_control(task, f, law, guarded) for f in frames), _margin(frame, guarded))
+    velocity = (_velocity(task, frame.n),) if task.differs else ()
+    return (_filtered_tube(frame), *velocity, *(_control(task, f, law, guarded) for f in frames), _margin(frame, guarded))
+
+
+def _velocity(task: Task, n: int) -> Function:
+    dt = Var("dt", REAL)
+    block = Block({"dt", "x", "x_before", "v"})
+    positive = block.op("positive", "lt", real(0), dt)
+    step = block.select("step", positive, dt, real(1))
+    with block.loop("i", n) as loop:
+        now, before = (block.let(f"{name}_i", Load(name, loop.index)) for name in ("x", "x_before"))
+        mean = block.op("mean", "div", block.op("moved", "sub", now, before), step)
+        block.store("v", loop.index, block.select("v_i", positive, mean, NAN))
+    block.leave()
+    return Function(
+        "velocity",
+        (Param("dt", None), Param("x", n), Param("x_before", n), Param("v", n, True)),
+        tuple(block.statements),
+        False,
+        (
+            "Velocity by differences, v = (x - x_before) / dt, for `control`: dt is the time between both samples, as it was and",
+            f"not as it should have been, from {decimal(task.shortest_period)} to {decimal(task.sampling_period)} s.",
+            "At the first sample, at rest, v is 0. x_before is yours: put x there afterwards. NaN where dt is not positive, and",
+            "`control` then says BAD_INPUT.",
+        ),
+    )
 
 
 def _filtered_tube(frame: Frame) -> Function:

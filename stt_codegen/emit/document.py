@@ -125,6 +125,7 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
             name: [str(v) for v in value] if isinstance(value, tuple) else None if value is None else str(value)
             for name, value in task.plant.bounds.items()
         },
+        **({"period_min": str(task.shortest_period)} if task.differs else {}),
         "rho": [str(v) for v in proved.rho],
         "u": [str(Fraction(str(above(v)))) for v in proved.u],
         "shift": [str(v) for v in proved.shift],

@@ -19,7 +19,7 @@ from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
 from stt_codegen.emit.naming import check_names, file_names, guard_name, selftest_name
 from stt_codegen.program import Const, Program, Status
-from stt_codegen.program.number import round_down, round_to
+from stt_codegen.program.number import round_down, round_to, round_up
 from stt_codegen.program.print.c import CPrinter
 from stt_codegen.program.print.python import PythonPrinter
 from stt_codegen.task import Task
@@ -54,6 +54,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     period = task.emit.tick_period
     if certificate.proved_period is not None:
         common["proved"] = Const(round_down(certificate.proved_period.period, program.scalar))
+        if task.differs:
+            common["shortest"] = Const(round_up(task.shortest_period, program.scalar))
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
         common["last_tick"] = math.ceil(task.prescribed_time / period)
@@ -100,7 +102,8 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             moving = (
                 f"with |v| <= {by_component(task.start_speed)} in the share of it" if any(task.start_speed) else "at rest in it"
             )
-            lines.append("The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start")
+            of_v = "v is by differences" if task.differs else "v is measured too"
+            lines.append(f"The plant is of order 2: xdot = v, vdot = f + g u + w, and {of_v}. Covered is every start")
             lines.append(f"{moving}; gamma(0) is in the certificate.")
         if certificate.steps is not None:
             shortest, longest = (decimal(v) for v in certificate.steps)

@@ -143,7 +143,7 @@ def own(controller: Controller) -> Own:
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
     task, outside = controller.task, controller.task.control.outside
     words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": task.order}
-    words |= {"outside": outside}
+    words |= {"outside": outside, "differs": task.differs}
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)

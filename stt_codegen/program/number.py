@@ -74,6 +74,12 @@ def round_down(value: Fraction, scalar: str) -> Fraction:
     return nearest if nearest <= value else round_to(value - Fraction(2) ** ulp_exponent(value, scalar) / 2, scalar)
 
 
+def round_up(value: Fraction, scalar: str) -> Fraction:
+    """The least number of the format that is not below a positive value."""
+    nearest = round_to(value, scalar)
+    return nearest if nearest >= value else nearest + Fraction(2) ** ulp_exponent(nearest, scalar)
+
+
 def largest_below(value: Fraction, scalar: str) -> Fraction:
     """The largest number of the format below a positive value."""
     exact = round_down(value, scalar)

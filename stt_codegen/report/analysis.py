@@ -42,6 +42,7 @@ from stt_codegen.sampling import (
     Gains,
     Period,
     Setting,
+    difference_age,
     eps_of_share,
     eps_of_starts,
     eps_of_state,
@@ -54,13 +55,13 @@ from stt_codegen.sampling import (
 )
 from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated
 from stt_codegen.sampling.gains import longest_from
+from stt_codegen.sampling.inertia import BEYOND
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
 from stt_codegen.sampling.setting import back
 from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
-BEYOND = 1.01  # times the age that is asked for: up to there a plant that mixes is known
 
 
 class Analysis:
@@ -95,7 +96,7 @@ class Analysis:
 
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
-        return replace(self._loop(start), known_to=self.mixed_age)
+        return replace(self._loop(start), known_to=min(self.mixed_age, difference_age(self.controller.task)))
 
     def _loop(self, start: Sequence[float] | None) -> Setting:
         controller, task, design = self.controller, self.controller.task, self.controller.design
@@ -149,7 +150,7 @@ class Analysis:
         """To which age of a sample the bounds on a plant that mixes are known, seconds; without end for others."""
         if self.plant is None or self.plant.mixing is None or self.controller.task.order == 1:
             return math.inf
-        return (self.wanted + self.latency) * BEYOND
+        return (self.wanted + self.latency) * float(BEYOND)
 
     def _drift(self, low: Array, high: Array) -> list[float]:
         """How far x of a sample may be from x in a window of that box: of order 2 as far as it gets in `mixed_age`; of order 1
@@ -206,6 +207,8 @@ class Analysis:
         task, found = self.controller.task, list[str]()
         if task.order == 2:
             found.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
+        if task.differs:
+            found.append(f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly")
         if self.state_is_outside:
             found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
         if self.plant is None and task.plant.stated:

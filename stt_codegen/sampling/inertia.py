@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered, pressed, slopes_at_start
-from stt_codegen.program.number import FORMATS
+from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.sampling.plant import Bounds
 from stt_codegen.sampling.setting import Law, Setting, back, law_of
 from stt_codegen.sampling.windows import OUT, Windows, refined_windows
@@ -30,6 +30,8 @@ Array = npt.NDArray[Any]
 ROUNDINGS = (
     8  # of a distance a = (v - L') + lambda (x - L), each of half a unit in the last place of what is at most Z + 2 lambda W
 )
+
+BEYOND = Fraction(101, 100)  # times the age that is asked for: so old a sample is known, where its error depends on it
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,34 @@ def speeds(design: RefinedDesign) -> tuple[Array, Array]:
     return -room * OUT, room * OUT
 
 
+def difference_error(
+    task: Task,
+    noise: Fraction,
+    fastest: Sequence[Fraction],
+    width: Sequence[Fraction],
+    filter_: Sequence[Fraction],
+    more: Fraction = Fraction(1),
+) -> tuple[Fraction, ...]:
+    """What a velocity by differences is wrong by at most, by component, noise bounding the error of x, for samples at most `more`
+    times control.period apart. Between samples tau apart it is the mean of v, which turns by at most A = F + G u_max + .. a
+    second: A tau/2 (the lemma `filtered.differences`). Twice the error of x over the shortest tau, and four roundings of the
+    quotient, |v| being at most `fastest` + lambda W, join it."""
+    assert task.u_max is not None
+    roundoff, found = Fraction(FORMATS[task.emit.scalar].roundoff), []
+    size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
+    limit = [round_down(v, task.emit.scalar) for v in task.u_max]
+    for i, bounds in enumerate(task.plant_bounds):
+        turn = bounds.force + bounds.g_max * limit[i] + bounds.cross * (sum(limit, Fraction(0)) - limit[i])
+        apart = turn * more * task.sampling_period / 2 + 2 * (noise + roundoff * (size + noise)) / task.shortest_period
+        found.append(apart + 4 * roundoff * (fastest[i] + filter_[i] * width[i] + apart))
+    return tuple(found)
+
+
+def difference_age(task: Task) -> float:
+    """To which age of a sample a velocity by differences has that error, seconds; without end where v is measured."""
+    return float((task.sampling_period + task.control.latency) * BEYOND) if task.differs else math.inf
+
+
 def inertial_law(
     task: Task,
     design: RefinedDesign,
@@ -108,7 +138,11 @@ def inertial_law(
     size = float(max(abs(v) for side in (task.state_space.lower, task.state_space.upper) for v in side))
     fastest = (found.rate + value * found.width).max(axis=0)
     apart = (found.wide + 2 * value * found.width).max(axis=0)
-    shift = wrong + noise[1] + value * noise[0] + roundoff * (value * size + fastest + ROUNDINGS * apart)
+    of_v: Any = noise[1]
+    if task.differs:
+        fast, far = ([Fraction(v) for v in values.max(axis=0).tolist()] for values in (found.rate, found.width))
+        of_v = np.array([float(v) for v in difference_error(task, Fraction(noise[0]), fast, far, design.filter, BEYOND)]) * OUT
+    shift = wrong + of_v + value * noise[0] + roundoff * (value * size + fastest + ROUNDINGS * apart)
     return replace(law_of(task, edge, 0.0, late), shift=shift * (1 + 1e-9))
 
 

@@ -194,7 +194,8 @@ def _order_problem(task: TaskTables) -> str | None:
     """What is for plants of order 2 alone, and what is not for them."""
     filter_, speed = task.tube.filter, task.initial_set.speed
     if task.order == 1:
-        given = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
+        given: dict[str, object] = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
+        given |= {"control.velocity": "differences" if task.differs else None, "control.period_min": task.control.period_min}
         field = next((name for name, value in given.items() if value is not None), None)
         return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
     if task.tube.design != "refined":
@@ -204,6 +205,25 @@ def _order_problem(task: TaskTables) -> str | None:
         for i, entry in enumerate(entries):
             if entry < 0 or (not entry and name == "tube.filter"):
                 return f"{name}{f'[{i}]' if isinstance(value, tuple) else ''}: is {decimal(entry)}; it must be {least}"
+    return _velocity_problem(task)
+
+
+def _velocity_problem(task: TaskTables) -> str | None:
+    """What differences of x need to be a velocity with a known error."""
+    control = task.control
+    if not task.differs:
+        told = "is for a velocity by differences; leave it out, or set control.velocity"
+        return f"control.period_min: {told}" if control.period_min is not None else None
+    for name, why in (("period", "over what time a difference is taken"), ("u_max", "how far the velocity turns in it")):
+        if getattr(control, name) is None:
+            return f'control.{name}: is missing; with control.velocity = "differences" it must be known {why}'
+    if control.period_min is not None and control.period_min > task.sampling_period:
+        told = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
+        return f"control.period_min: {told}; use that or less"
+    if task.plant.noise_v is not None:
+        return "plant.noise_v: is of a velocity that is measured, and here it is of differences; leave it out"
+    if any(task.start_speed):
+        return "initial_set.speed: is not known from one sample; with a velocity by differences starts are at rest, leave it out"
     return None
 
 

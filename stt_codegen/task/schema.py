@@ -99,6 +99,12 @@ class ControlOptions(Table):
     u_max: Each | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
     period: Positive | None = Field(default=None, description="seconds between samples; proved (P9), or the task is refused")
     latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
+    velocity: Literal["measured", "differences"] = Field(
+        default="measured", description="for order 2, where v is from: a sensor, or differences of measured x"
+    )
+    period_min: Positive | None = Field(
+        default=None, description="seconds between samples at least, where v is of differences; absent: half of the period"
+    )
     outside: Outside = Field(
         default="return", description="once the tube is left: u pushes back, the tube waits, or u is 0 until it is reset"
     )
@@ -293,6 +299,16 @@ class TaskTables(Table):
     def sampling_period(self) -> Fraction:
         """Seconds between samples: control.period, else emit.tick_period, else a millisecond."""
         return self.control.period or self.emit.tick_period or Fraction(1, 1000)
+
+    @property
+    def differs(self) -> bool:
+        """Whether v is of differences of measured x."""
+        return self.control.velocity == "differences"
+
+    @property
+    def shortest_period(self) -> Fraction:
+        """Seconds between samples at least, where v is of differences."""
+        return self.control.period_min or self.sampling_period / 2
 
     @property
     def half_extents(self) -> tuple[Fraction, ...]:
