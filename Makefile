@@ -42,6 +42,7 @@ integration: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/python benchmarks/tubes.py --count 60 --others 60
 	$(BIN)/python benchmarks/mutations.py --moving --count 500
 	$(BIN)/python benchmarks/moving.py --count 60
+	$(BIN)/python benchmarks/mutations.py --inertia --count 400
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
 	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
 	$(BIN)/stt-codegen bench loop --count 100
