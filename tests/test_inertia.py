@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 import stt_codegen as stt
 from stt_codegen.certify import checker
 from stt_codegen.certify.components import start_ratios
-from stt_codegen.certify.inertia import filtered_width, spare_acceleration, starts
+from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.certify.period import searched, statement_of
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.compare.comparison import compare
@@ -166,7 +166,8 @@ def test_limits_on_the_edges_are_kept() -> None:
 
 def test_starts_that_move_are_covered_up_to_the_speed_that_is_stated() -> None:
     controller = made("moving starts")
-    slack = starts(controller.task, controller.design)  # type: ignore[arg-type]
+    wrong = allowance(controller.design, controller.certificate.edge_error, controller.certificate.rate_error)  # type: ignore[arg-type]
+    slack = starts(controller.task, controller.design, wrong)  # type: ignore[arg-type]
     assert slack.units >= 0
     faster = parse_task(text_of("moving starts").replace("speed = 0.02", "speed = 0.3"))
     with pytest.raises(NotCertified, match="lower initial_set.speed"):
@@ -306,7 +307,7 @@ def test_no_loop_leaves_at_the_proved_period_and_many_do_beyond(name: str) -> No
     controller = made(name)
     task, proved = controller.task, controller.certificate.proved_period
     assert proved is not None
-    push = float((task.plant.f_max or 0) + (task.plant.w_max or 0))
+    push = float(min(b.force for b in task.plant_bounds))
     rate, most = 1 / float(proved.period), [float((r - 1) / (r + 1)) for r in proved.rho]
     noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
     for model in within_bounds(task):

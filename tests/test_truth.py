@@ -405,7 +405,6 @@ def test_a_tool_that_forgets_one_is_caught(forgotten: str, kind: str, code: str,
     assert code in {v.fault.code for v in found if v.fault and v.answers[0].passed}
 
 
-@pytest.mark.xfail(strict=True, reason="a margin of 0 is taken, which puts a start on the edge of the open filtered tube")
 def test_starts_that_reach_the_edge_of_the_filtered_tube_are_refused() -> None:
     b = inertial_base("omni_s2", "double", "moving")
     assert b is not None

@@ -81,7 +81,8 @@ class PeriodProof:
 class Certificate:
     """The findings for one tube, and the numbers that go with them.
 
-    edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension.
+    edge_error: P7's bound on the distance between the emitted edge and the exact one, by dimension; rate_error: of their rates,
+    for order 2.
     method: "exact" and "enclosure" are proofs; "sampled" finds faults and proves nothing.
     steps: the shortest and longest step of alpha (seconds) for which an adaptive or literal tube is proved.
     speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
@@ -98,6 +99,7 @@ class Certificate:
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
     proved_period: PeriodProof | None = None
+    rate_error: tuple[Fraction, ...] = ()
     axes: tuple[str, ...] = ()  # what sentences call the dimensions
 
     @property

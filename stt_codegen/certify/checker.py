@@ -1412,15 +1412,15 @@ def inertial(
     speed, common = tube.unit * tube.segments / task.t_c, math.lcm(*(s.denominator for s in filtered))
     unit = tube.unit / ((tube.segments / task.t_c).denominator * common)
     room = min(h - v for piece in edges for low, high in piece for v, h in zip(low, high))
-    wrong = max(2 * (r * speed + s * e * tube.unit) for r, s, e in zip(rate_error, filtered, edge_error))
+    wrong = [2 * (r * speed + s * e * tube.unit) for r, s, e in zip(rate_error, filtered, edge_error)]
     always, starts = [0, tube.segments], []
     for i, (low, high) in enumerate(tube.pieces[0]):
         clear = min(3 * (low[0] - low[1]), 3 * (high[1] - high[0])) * speed
         if task.speed[i]:
-            clear += filtered[i] * (1 - task.share) * (high[0] - low[0]) * tube.unit / 2 - task.speed[i]
+            clear += filtered[i] * (1 - task.share) * (high[0] - low[0]) * tube.unit / 2 - task.speed[i] - wrong[i]
         starts.append(math.floor(clear / speed))
     found = [
-        ("P1", always, math.floor(room / unit) - above(LEAST_WIDTH, unit), wrong / unit, {"order": 2}),
+        ("P1", always, math.floor(room / unit) - above(LEAST_WIDTH, unit), max(wrong) / unit, {"order": 2}),
         ("P2", [0, 0], min(starts), Fraction(0), {"order": 2}),
     ]
     if task.limited:

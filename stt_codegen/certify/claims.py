@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.inertia import filtered_width, spare_acceleration, starts
+from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.certify.limits import least_spare
 from stt_codegen.certify.moving import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
@@ -100,7 +100,8 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         )
 
     if task.order == 2:
-        width, first, pushed = filtered_width(design), starts(task, design), spare_acceleration(task, design)
+        wrong = allowance(design, certificate.edge_error, certificate.rate_error)
+        width, first, pushed = filtered_width(design), starts(task, design, wrong), spare_acceleration(task, design)
         inert = [Claim("P1", always, width.units, order=2), Claim("P2", (0, 0), first.units, order=2)]
         inert += [] if pushed is None else [Claim("P8", always, pushed.units)]
     else:

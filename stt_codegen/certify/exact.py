@@ -57,6 +57,7 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         ),
     )
     rate = rate_error(design, program) if task.order == 2 else ()
+    certificate = replace(certificate, rate_error=rate)
     own = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
     if task.control.period is None or (task.order == 2 and not all(f.holds for f in own)):
         return replace(certificate, findings=(*certificate.findings, seventh, *own))

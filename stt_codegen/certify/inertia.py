@@ -6,6 +6,7 @@ All are comparisons of exact Bezier coefficients; designs/filtered.py has them, 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -29,6 +30,14 @@ class Slack:
     dimension: int
 
 
+def allowance(design: RefinedDesign, edge: Sequence[Fraction], rate: Sequence[Fraction]) -> list[Fraction]:
+    """What is left for the arithmetic's error of a distance to an edge of the filtered tube, by dimension: as the certificate
+    claims the errors of edges and of their rates, in whole units of the table and of it in a segment's time."""
+    speed = design.unit * design.segments / Fraction(design.prescribed_time)
+    both = zip(edge, rate, design.filter, strict=True)
+    return [2 * (math.ceil(r / speed) * speed + v * math.ceil(e / design.unit) * design.unit) for e, r, v in both]
+
+
 def filtered_width(design: RefinedDesign) -> Slack:
     """By how much the filtered tube is wider than LEAST_WIDTH."""
     pieces = filtered(design)
@@ -37,17 +46,17 @@ def filtered_width(design: RefinedDesign) -> Slack:
     return Slack(int(room[k, i]) - math.ceil(LEAST_WIDTH / pieces.unit), pieces.unit, int(k), int(i))
 
 
-def starts(task: Task, design: RefinedDesign) -> Slack:
+def starts(task: Task, design: RefinedDesign, wrong: Sequence[Fraction]) -> Slack:
     """By how much v + lambda x is inside at t = 0 for every start: at rest, wherever it is, where no edge comes towards it; with
     a speed of at most V in the share of gamma(0) where lambda times the distance to the edge is above V less what the edge gives
-    way. In units of the table in a segment's time."""
+    way and what the arithmetic is `wrong` by, so that none is on an edge. In units of the table in a segment's time."""
     unit = design.unit * design.segments / Fraction(design.prescribed_time)
     found = []
     for i, (low, high) in enumerate(slopes_at_start(design)):
         speed, room = task.start_speed[i], min(-low, high)
         if speed:
             a, b = (int(v) * design.unit for v in design.bezier()[0, i, :, 0])
-            room += design.filter[i] * (1 - task.initial_set.share) * (b - a) / 2 - speed
+            room += design.filter[i] * (1 - task.initial_set.share) * (b - a) / 2 - speed - wrong[i]
         found.append(Slack(math.floor(room / unit), unit, 0, i))
     return min(found, key=lambda s: s.units)
 
@@ -72,14 +81,18 @@ def certify_inertia(task: Task, design: RefinedDesign, edge: tuple[Fraction, ...
         where = (Fraction(0), Fraction(0)) if at_start else (slack.segment * length, (slack.segment + 1) * length)
         return Finding(code, statement, slack.units * slack.unit, required, where, slack.dimension + 1, None, advice)
 
-    wrong = max(2 * (r + v * e) for e, r, v in zip(edge, rate, design.filter, strict=True))
+    wrong = allowance(design, edge, rate)
     told = f"v + lambda x has room: (R - L)' + lambda (R - L) > 0, lambda = {by_component(design.filter)}"
     speed = by_component(task.start_speed)
     moving = f"every start with |e(0)| <= {decimal(task.initial_set.share)} and |v(0)| <= {speed}"
     start = moving if any(task.start_speed) else "every start at rest in gamma(0)"
     found = [
-        finding("P1", told, filtered_width(design), wrong, "raise tube.filter or prescribed_time, or narrow the initial set"),
-        finding("P2", f"v + lambda x inside for {start}", starts(task, design), Fraction(0), "lower initial_set.speed", True),
+        finding(
+            "P1", told, filtered_width(design), max(wrong), "raise tube.filter or prescribed_time, or narrow the initial set"
+        ),
+        finding(
+            "P2", f"v + lambda x inside for {start}", starts(task, design, wrong), Fraction(0), "lower initial_set.speed", True
+        ),
     ]
     spare = spare_acceleration(task, design)
     if spare is not None:

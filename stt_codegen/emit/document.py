@@ -13,7 +13,6 @@ from typing import Any
 
 from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
 from stt_codegen.certify.claims import Claim, claims_of, cuts_of
-from stt_codegen.controller.arithmetic import rate_error
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.program import Program
@@ -69,7 +68,7 @@ def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Cer
     return {
         "grid": {"segments": design.segments, "cuts": cuts, "unit_bits": design.bits},
         "edge_error": [math.ceil(v / design.unit) for v in certificate.edge_error],
-        **({} if task.order == 1 else _filter(design, program)),
+        **({} if task.order == 1 else _filter(design, certificate)),
         "speed": [int(v) for v in rates],
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.whole_start,
@@ -80,10 +79,10 @@ def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Cer
     }
 
 
-def _filter(design: RefinedDesign, program: Program) -> dict[str, Any]:
+def _filter(design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
     """lambda, and what the arithmetic moves an edge's rate by, in units of the table in a segment's time."""
     unit = design.unit * design.segments / Fraction(design.prescribed_time)
-    wrong = [math.ceil(v / unit) for v in rate_error(design, program)]
+    wrong = [math.ceil(v / unit) for v in certificate.rate_error]
     return {"filter": [str(v) for v in design.filter], "rate_error": wrong}
 
 
