@@ -91,6 +91,7 @@ def control(
     gain: Sequence[Fraction],
     e_max: Sequence[Fraction],
     u_max: Sequence[Fraction] | None = None,
+    scales: bool = False,
 ) -> tuple[npt.NDArray[np.intp], Array]:
     """Status (shape (P,)) and u = -k xi epsilon (13) for states x of shape (P, n) in the tube with these edges."""
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
@@ -98,7 +99,8 @@ def control(
     u = -np.array([exact(v) for v in gain]) * xi * epsilon
     if u_max is not None:
         bound = np.array([exact(v) for v in u_max])
-        u = np.clip(u, -bound, bound)
+        largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), bound[:1])
+        u = u * (bound[:1] / largest) if scales else np.clip(u, -bound, bound)
     bad = ~np.all(np.isfinite(state) & np.isfinite(low), axis=1)
     inside = np.all((low < state) & (state < high), axis=1)
     u = np.where(bad[:, None], 0, u)

@@ -11,6 +11,7 @@ nearer to the set.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -119,11 +120,19 @@ def acceleration_rows(task: Task) -> tuple[Row, ...]:
     return _rates(task.max_acceleration, 2)
 
 
+def root_share(n: int) -> Fraction:
+    """1/sqrt(n), rounded down."""
+    return Fraction(math.isqrt(10**24 // n), 10**12)
+
+
 def spare_input(task: Task) -> tuple[Fraction, ...]:
     """By component, how fast an input within u_max, as it is emitted, moves the state at least against all that may push it the
-    other way: g_min u_max - |f| - |w| - |g_ij| u_max of the others. Negative where it cannot."""
+    other way: g_min u_max - |f| - |w| - |g_ij| u_max of the others. Negative where it cannot. Where u is scaled as a whole: what
+    every edge may move at, so that the norm of all that pushes is below g_min u_max."""
     assert task.u_max is not None
     limit = [round_down(v, task.emit.scalar) for v in task.u_max]
+    if task.scales:
+        return tuple((b.g_min * v - b.force) * root_share(task.dimension) for b, v in zip(task.plant_bounds, limit, strict=True))
     total = sum(limit, Fraction(0))
     return tuple(b.g_min * v - b.force - b.cross * (total - v) for b, v in zip(task.plant_bounds, limit, strict=True))
 
@@ -134,6 +143,8 @@ def limit_rows(task: Task) -> tuple[Row, ...]:
     if not task.limits_are_demanded or task.order == 2:
         return ()
     pairs = enumerate(spare_input(task))
+    if task.scales:  # the norm of the edges' rates counts, which way they move
+        return _rates(spare_input(task), 1)
     return tuple(Row(((i, side, sign),), -v, order=1) for i, v in pairs for side, sign in ((LOWER, -1), (UPPER, 1)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
 import re
 from fractions import Fraction
@@ -16,15 +17,18 @@ from conftest import controller_of
 import stt_codegen as stt
 from stt_codegen.certify import checker
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.compare.comparison import compare
+from stt_codegen.compare.toolchain import load_module
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.render import render
+from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
 from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
-from stt_codegen.plants import PLANTS
+from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.rows import spare_input
 from stt_codegen.sampling.continuous import holds_saturated
-from stt_codegen.task import Task
+from stt_codegen.task import Task, parse_task
 
 CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "pushed": ({"u_max": "1"}, {"w_max": "0.3"}),
@@ -197,3 +201,121 @@ def test_a_gain_that_asks_for_too_little_is_not_saturation_free() -> None:
     made = build_task(task_with({"u_max": "1", "gain": "1e-12"}, {"w_max": "0.3"}))
     (free,) = (h for h in Analysis(made).hypotheses() if h.name == "saturation")
     assert not free.holds
+
+
+# ------------------------------------------------------------------------------------------------ u scaled as a whole
+
+SCALED = """
+name = "scaled"
+prescribed_time = 5.0
+initial_state = [0.0, 0.0]
+state_space = { lower = [-3, -3], upper = [3, 3] }
+initial_set = { lower = [-1, -1], upper = [1, 1] }
+target_set = { lower = [-1.2, -1.2], upper = [1.2, 1.2] }
+control = { gain = 1.0, u_max = 1.0, saturate = "scale" }
+plant = { g_min = 0.37, g_max = 4.7 }
+"""
+
+
+def coupled(u: Any) -> Any:
+    return [[1, 1.5], [1.5, 4]]
+
+
+def test_scaled_u_stays_where_clipped_u_leaves() -> None:
+    """g = [[1, 1.5], [1.5, 4]], definite and much coupled: from the same starts the clipped law leaves the tube, the scaled never
+    does; `prove` says "saturation: yes" of the scaled one."""
+    scaled = build_task(parse_task(SCALED))
+    clipped = build_task(
+        parse_task(SCALED.replace(', saturate = "scale"', "").replace("g_max = 4.7", "g_max = 4.7, g_cross = 0"))
+    )
+    plant = Plant("coupled", "", 2, lambda x: [0, 0], coupled)
+    saturation = next(h for h in Analysis(scaled, plant).hypotheses() if h.name == "saturation")
+    assert saturation.holds
+    assert not next(h for h in Analysis(clipped, plant).hypotheses() if h.name == "saturation").holds
+    draw, left = np.random.default_rng(4), [0, 0]
+    starts = [(0.9, -0.97), *(tuple(draw.uniform(-0.98, 0.98, size=2).tolist()) for _ in range(40))]
+    for k, controller in enumerate((scaled, clipped)):
+        loop = Loop(controller, plant)
+        runs = [loop.run(Scenario(2000.0, start=start)) for start in starts]
+        left[k] = sum(not run.kept for run in runs)
+        assert max(max(run.u) for run in runs) <= 1.0
+    assert left[0] == 0
+    assert left[1] > 0
+
+
+def test_a_scaled_u_keeps_its_direction() -> None:
+    controller = build_task(parse_task(SCALED + 'emit = { scalar = "double" }'))
+    free = build_task(
+        parse_task(SCALED.replace('u_max = 1.0, saturate = "scale"', "u_max = 1e6") + 'emit = { scalar = "double" }')
+    )
+    own, other = (load_module("scaled", c.files["scaled.py"]) for c in (controller, free))
+    draw = np.random.default_rng(0)
+    some = set()
+    for _ in range(300):
+        x = draw.uniform(-1.3, 1.3, size=2)
+        (_, u), (_, law) = own.control(1.0, x), other.control(1.0, x)
+        largest = max(map(abs, law))
+        some.add(largest > 1)
+        assert np.allclose(u, np.array(law) * min(1.0, 1.0 / max(largest, 1e-300)), rtol=1e-12, atol=1e-15)
+        assert max(map(abs, u)) <= 1.0
+    assert some == {True, False}
+
+
+def test_backends_and_checker_know_a_scaled_u(tmp_path: Path) -> None:
+    (tmp_path / "task.toml").write_text(SCALED)
+    controller = build_task(parse_task(SCALED))
+    for name, data in controller.files.items():
+        (tmp_path / name).write_bytes(data)
+    arguments = [str(tmp_path / f) for f in ("task.toml", "scaled.c", "scaled.certificate.json")]
+    assert checker.main(arguments) == 0
+    for old, new in (
+        (b"u_law_i * factor", b"u_law_i / factor"),
+        (b"over ? largest : 1.0F", b"over ? 1.0F : largest"),
+        (b"more ? size : largest", b"more ? largest : size"),
+        (b"const scaled_real u_law_i = u[i3];", b"u[i3] = 0.0F;\n        const scaled_real u_law_i = u[i3];"),
+        (b"const scaled_real u_law_i = u[i3];", b"const scaled_real u_law_i = x[i3];"),
+    ):
+        source = controller.files["scaled.c"]
+        assert source.count(old) == 1
+        changed = source.replace(old, new)
+        proof = json.loads(controller.files["scaled.certificate.json"])
+        proof["sha256"]["scaled.c"] = hashlib.sha256(changed).hexdigest()
+        (tmp_path / "scaled.c").write_bytes(changed)
+        (tmp_path / "scaled.certificate.json").write_text(json.dumps(proof))
+        assert checker.main(arguments) == 1
+    rows = compare(controller.task, 400)
+    assert all(row.share <= 1 for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("u_max = 1.0, ", "", "control.u_max"),
+        ("u_max = 1.0", "u_max = [1.0, 2.0]", "one number"),
+        ("gain = 1.0", "gain = [1.0, 2.0]", "one number"),
+        ("gain = 1.0", "period = 0.01", "sampled"),
+        ("g_min = 0.37", "g_min = [0.37, 0.4]", "norms"),
+        ("g_min = 0.37", "order = 2, g_min = 0.37", "order 1"),
+    ],
+)
+def test_what_cannot_be_scaled_is_refused(old: str, new: str, told: str) -> None:
+    with pytest.raises(BadInput, match=told):
+        parse_task(SCALED.replace(old, new))
+
+
+def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
+    """Either edge, either way, within (g_min u_max - f_max - w_max)/sqrt(n); and one unit more in P8's room is missing."""
+    text = SCALED.replace(
+        "target_set = { lower = [-1.2, -1.2], upper = [1.2, 1.2] }", "target_set = { lower = [0, 0], upper = [2, 2] }"
+    )
+    task = parse_task(
+        text.replace("g_max = 4.7", "g_max = 4.7, w_max = 0.02").replace("prescribed_time = 5.0", "prescribed_time = 15.0")
+    )
+    controller = build_task(task)
+    assert 0 < (Fraction("0.37") - Fraction("0.02")) ** 2 / 2 - spare_input(task)[0] ** 2 < Fraction(1, 10**10)
+    design = controller.design
+    assert isinstance(design, RefinedDesign)
+    fastest = 3 * np.abs(np.diff(design.bezier(), axis=3)).max() * float(design.unit) * design.segments / 15.0
+    assert fastest <= float(spare_input(task)[0])
+    with pytest.raises(NotCertified, match="raise"):
+        build_task(task.changed(prescribed_time=Fraction("0.5")))

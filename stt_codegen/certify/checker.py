@@ -55,7 +55,7 @@ KNOWN = {
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
-    "control": "gain e_max u_max period latency outside velocity period_min",
+    "control": "gain e_max u_max period latency outside velocity period_min saturate",
     "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
@@ -105,8 +105,7 @@ class Task:
             if unknown:
                 raise Unusable(f"the task has {sorted(unknown)[0]!r}, which is not known here")
         control, emit, self.name = document.get("control", {}), document.get("emit", {}), str(document["name"])
-        self.t_c = _number(document["prescribed_time"])
-        self.state = [_number(v) for v in document["initial_state"]]
+        self.t_c, self.state = _number(document["prescribed_time"]), [_number(v) for v in document["initial_state"]]
         n = self.n = len(self.state)
         body = _each(document.get("body", 0), n)
         self.start, (lower, upper) = _box(document["initial_set"], n), _box(document["state_space"], n)
@@ -137,8 +136,9 @@ class Task:
         self.gain = None if gain == "auto" else _each(gain, n)
         self.e_max = _each(control.get("e_max", Decimal("0.99")), n)
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
-        self.apart, self.outside = self._apart(control, document), _outside(control, self.order == 2 or self.clock is not None)
-        self.inline, self.selftest = emit.get("math", "libm") == "inline", bool(emit.get("selftest", False))
+        self.apart, self.scales = self._apart(control, document), self._scales(control, document.get("plant", {}))
+        self.outside, self.inline = _outside(control, self.order == 2 or self.clock is not None), emit.get("math") == "inline"
+        self.selftest = bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
         given = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or []), self.period, self.tick, *(self.u_max or [])]
         given += [v for most in self.limits for v in most or []]
@@ -170,6 +170,15 @@ class Task:
         self.stated = {k: None if k not in plant else _told(plant[k]) for k in known}
         if any(isinstance(plant.get(k), list) for k in ("noise", "noise_v")):
             raise Unusable("the task has a list as noise")
+
+    def _scales(self, control: dict[str, Any], plant: dict[str, Any]) -> bool:
+        """Whether u is limited as a whole; what is shown of that is about norms, in continuous time."""
+        kind, lists = control.get("saturate", "clip"), any(isinstance(v, list) for v in plant.values())
+        one = self.u_max is not None and len(set(self.u_max)) == 1 and (self.gain is None or len(set(self.gain)) == 1)
+        known = kind == "clip" or (kind == "scale" and one and not lists and self.order == 1 and self.period is None)
+        if not known:
+            raise Unusable("the task has a `saturate` that is not known here")
+        return bool(kind == "scale")
 
     def _apart(self, control: dict[str, Any], document: dict[str, Any]) -> Fraction | None:
         """Seconds between samples at least, where v is by differences."""
@@ -776,7 +785,7 @@ class Machine:
         scope: dict[str, Any] = {}
         for (_, label, _), (role, (kind, value)) in zip(f.params, arguments.items()):
             scope[label] = ["array", role, value == "result"] if isinstance(value, str) else [kind, value, True]
-        self.result, self.stored = f.result, False
+        self.result, self.stored, self.here = f.result, False, False
         if not self.block(f.body, scope):
             need(f.result == "void", f"{name} of the C ends without a result")
             self.effects.append(("return", None))
@@ -824,7 +833,7 @@ class Machine:
             at = self.operand(parts[1], scope, "int") == self.symbol("i")
             self.sure(held[0] == "array" and held[2] and at, "a store where none may be", text)
             self.effects.append(("store", held[1], value))
-            self.stored = True
+            self.stored = self.here = True
         elif kind == "return":
             value = None if parts[0] is None else self.typed(parts[0], scope, self.result)
             self.sure(value is not None or self.result == "void", "no result", text)
@@ -840,6 +849,7 @@ class Machine:
         inner = {name: list(entry) for name, entry in scope.items()}
         self.sure(match[1] not in inner and LOCAL.fullmatch(match[1]) is not None, "a name twice, or none", head)  # type: ignore[index]
         inner[match[1]] = ["int", self.symbol("i"), True]  # type: ignore[index]
+        self.here = False
         changed = [name for name in scope if any(item.startswith(f"{name} = ") for item in body)]
         self.sure(len(changed) < 2, "two values carried through a loop", head)
         for name in changed:
@@ -912,7 +922,8 @@ class Machine:
     def load(self, array: str, index: int, scope: dict[str, Any]) -> int:
         table = array.removeprefix(f"{self.source.p}_")
         if array in scope:
-            good = scope[array][0] == "array" and index == self.symbol("i") and not self.stored
+            again = scope[array][2] and self.task.scales and self.stored and not self.here  # u, that a loop before has stored
+            good = scope[array][0] == "array" and index == self.symbol("i") and (again or not (self.stored or scope[array][2]))
             table = scope[array][1]
         elif table == "coefficients":
             good = array != table and index in self.places
@@ -998,8 +1009,8 @@ class Specification:
     def tables(self) -> dict[str, list[Fraction]]:
         """What differs by component stands in a table."""
         found = {name: values for name, values in self.constants.items() if len(set(values)) > 1}
-        limits = {} if self.task.u_max is None else {"u_max": [rounded(v, self.bits, math.floor) for v in self.task.u_max]}
-        return found | limits
+        limits = [rounded(v, self.bits, math.floor) for v in self.task.u_max or []]
+        return found | ({"u_max": limits} if limits and not self.task.scales else {})
 
     def each(self, name: str) -> int:
         values = self.constants[name]
@@ -1112,11 +1123,23 @@ class Specification:
         gain = -self.each("gain") % PRIME if self.upper_nearer else self.each("gain")
         push = -m.op("*", m.op("*", gain, xi), epsilon) % PRIME
         u = push if self.filled else 0
-        if self.task.u_max is not None:
+        if self.task.u_max is not None and not self.task.scales:
             limit = m.symbol("load u_max", self.i)
             u = self.held(u, -limit % PRIME, limit)
         m.effects += [("store", "u", u), ("carried", False, was if all(inside) else True)]
-        m.effects.append(("return", outside if m.carry("bool") else ok))
+        left = m.carry("bool")
+        if self.task.u_max is not None and self.task.scales:
+            self.scaled(element(rounded(self.task.u_max[0], self.bits, math.floor)))
+        m.effects.append(("return", outside if left else ok))
+
+    def scaled(self, most: int) -> None:
+        """u, as it is stored, times the factor that brings the largest within the limit."""
+        m, before, u = self.m, self.m.carry("real"), self.m.symbol("load u", self.i)
+        size = -u % PRIME if m.less(u, 0) else u
+        m.effects.append(("carried", 0, size if m.less(before, size) else before))
+        largest = m.carry("real")
+        factor = m.op("/", most, largest if m.less(most, largest) else most)
+        m.effects.append(("store", "u", self.held(m.op("*", u, factor), -most % PRIME, most)))
 
     def margin(self) -> None:
         m = self.m
@@ -1544,6 +1567,9 @@ def spare_input(task: Task, bits: int) -> list[Fraction]:
     """What an input within u_max, as it is emitted, is worth at least against all that pushes, by component."""
     limit = [rounded(v, bits, math.floor) for v in task.u_max or []]
     found = [bounds(task, i) for i in range(task.n)]
+    if task.scales:  # 1/sqrt(n), rounded down
+        share = Fraction(math.isqrt(10**24 // task.n), 10**12)
+        return [(g_min * v - push) * share for v, (push, g_min, _, _) in zip(limit, found)]
     return [g_min * v - push - cross * (sum(limit) - v) for v, (push, g_min, _, cross) in zip(limit, found)]
 
 
@@ -1554,7 +1580,8 @@ def spare(task: Task, tube: Tube, bits: int) -> int:
     least: list[int] = []
     for piece in tube.pieces:
         for (low, high), most in zip(piece, room):
-            towards = max(3 * max(b - a for a, b in zip(low, low[1:])), 3 * max(a - b for a, b in zip(high, high[1:])))
+            rates = [3 * (b - a) for a, b in zip(low, low[1:])], [3 * (a - b) for a, b in zip(high, high[1:])]
+            towards = max(abs(v) if task.scales else v for edge in rates for v in edge)
             least.append(math.floor(most * task.t_c / tube.segments / tube.unit) - towards)
     return min(least)
 

@@ -52,6 +52,9 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
     spare = by_component(spare_input(task))
     assert task.u_max is not None
     statement = f"|u| <= {by_component(task.u_max)} holds x off every edge: it moves x by {spare}/s against all that pushes"
+    if task.scales:
+        most = by_component(task.u_max)
+        statement = f"|u| <= {most}, scaled as a whole, outdoes all that pushes: no edge moves at {spare}/s or more"
     where = (least.segment * length, (least.segment + 1) * length)
     advice = "raise control.u_max or prescribed_time, or state a milder plant"
     return (Finding("P8", statement, least.slack * per_second, per_second, where, least.dimension + 1, None, advice),)

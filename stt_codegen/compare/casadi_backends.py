@@ -50,7 +50,8 @@ class _CasadiLaw(Backend):
         (u,) = _over(self.push, np.array([float(v) for v in self.task.gain]) + 0 * xi, xi, epsilon)
         if self.task.u_max is not None:
             bound = np.array([float(v) for v in self.task.u_max])
-            u = np.clip(u, -bound, bound)
+            largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), bound[:1])
+            u = u * (bound[:1] / largest) if self.task.scales else np.clip(u, -bound, bound)
         inside = np.all((lower < x) & (x < upper), axis=1)
         return np.where(inside, 0, 1), u
 

@@ -251,12 +251,20 @@ def _input_row(rows: _Rows, controller: Controller, tube: tuple[Array, Array, Ar
     """u for what is held, x, in its tube, as for `_law_rows`."""
     task, eps = controller.task, rows.eps
     low, high, delta = tube
-    _, u = reference.control(low, high, x, task.gain, task.e_max, task.u_max)
+    _, u = reference.control(low, high, x, task.gain, task.e_max, None if task.scales else task.u_max)
     _, epsilon, xi = reference.transform(low, high, x, task.e_max)
     gain = np.array([abs(float(v)) for v in task.gain])
     clamp = np.array([float(v) for v in task.e_max])
     spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), clamp)
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
+    if task.scales:  # u and the factor are both wrong; the factor by what the largest is
+        assert task.u_max is not None
+        largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), float(task.u_max[0]))
+        wrong = bound.max(axis=1, keepdims=True) / largest
+        _, scaled = reference.control(low, high, x, task.gain, task.e_max, task.u_max, True)
+        share = float(task.u_max[0]) / largest
+        bound = (share * bound + np.abs(scaled) * wrong) / np.maximum(1 - wrong, 1e-6) + 16 * eps * np.abs(scaled)
+        u = scaled
     rows.add("u" + label, got, u, bound, gain * xi * np.maximum(1.0, np.abs(epsilon)))
 
 

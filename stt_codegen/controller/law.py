@@ -35,6 +35,7 @@ class Law:
     gain: tuple[Fraction, ...]
     e_max: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...] | None
+    scales: bool = False  # whether u_max limits u as a whole
 
     @property
     def kernels(self) -> tuple[Kernel, ...]:
@@ -54,7 +55,7 @@ class Law:
             ("least_share", self.shares, "(1 - e_max)/2, by component."),
         )
         found = [Table(name, values, len(values), (doc,)) for name, values, doc in known if len(set(values)) > 1]
-        if self.u_max is not None:
+        if self.u_max is not None and not self.scales:
             found.append(Table("u_max", self.u_max, len(self.u_max), ("Saturation of u, by component.",)))
         return found
 
@@ -72,7 +73,7 @@ class Law:
 
     def limit(self, block: Block, i: Operand) -> Operand | None:
         """u_max of component i; None where u is not limited."""
-        return None if self.u_max is None else block.let("u_limit", Load("u_max", i))
+        return None if self.u_max is None or self.scales else block.let("u_limit", Load("u_max", i))
 
 
 def _of_component(block: Block, name: str, values: tuple[Fraction, ...], i: Operand) -> Operand:
@@ -110,6 +111,7 @@ def control_law_of(task: Task) -> Law:
         gain=task.gain,
         e_max=task.e_max,
         u_max=None if task.u_max is None else tuple(round_down(v, scalar) for v in task.u_max),
+        scales=task.scales,
     )
 
 
@@ -250,6 +252,22 @@ def control_component(block: Block, law: Law, place: Place, u_max: Operand | Non
         return u
     minus = block.op("u_min", "neg", u_max)
     return _clamp(block, "u_held", u, minus, u_max)
+
+
+def scale_input(block: Block, law: Law, n: int) -> None:
+    """Statements that bring u, as it is stored, within u_max by one factor for all components, where it is not."""
+    if law.u_max is None or not law.scales:
+        return
+    most = real(law.u_max[0])
+    with block.loop("i", n) as loop:
+        largest = loop.carry("largest", real(0))
+        u = block.let("u_i", Load("u", loop.index))
+        size = block.select("size", block.op("negative", "lt", u, real(0)), block.op("minus", "neg", u), u)
+        loop.update(largest, block.select("larger", block.op("more", "lt", largest, size), size, largest))
+    factor = block.op("factor", "div", most, block.select("divisor", block.op("over", "lt", most, largest), largest, most))
+    with block.loop("i", n) as loop:
+        scaled = block.op("scaled_u", "mul", block.let("u_law_i", Load("u", loop.index)), factor)
+        block.store("u", loop.index, _clamp(block, "u_held", scaled, real(-law.u_max[0]), most))
 
 
 def margin_component(block: Block, apart: Apart, guarded: bool = True) -> Var:

@@ -17,6 +17,7 @@ from stt_codegen.controller.law import (
     margin_component,
     not_finite,
     place_of,
+    scale_input,
     transform_function,
 )
 from stt_codegen.controller.spline import SplineKernels, edge, entry, kernels_of_the_tube, segment_of, start
@@ -203,6 +204,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         place = place_of(block, law.share(block, i), Between(lower_edge, upper_edge, x), law.signed_gain(block, i), guarded)
         loop.update(outside, block.select("outside_any", inside_of(block, place), outside, TRUE))
         block.store("u", i, control_component(block, law, place, law.limit(block, i)))
+    scale_input(block, law, n)
     block.leave(Select(outside, OUTSIDE, OK))
     times = "x" if when.type is TICK else "t or x"
     return Function(

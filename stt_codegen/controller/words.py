@@ -12,7 +12,7 @@ from stt_codegen.task import Task
 def law_doc(task: Task, law: Law) -> str:
     """The first line of what is said of `control`."""
     gain, clamp = by_component(task.gain), by_component(task.e_max)
-    limited = "." if law.u_max is None else ", u saturated."
+    limited = "." if law.u_max is None else ", u scaled as a whole." if law.scales else ", u saturated."
     return f"Control law (13), u = -k xi epsilon, k = {gain}, e clamped to [-{clamp}, {clamp}] by component{limited}"
 
 

@@ -49,6 +49,8 @@ def _with(task: Task, values: Mapping[str, Given | None]) -> Task:
     for name, value in values.items():
         table, field = name.split(".")
         tables.setdefault(table, {})[field] = value
+        if name == "control.u_max" and value is None:  # what says how it limits goes with it
+            tables[table]["saturate"] = None
     return task.changed(**tables)
 
 

@@ -119,6 +119,9 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
             for comparison in (" <= ", " = ", " < "):  # is not broken over two lines
                 told = told.replace(comparison, comparison.replace(" ", NO_BREAK))
             lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(told, 115)]
+        elif task.scales and any(f.code == "P8" for f in certificate.findings):
+            lines.append("For every plant within [plant] of the task u within u_max, scaled as a whole, outdoes all that pushes")
+            lines.append("(P8), in continuous time. What this gain holds against `stt-codegen prove` tells.")
         elif any(f.code == "P8" for f in certificate.findings):
             lines.append(
                 "For every plant within [plant] of the task |u| <= u_max is enough to hold the state in it (P8), in continuous"

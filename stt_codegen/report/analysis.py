@@ -53,7 +53,7 @@ from stt_codegen.sampling import (
     setting_of,
     speeds,
 )
-from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated
+from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.inertia import BEYOND
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
@@ -88,7 +88,9 @@ class Analysis:
         self.windows = self._windows()
         self.bounds = list(self._bounds())
         self.setting = self._setting(start)
-        self.statements = ("sharp", "general") if task.order == 1 else ("sharp",)
+        self.statements: tuple[str, ...] = ("sharp", "general") if task.order == 1 else ("sharp",)
+        if task.scales:  # the sharp statement is about u that is limited by component
+            self.statements = ("general",)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
         if task.order == 2 and (start is None or len(start) == task.dimension):
             moving = any(task.start_speed)
@@ -178,7 +180,7 @@ class Analysis:
     @cached_property
     def periods(self) -> dict[str, Period | None]:
         """By statement, the longest period proved for the task's gain."""
-        known = STATEMENTS if self.controller.task.order == 1 else self.statements
+        known = STATEMENTS if self.controller.task.order == 1 and not self.controller.task.scales else self.statements
         return {statement: longest_from(self.shortest, statement, self.setting) for statement in known}
 
     @property
@@ -260,7 +262,7 @@ class Analysis:
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
-            free = self.period is not None or holds_saturated(s)
+            free = self.period is not None or (holds_scaled(s) if task.scales else holds_saturated(s))
             free = free or bool(((effort(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
             told = "control.u_max is at least what the law may ask for, or outdoes all that pushes (P8)"
             yield Hypothesis("saturation", told, free)

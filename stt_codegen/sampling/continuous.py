@@ -46,6 +46,13 @@ def holds_saturated(s: Setting) -> bool:
     return bool(enough and (epsilon_star(s) < s.law.farthest).all())
 
 
+def holds_scaled(s: Setting) -> bool:
+    """Whether the law that u_max scales as a whole keeps |eps| below eps(e_max) under continuous control, for any g: eps* in norm
+    is below that, and in every window g_min u_max > |P| (the lemma `limits.scaled_stays`)."""
+    enough = (s.law.u_max.min() * s.definite * (1 - 1e-12) > s.push_norm).all()
+    return bool(enough and epsilon_star_norm(s) < s.law.farthest.min())
+
+
 def _inverse_q(need: Array, most: Array) -> Array:
     """The least E (rounded up) with q(E) >= need, shown in balls; infinite above `most`."""
     low, high = np.zeros(need.shape), np.array(most)

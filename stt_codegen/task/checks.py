@@ -227,6 +227,22 @@ def _velocity_problem(task: TaskTables) -> str | None:
     return None
 
 
+def _scale_problem(task: TaskTables) -> str | None:
+    """Why u cannot be limited by one factor; what is shown of that is about norms, in continuous time."""
+    control = task.control
+    if control.u_max is None:
+        return "which limits u by control.u_max; give it, or leave saturate out"
+    if len(set(task.u_max or ())) > 1 or len(set(task.gain)) > 1:
+        return "for which control.u_max and control.gain must be one number each"
+    if control.period is not None:
+        return 'of which nothing is shown for a sampled law; leave control.period out, or use "clip"'
+    if task.tube.design != "refined" or task.order == 2:
+        return 'which is for the refined design and plants of order 1; use "clip"'
+    if any(isinstance(v, tuple) for v in task.plant.bounds.values()):
+        return "which is shown with norms of f, w and g; state plant bounds as one number each"
+    return None
+
+
 def _outside_problem(task: TaskTables) -> str | None:
     """Why the tube cannot do that once it is left."""
     kind = task.control.outside
@@ -293,6 +309,8 @@ def _control_problem(task: TaskTables) -> str | None:
         return f"initial_set.share: is {decimal(share)}, {told}; lower the share or raise e_max"
     if control.period is not None and tick is not None and tick > control.period:
         return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
+    if control.saturate == "scale" and (problem := _scale_problem(task)):
+        return f'control.saturate: is "scale", {problem}'
     if problem := _outside_problem(task):
         return f'control.outside: is "{control.outside}", {problem}'
     if control.gain == "auto" and control.period is None:

@@ -97,6 +97,9 @@ class ControlOptions(Table):
         default=Fraction(99, 100), description="clamp of the normalized error, in (0, 1), or one for each component"
     )
     u_max: Each | None = Field(default=None, description="saturation of the emitted u, or one bound for each component")
+    saturate: Literal["clip", "scale"] = Field(
+        default="clip", description="how u_max limits u: each component, or all of u by one factor, for g that couples"
+    )
     period: Positive | None = Field(default=None, description="seconds between samples; proved (P9), or the task is refused")
     latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
     velocity: Literal["measured", "differences"] = Field(
@@ -262,6 +265,11 @@ class TaskTables(Table):
     def is_coupled(self) -> bool:
         """Whether [plant] lets inputs push other components than their own."""
         return any(b.cross for b in self.plant_bounds)
+
+    @property
+    def scales(self) -> bool:
+        """Whether u is limited as a whole."""
+        return self.control.saturate == "scale"
 
     @property
     def limits_are_demanded(self) -> bool:
