@@ -153,9 +153,9 @@ def plant(dice: Random, b: Held, names: Sequence[str]) -> Task:
     """One of its bounds harder."""
     name, by = dice.choice(names), harder(dice, 1)
     if name == "g_min":
-        return with_plant(b.task, g_min=decimal(b.task.g_range[0] / by))
+        return with_plant(b.task, g_min=decimal(min(v.g_min for v in b.task.plant_bounds) / by))
     if name == "g_max":
-        return with_plant(b.task, g_max=decimal(b.task.g_range[1] * by))
+        return with_plant(b.task, g_max=decimal(max(v.g_max for v in b.task.plant_bounds) * by))
     if name == "g_cross":
         return with_plant(b.task, g_cross=decimal((b.task.plant.g_cross or 0) + (by - 1) / 4))
     return with_plant(b.task, **{name: decimal((getattr(b.task.plant, name) or Fraction(0)) + PUSH * (by - 1))})

@@ -36,7 +36,8 @@ def inertial_task(name: str, scalar: str) -> Task:
     """A task or arena as a plant of order 2 with nothing else said of u, plant and starts."""
     family, _, seed = name.partition(" ")
     task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
-    tube = {"clearance": task.tube.clearance, "min_width": task.tube.min_width}
+    prefer = "slow" if scalar == "double" else "balanced"  # slow tubes narrow, which is what breaks W' + lambda W
+    tube = {"clearance": task.tube.clearance, "min_width": task.tube.min_width, "prefer": prefer}
     given: dict[str, Any] = {v: getattr(task, v) for v in task.model_fields_set - {"tube", "control", "plant", "emit", "map"}}
     given["initial_set"] = {"lower": task.initial_set.lower, "upper": task.initial_set.upper}
     return Task(**given, tube=tube, plant={"order": 2}, emit={"scalar": scalar})

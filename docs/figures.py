@@ -4,11 +4,11 @@ from pathlib import Path
 
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.picture import draw_figure1, draw_figure3, draw_run
-from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
+from stt_codegen.loop.simulate import Loop, Run, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build
-from stt_codegen.plants import PLANTS
+from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.picture import draw, draw_beside
+from stt_codegen.report.picture import draw, draw_beside, plane_named
 from stt_codegen.sampling import most_room
 
 HERE = Path(__file__).parent
@@ -36,7 +36,25 @@ def driven(name: str) -> tuple[Controller, list[Run]]:
     return controller, runs
 
 
+def robot(name: str, *axes: str) -> None:
+    """A robot of tasks/ with its plant from a corner of the share, pushed about as its file says, drawn in these planes."""
+    controller = build(TASKS / f"{name}.toml")
+    task, file = controller.task, TASKS / f"{name}.py"
+    plant = plant_of(str(file) if file.exists() else "integrator", task.dimension, task.order)
+    start = starts(task, controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
+    strength = float(plant.w_max or task.wind)
+    run = Loop(controller, plant).run(
+        Scenario(disturbance="outward", strength=strength, seed=2, start=start, **of_task(task)), trace=True
+    )
+    draw_run(controller, run, HERE / f"{name}.png", [plane_named(task, text) for text in axes])
+
+
 def main() -> None:
+    robot("arm")
+    robot("attitude", "pitch,yaw")
+    robot("base")
+    robot("drone", "x,y", "x,z")
+    robot("rover")
     draw_figure3([driven(name) for name in ("omni_s1", "omni_s2", "omni_s3")], HERE / "figure3.png")
     adaptive = build(TASKS / "omni_s2.toml", "adaptive")
     run = Loop(adaptive, INTEGRATOR).run(Scenario(4000.0, "sinusoidal", WIND, 1), trace=True)

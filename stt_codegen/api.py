@@ -472,7 +472,7 @@ class Controller(pipeline.Controller):
         from stt_codegen.plants import plant_of
 
         model = plant_of(plant, self.task.dimension, self.task.order) if isinstance(plant, str) else plant
-        if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension")):
+        if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension", "order", "constants", "mixing")):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
             asked = Scenario(**{**of_task(self.task), **scenario})

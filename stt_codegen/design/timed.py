@@ -44,13 +44,13 @@ class TimedSearch(Search):
                 if not found and not self.leads():
                     return None
                 continue
-            if self.within(shape, ROOM * self.straight):
+            if self.within(shape, ROOM[self.arena.order] * self.straight):
                 return shape
             if slowest is None:
                 slowest = self.slowest()
                 found += [] if slowest is None else [slowest]
             found.append(shape)
-            if self.within(shape, ROOM * min(s.speed for s in found)):
+            if self.within(shape, ROOM[self.arena.order] * min(s.speed for s in found)):
                 return shape
         last = self.slowest() if slowest is None else slowest
         found += [] if last is None else [last]

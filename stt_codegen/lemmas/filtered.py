@@ -17,6 +17,7 @@ from stt_codegen.certify.components import inertial_components
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered, pressed
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.sampled_exact import kept_after
 
 t, s = sp.symbols("t s", positive=True)
 lam, F, g, G, tau = sp.symbols("lambda F g G tau", positive=True)
@@ -181,20 +182,37 @@ def _components() -> Outcome:
                     low, high = (
                         sp.lambdify(s, [_cubic(design.table, p, i, side).diff(s, d) for d in range(3)]) for side in (0, 1)
                     )
-                    here += [(*low(u), *high(u)) for u in np.linspace(0, 1, 40)] if k < design.segments else [(*low(1), *high(1))]
-                for l0, l1, l2, r0, r1, r2 in here:
+                    places = np.linspace(0, 1, 40) if k < design.segments else np.ones(1)
+                    here += [(k in (p, design.segments), *low(u), *high(u)) for u in places]
+                for own, l0, l1, l2, r0, r1, r2 in here:
                     w, z = (r0 - l0) * unit, ((r1 - l1) * per + value * (r0 - l0)) * unit
                     bend_l, bend_r = l2 * per**2 * unit, r2 * per**2 * unit
                     at_edge = max(value**2 * w - bend_r, -bend_l, value**2 * w + bend_l, bend_r)
                     aged = max(value * z - bend_l, value**2 * w - bend_r, value * z + bend_r, value**2 * w + bend_l, 0)
                     turned = abs(bend_l + bend_r) / 2 + value * (z + value * w) / 2
-                    least, most = (float(c.narrow_seen), float(c.wide)) if k < design.segments else (-np.inf, np.inf)
+                    most = float(c.wide) if own else np.inf  # of its own window; the last stands
                     told = (float(c.speed), float(c.drift), float(c.middle))
-                    good = z >= least - 1e-9 * abs(z) and all(
-                        m >= d - 1e-9 * abs(d) for m, d in zip(told, (at_edge, aged, turned), strict=True)
-                    )
-                    wrong += [] if good and most > -np.inf else [f"{design} window {k}"]
+                    lengths = float(c.narrow_seen) - 1e-9 * abs(z) <= z <= most + 1e-9 * abs(z)
+                    good = lengths and all(m >= d - 1e-9 * abs(d) for m, d in zip(told, (at_edge, aged, turned), strict=True))
+                    wrong += [] if good else [f"{design} window {k}"]
     return cases(DESIGNS, wrong, "width and pushes of every window bound what is there")
+
+
+def _places() -> Outcome:
+    """Which comparison of `_kept` refuses where one of the three pushes alone is too large: P_m in the first, P_x in the second,
+    P_d in the third, by the drift."""
+    small, tried, wrong = Fraction(1, 10), {"P_m": 1, "P_x": 2, "P_d": 3}, []
+    for name, last in tried.items():
+        large = {
+            "P_m": (small, small, Fraction(1000)),
+            "P_x": (Fraction(150), small, small),
+            "P_d": (small, Fraction(500), small),
+        }
+        if kept_after(pushes=large[name]) != (False, last):
+            wrong.append(f"{name}: not refused by comparison {last}")
+    if kept_after(pushes=(small, small, small)) != (True, 6):
+        wrong.append("refused where nothing pushes much")
+    return cases(len(tried) + 1, wrong, "`_kept` has P_m in its first condition, P_x in the limit, P_d in the drift")
 
 
 LEMMAS = (
@@ -224,6 +242,6 @@ LEMMAS = (
           r"Z_{min}, P_x - F, P_d - F, P_m - F", ("by cases, at places",), "the evaluated code", _components),
     Lemma("filtered.sharp",
           "The sharp statement holds for order 2 with P_m in its first condition, P_d in the drift and P_x in the last.",
-          r"|\epsilon_i| < E", ("as sampled.sharp",), "ours", _exit,
+          r"|\epsilon_i| < E", ("as sampled.sharp",), "ours", lambda: all_of(_exit(), _places()),
           ("sampled.same_side", "sampled.ends", "filtered.inside", "filtered.pushed", "filtered.ages", "filtered.middle")),
 )  # fmt: skip

@@ -127,7 +127,7 @@ def _refuses() -> Outcome:
     """Which comparison of `_kept` refuses, for numbers that fail that one and none before it. Those of the ends (the third and
     the fifth) never refuse alone: what same side leaves is more than twice the drift, since latency is within the age."""
     wrong: list[str] = []
-    tried: dict[str, tuple[int, dict[str, Fraction]]] = {
+    tried: dict[str, tuple[int, dict[str, Any]]] = {
         "same side": (1, {"narrow": Fraction(1, 50)}),
         "saturated": (2, {"u_max": Fraction(1, 100)}),
         "inward at the narrow end": (4, {"narrow": Fraction(400), "wide": Fraction(400)}),
@@ -135,14 +135,20 @@ def _refuses() -> Outcome:
         "none": (6, {}),
     }
     for name, (last, change) in tried.items():
-        answer, asked = _asked(**change)
+        answer, asked = kept_after(**change)
         if (answer, asked) != (name == "none", last):
             wrong.append(f"{name}: {'kept' if answer else 'refused'} after {asked} comparisons")
     return cases(len(tried), wrong, "`_kept` refuses by the comparison that fails, and keeps where none does")
 
 
-def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: Fraction = Fraction(100)) -> tuple[bool, int]:
-    """The answer of `_kept` for one component, and after how many comparisons."""
+def kept_after(
+    narrow: Fraction = Fraction(1),
+    wide: Fraction = Fraction(2),
+    u_max: Fraction = Fraction(100),
+    pushes: tuple[Fraction, ...] = (Fraction(1, 10),),
+) -> tuple[bool, int]:
+    """The answer of `_kept` for one component, and after how many comparisons. pushes: at an edge, and for order 2 while a sample
+    ages and from the middle."""
     plant = SimpleNamespace(force=_number(Fraction(1, 10)), g_min=Fraction(1), g_max=Fraction(1), cross=Fraction(0))
     task: Any = SimpleNamespace(
         dimension=1,
@@ -155,7 +161,7 @@ def _asked(narrow: Fraction = Fraction(1), wide: Fraction = Fraction(2), u_max: 
         u_max=(u_max,),
     )
     statement = period.SharpStatement(task, SimpleNamespace(), (Fraction(0),), lambda y: (y.log(), y.log()))  # type: ignore[arg-type]
-    window = Component(_number(narrow), _number(narrow), _number(wide), Fraction(1, 10))
+    window = Component(_number(narrow), _number(narrow), _number(wide), *pushes)
     with questions() as asked:
         kept = statement._kept(0, window, _number(Fraction(6)), [_number(min(Fraction(20), u_max))])  # type: ignore[arg-type, list-item]
     return kept, len(asked)

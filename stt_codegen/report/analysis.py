@@ -279,14 +279,21 @@ class Analysis:
     @property
     def _stated(self) -> str:
         stated = self.controller.task.plant_bounds
+        if self.controller.task.scales:
+            one = stated[0]
+            return f"|f + w| <= {decimal(one.force)}, g_s >= {decimal(one.g_min)}, |g| <= {decimal(one.g_max)}"
         force, low, high, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
         return f"|f_i + w_i| <= {force}, {low} <= g_ii <= {high}, |g_ij| <= {cross}"
 
     @property
     def is_covered(self) -> bool:
-        """Whether [plant] holds of the plant all over the tube, component by component: then what the certificate says of plants
-        within [plant] is true of it."""
+        """Whether [plant] holds of the plant all over the tube, component by component, or in norm where u is scaled: then what
+        the certificate says of plants within [plant] is true of it."""
         stated, n = bounds_of_task(self.controller.task), self.controller.task.dimension
+        if self.controller.task.scales:  # P8 then is about norms
+            return all(
+                b.push_norm <= stated.push_norm and b.definite >= stated.definite and b.norm <= stated.norm for b in self.bounds
+            )
         off = ~np.eye(n, dtype=bool)
         return all(
             (b.push <= stated.push).all() and (b.least >= stated.least).all() and (b.most <= stated.most).all()

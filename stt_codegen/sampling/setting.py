@@ -54,7 +54,8 @@ class Setting:
     least, most, cross (W + 1, n, n), definite, norm (both (W + 1)): of g, as `plant.Bounds`. push: what moves x or an edge apart
     from u, P = |f + w| + the edges' speed; push_norm (W + 1): the same as a norm. narrow: the tube's width. start (n): what
     |eps(0)| is at most, for the starts that are spoken of. drift, middle: for order 2 what pushes in the other places of the
-    sharp statement.
+    sharp statement. known_to: seconds, how old a sample may be for which g of a plant that mixes, and the error of a velocity by
+    differences, are known.
     """
 
     windows: Windows
@@ -70,7 +71,7 @@ class Setting:
     start: Array
     drift: Array | None = None
     middle: Array | None = None
-    known_to: float = math.inf  # seconds: the bounds on g are for samples of that age at most
+    known_to: float = math.inf
 
     @property
     def longest_age(self) -> float:
