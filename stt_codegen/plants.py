@@ -33,7 +33,7 @@ import inspect
 import math
 import runpy
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -181,6 +181,8 @@ def _from_file(path: Path) -> Plant:
     if mixing is not None and not callable(mixing):
         raise BadInput(f"--plant {path}: mix is {mixing!r}; a function of x is needed")
     order = _order(names["f"], bool(constants))
+    if not constants and "p" in _parameters(names["f"]):
+        raise BadInput(f"--plant {path}: f takes p, and the file gives no ranges for it; add them, for example p = [(0, 0.3)]")
     return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max, order, constants, mixing)
 
 
@@ -193,16 +195,23 @@ def _constants(path: Path, given: Any) -> tuple[tuple[float, float], ...]:
     for k, (low, high) in enumerate(found):
         if not (math.isfinite(low) and math.isfinite(high) and low <= high):
             told = f"p[{k}] is {given[k]!r}" if isinstance(given, Sequence) and k < len(given) else f"p is {given!r}"
-            raise BadInput(f"--plant {path}: {told}; ranges (from, to) are needed, for example p = [(0, 0.3)]")
+            raise BadInput(
+                f"--plant {path}: {told}; finite ranges (from, to), from <= to, are needed, for example p = [(0, 0.3)]"
+            )
     return found
+
+
+def _parameters(function: Callable[..., Any]) -> Mapping[str, inspect.Parameter]:
+    """By name; none of a function that is not Python's."""
+    try:
+        return inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return {}
 
 
 def _order(function: Callable[..., Any], constants: bool) -> int:
     """2 where a function must have x and v, else 1; the constants, where there are any, are one argument more."""
-    try:
-        given = inspect.signature(function).parameters.values()
-    except (TypeError, ValueError):  # a function that is not Python's
-        return 1
+    given = _parameters(function).values()
     needed = sum(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in given)
     return 2 if needed - constants == 2 else 1
 
@@ -218,6 +227,15 @@ def model(plant: Model, dimension: int, order: int = 1) -> Any:
     parts = [ca.SX.sym(name, dimension) for name in ("x", "v")[:order]]
     parts += [ca.SX.sym("p", len(plant.constants))] if plant.constants else []
     sample = ca.SX.sym("sample", dimension if plant.mixing else 0)
+    if plant.mixing is not None:
+        try:
+            with contextlib.redirect_stdout(sys.stderr):
+                _matrix(plant.mixing(sample))
+        except (Exception, SystemExit) as error:  # the user's own code may raise anything
+            told = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
+            raise BadInput(
+                f"--plant {plant.name}: mix(x) fails or is no matrix ({told}); it takes x of the sample alone"
+            ) from None
     mixed = ca.SX.eye(dimension)
     try:
         with contextlib.redirect_stdout(sys.stderr):
@@ -228,9 +246,10 @@ def model(plant: Model, dimension: int, order: int = 1) -> Any:
         if "out of bounds" in str(error).lower():
             raise BadInput(
                 f"--plant {plant.name}: f, g or mix reads an entry that x does not have; the task has {dimension} dimensions, "
-                f"x[0] to x[{dimension - 1}]"
+                f"x[0] to x[{dimension - 1}]" + (f", and p has {len(plant.constants)} ranges" if plant.constants else "")
             ) from None
-        raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({type(error).__name__}: {error})") from None
+        told = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
+        raise BadInput(f"--plant {plant.name}: f(x) or g(x) fails ({told})") from None
     square = (dimension, dimension)
     for name, value, shape in (("f", f, (dimension, 1)), ("g", g, square), ("mix", mixed, square)):
         if value.shape != shape:

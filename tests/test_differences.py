@@ -19,7 +19,7 @@ from stt_codegen.compare.toolchain import load_module
 from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.loop.command import within_bounds
+from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.task import Task, load_task
@@ -164,3 +164,19 @@ def test_the_checker_proves_it_and_finds_another_shortest_period(tmp_path: Path,
         files["drone.c"].replace(b"const drone_real mean = moved / step;", b"const drone_real mean = moved * step;")
     )
     assert checker.main(arguments) == 1
+
+
+def foretold_of(**scenario: Any) -> str:
+    own = made().task
+    return " ".join(foretold(made(), None, Scenario(**{**of_task(own), **scenario})))
+
+
+def test_nothing_is_foretold_of_what_a_difference_does_not_know() -> None:
+    """A start with a speed, samples nearer than period_min, and samples farther apart than the period, however late u acts."""
+    own = made().task
+    start = tuple(float(v) for v in own.initial_state)
+    assert "proved from this start" in foretold_of()
+    assert "not proved" in foretold_of(start=(*start, 0.1, 0.0, 0.0))
+    assert "not proved" in foretold_of(rate=1.01 / float(own.shortest_period))
+    assert "not proved" in foretold_of(rate=1 / (1.02 * float(own.sampling_period)), latency=0.0)
+    assert "not proved" in foretold_of(lost=1)

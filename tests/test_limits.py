@@ -22,6 +22,7 @@ from stt_codegen.compare.toolchain import load_module
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
 from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
 from stt_codegen.plants import PLANTS, Plant
@@ -319,3 +320,27 @@ def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
     assert fastest <= float(spare_input(task)[0])
     with pytest.raises(NotCertified, match="raise"):
         build_task(task.changed(prescribed_time=Fraction("0.5")))
+
+
+@pytest.mark.parametrize(
+    ("plant", "drift", "covered"),
+    [
+        ("g_min = 0.37, g_max = 4.7", 0.0, True),
+        ("g_min = 0.9, g_max = 4.7, g_cross = 1.5", 0.0, False),  # every g_ii is above, g_s is not
+        ("g_min = 0.37, g_max = 4.7, f_max = 0.3", 0.29, False),  # every |f_i| is below, |f| is not
+        ("g_min = 0.37, g_max = 4.7, f_max = 0.3", 0.2, True),
+    ],
+)
+def test_what_a_scaled_u_holds_against_is_told_by_norms(plant: str, drift: float, covered: bool) -> None:
+    controller = build_task(parse_task(SCALED.replace("g_min = 0.37, g_max = 4.7", plant)))
+    own = Plant("coupled", "", 2, lambda x: [drift, drift], coupled)
+    assert Analysis(controller, own).is_covered == covered
+
+
+def test_the_worst_plants_for_a_scaled_u_are_within_the_norms() -> None:
+    task = parse_task(SCALED.replace("g_max = 4.7", "g_max = 4.7, g_cross = 3"))
+    for plant in within_bounds(task):
+        g = np.array(plant.g(np.zeros((2, 1))))
+        assert np.linalg.eigvalsh((g + g.T) / 2)[0] >= 0.37 - 1e-12
+        assert np.linalg.norm(g, 2) <= 4.7
+        assert abs(g[0, 1]) > 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import runpy
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stt_codegen.loop.command import with_wind
+from stt_codegen.loop.command import Request, simulate, with_wind
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.plants import Model, Plant, model, plant_of
@@ -193,3 +194,29 @@ def test_bounds_by_component_say_what_one_number_says_where_they_agree() -> None
     assert one == other
     weaker = task.changed(plant={"g_min": [given.get("g_min", Fraction(1)), Fraction(1, 10)]})
     assert weaker.plant_bounds[1].g_min == Fraction(1, 10)
+
+
+def test_plant_covers_only_what_p9_is_about() -> None:
+    """A plant that mixes is asked of with the task's own latency and noise, or the line says that it was not."""
+    controller, plant = robot("base")
+    assert next(h for h in Analysis(controller, plant).hypotheses() if h.name == "[plant]").holds
+    for changes in ({"latency": 0.0}, {"noise": 0.0}):
+        found = next(h for h in Analysis(controller, plant, **changes).hypotheses() if h.name == "[plant]")
+        assert not found.holds
+        assert "less noise or latency" in found.statement
+
+
+def test_the_worst_plants_push_every_component_as_far_as_it_is_stated() -> None:
+    """[plant] by component: the elbow is pushed by its own bound, not by the shoulder's."""
+    controller, _ = robot("arm")
+    report = simulate(controller, Request(plant="bounds"), None)
+    forces = [float(b.force) for b in controller.task.plant_bounds]
+    assert [report.scenario.strength * v for v in report.scenario.shares] == pytest.approx(forces)
+    assert report.run.kept
+    traced = Loop(controller, plant_of("integrator", 2, 2)).run(
+        replace(report.scenario, disturbance="constant", seed=3), trace=True
+    )
+    assert traced.trace is not None
+    w = np.abs(traced.trace[:, 9:11])
+    assert (w <= np.array(forces) + 1e-12).all()
+    assert w[:, 1].max() > forces[0]

@@ -189,7 +189,7 @@ def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...]
         noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
         law = inertial_law(task, design, edge_error, rate, noise, float(task.control.latency))
         made = inertial_setting(design, [bounds_of_task(task)] * (design.segments + 1), law, eps_of_starts(task, design))
-        return replace(made, known_to=difference_age(task))
+        return replace(made, known_to=difference_age(task, float(task.control.latency)))
     windows = refined_windows(design)
     law = law_of(task, edge_error, float(task.plant.noise or 0), float(task.control.latency))
     start = eps_of_share(task.initial_set.share, task.dimension)

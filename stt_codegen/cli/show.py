@@ -109,7 +109,7 @@ def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[s
     """What `Analysis.sampling` says, for people: first for all the starts, then for initial_state alone."""
     own, plant = sampling.at_this_gain, f"for {escape(sampling.plant)}"
     starts, longest, wanted = sampling.starts, sampling.longest, _time(sampling.wanted)
-    least = f", but not below {_time(sampling.shortest)} (alpha_step)" if sampling.shortest else " or faster"
+    least = f", but not below {_time(sampling.shortest)} ({sampling.shortest_for})" if sampling.shortest else " or faster"
 
     def every(proved: ProvedPeriod) -> str:
         late = f", u at most {_time(sampling.latency)} after its sample" if sampling.latency else ""
@@ -201,6 +201,9 @@ def show_bounds(report: BoundsReport) -> None:
         _indented(console, line)
     if report.proposed is not None:
         console.print(f"  as bounds in the task: [plant] {report.proposed.toml()}", markup=False)
+        if report.filter:
+            own = by_component(report.filter)
+            console.print(f'  (for lambda = {own}: state tube.filter too, for "auto" goes by these bounds)', markup=False)
 
 
 def _or_none(value: float | None) -> str:
@@ -212,7 +215,8 @@ def show_run(report: RunReport) -> None:
     console = _console()
     task, run, s = report.controller.task, report.run, report.scenario
     verdict = "[green]fulfilled[/green]" if report.fulfilled else "[red]MISSED[/red]"
-    under = [f"|w| <= {s.strength:g} ({s.disturbance})" if s.strength else "no disturbance"]
+    each = [s.strength * v for v in s.shares] or [s.strength]
+    under = [f"|w| <= {by_component(each)} ({s.disturbance})" if s.strength else "no disturbance"]
     under += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
     if s.noise:
         under.append(f"x measured to {s.noise:g}")

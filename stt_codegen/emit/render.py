@@ -48,6 +48,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "clock": _clock(task),
         "selftest": task.emit.selftest,
         "outside": task.control.outside,
+        "late": bool(task.control.latency),
         "steps": certificate.steps if certificate.holds else None,
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))

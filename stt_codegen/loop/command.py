@@ -117,6 +117,9 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     if request.clock != "stated" and not any(c is not None for c in task.courses):
         raise BadInput(f"--clock {request.clock}: no unsafe set of the task moves or has hours; leave it out")
     scenario = request.scenario(task, models[0])
+    if request.plant == BOUNDS:
+        forces = [float(b.force) for b in task.plant_bounds]
+        scenario = replace(scenario, shares=tuple(v / max(*forces, 1e-300) for v in forces))
     if request.plant == BOUNDS and scenario.strength > float(models[0].w_max):
         raise BadInput(f"--w-max {scenario.strength:g}: is beyond [plant], whose f_max + w_max is {float(models[0].w_max):g}")
     windy = None if request.plant == BOUNDS else with_wind(models[0], scenario.strength)
@@ -140,19 +143,25 @@ def within_bounds(task: Task) -> list[Plant]:
     """Plants at the corners of what P9 is about: every g_ii the weakest or the strongest (of -g for a negative gain), every g_ij
     as large as may be with either sign, and f counted to w, which pushes wherever the disturbance says."""
     sign = 1 if task.gain[0] > 0 else -1
-    stated = task.plant_bounds
-    push = min(b.force for b in stated)  # of one norm in every direction
+    stated, n = task.plant_bounds, task.dimension
+    push = max(b.force for b in stated)
+    cross = [b.cross for b in stated]
+    if task.scales and n > 1:  # there g_min and g_max are about norms: what couples turns, and leaves g_s as it is
+        least, most = float(stated[0].g_min), float(stated[0].g_max)
+        cross = [min(c, Fraction(math.sqrt(max(most**2 - least**2, 0.0)) / (n - 1)) * Fraction(999, 1000)) for c in cross]
 
     def plant(words: str, own: list[Fraction], other: int) -> Plant:
         def matrix(x: Any, *_: Any) -> list[list[float]]:
-            return [
-                [float(sign * own[i] if i == j else other * stated[i].cross) for j in range(len(own))] for i in range(len(own))
-            ]
+            def beside(i: int, j: int) -> Fraction:
+                return other * cross[i] * (-1 if task.scales and j < i else 1)
+
+            return [[float(sign * own[i] if i == j else beside(i, j)) for j in range(n)] for i in range(n)]
 
         return Plant(f"[plant], {words}", "", None, lambda x, *_: [0] * x.shape[0], matrix, push, None)
 
     weakest, strongest = [b.g_min for b in stated], [b.g_max for b in stated]
     gains = [("weakest g", weakest), ("strongest g", strongest)][: 1 + (weakest != strongest)]
+    gains = gains[:1] if task.scales and task.is_coupled else gains
     signs = [(", coupled", 1), (", coupled the other way", -1)] if task.is_coupled else [("", 0)]
     return [plant(word + way, own, other) for word, own in gains for way, other in signs]
 
@@ -212,7 +221,14 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
         return ["the tube is not certified: nothing is proved"]
     if scenario.lag:
         return [f"not proved: u acts through a lag of {scenario.lag:g} s, which no statement here allows for"]
-    start = [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)]
+    task, start = (
+        controller.task,
+        [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)],
+    )
+    if task.differs and any(start[task.dimension :]):
+        return ["not proved: a velocity by differences is 0 at the first sample, so starts are at rest"]
+    if task.differs and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
+        return [f"not proved: samples are nearer than control.period_min = {float(task.shortest_period):g} s"]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]
     low, high = analysis.windows.start.T

@@ -46,6 +46,7 @@ class Setting(ctypes.Structure):
         ("noise_v", ctypes.c_double),
         ("filter", ctypes.c_void_p),
         ("constants", ctypes.c_void_p),
+        ("shares", ctypes.c_void_p),
         ("lag", ctypes.c_double),
         ("latency", ctypes.c_double),
         ("start", ctypes.c_void_p),

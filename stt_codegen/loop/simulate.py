@@ -52,7 +52,8 @@ class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise, noise_v: bounds on the error of every
     measured component of x and v; lost: samples that may be lost in a row; start: x(0), of order 2 with v(0) behind it or at
     rest, the task's own where None; latency: seconds from a sample to its input;
-    lag: seconds, what acts follows u by a first-order lag. clock: of sets that move,
+    lag: seconds, what acts follows u by a first-order lag. shares: of w by component, where its bounds differ: then `strength` is
+    the largest of them, and every |w_i| is within its own. clock: of sets that move,
     stated (their times are right, and the controller starts in time), early (they are as far behind as may be), late (as far
     ahead, with the controller's start_delay), or worst (at every moment and for every set the worst of nine readings from early
     to late)."""
@@ -68,6 +69,7 @@ class Scenario:
     clock: str = "stated"
     noise_v: float = 0.0
     lag: float = 0.0
+    shares: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.disturbance not in KINDS:
@@ -167,6 +169,7 @@ class Loop:
 
     def _until(self, end: float, scenario: Scenario, start: Array, constants: Array, trace: bool) -> Run:
         """The run to that time, seconds."""
+        shares = np.array(scenario.shares or (1.0,) * self.controller.task.dimension)
         task, field_ = self.controller.task, self.field
         period = 1 / scenario.rate
         samples = max(1, math.ceil(end / period - 1e-9))
@@ -189,6 +192,7 @@ class Loop:
             noise_v=scenario.noise_v,
             filter=self.filter.ctypes.data,
             constants=constants.ctypes.data,
+            shares=shares.ctypes.data,
             lag=scenario.lag,
             latency=scenario.latency,
             start=start.ctypes.data,

@@ -51,6 +51,7 @@ def package(controller: Controller, kind: str) -> Files:
         "adaptive": controller.design.stateful,
         "order": controller.task.order,
         "outside": controller.task.control.outside,
+        "differs": controller.task.differs,
         "period_us": int(period * 10**6),
         "period_ms": f"{float(period * 1000):g}",
         "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",

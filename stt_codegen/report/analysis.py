@@ -98,7 +98,7 @@ class Analysis:
 
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
-        return replace(self._loop(start), known_to=min(self.mixed_age, difference_age(self.controller.task)))
+        return replace(self._loop(start), known_to=min(self.mixed_age, difference_age(self.controller.task, self.latency)))
 
     def _loop(self, start: Sequence[float] | None) -> Setting:
         controller, task, design = self.controller, self.controller.task, self.controller.design
@@ -185,8 +185,11 @@ class Analysis:
 
     @property
     def shortest(self) -> float:
-        """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified."""
+        """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified, and for a
+        velocity by differences."""
         steps = self.controller.certificate.steps
+        if self.controller.task.differs:
+            return float(self.controller.task.shortest_period)
         return 0.0 if steps is None else float(steps[0])
 
     @property
@@ -218,7 +221,7 @@ class Analysis:
                 found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:
                 found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
-        if self.shortest:
+        if self.shortest and not task.differs:
             found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
         return found
 
@@ -272,7 +275,9 @@ class Analysis:
             yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
         if self.plant is not None and (task.control.period is not None or task.limits_are_demanded):
             told = f"this plant is one of those that {'P9' if task.control.period is not None else 'P8'} is about: {self._stated}"
-            yield Hypothesis("[plant]", told, self.is_covered)
+            easier = self.noise < float(task.plant.noise or 0) or self.latency < float(task.control.latency)
+            told += "; asked with less noise or latency than the task's" if easier else ""
+            yield Hypothesis("[plant]", told, self.is_covered and not easier)
         if isinstance(self.controller.design, AdaptiveDesign):
             yield from self._adaptive
 
@@ -352,6 +357,7 @@ class Analysis:
             latency=self.latency,
             assumes=tuple(self.assumptions()),
             shortest=above_float(self.shortest),
+            shortest_for="control.period_min" if task.differs else "alpha_step",
             starts=self.starts,
             gain=tuple(float(v) for v in task.gain),
             at_this_gain=ProvedPeriod.of(own, self.latency),
@@ -396,6 +402,7 @@ class Analysis:
             self.sampling(),
             self.update_function if isinstance(controller.design, AdaptiveDesign) else None,
             self.proposed,
+            tuple(float(v) for v in getattr(controller.design, "filter", ())),
         )
 
     @property

@@ -101,6 +101,7 @@ class Sampling:
     wanted: float
     roomiest: Advice | None
     gains: tuple[tuple[float, ...], tuple[float, ...]] | None
+    shortest_for: str = ""  # what asks for it
 
     def document(self) -> dict[str, Any]:
         def shown(value: ProvedPeriod | Advice | None) -> dict[str, Any] | None:
@@ -156,7 +157,8 @@ class ProposedBounds:
     g_cross: float | list[float] | None
 
     def toml(self) -> str:
-        return ", ".join(f"{name} = {by_component(_listed(value))}" for name, value in asdict(self).items() if value is not None)
+        known = {name: _listed(value) for name, value in asdict(self).items() if value is not None}
+        return ", ".join(f"{name} = {by_component(values)}" for name, values in known.items() if None not in values)
 
 
 def _listed(value: float | list[float]) -> list[float]:
@@ -200,6 +202,7 @@ class BoundsReport:
     sampling: Sampling
     update_function: UpdateFunctionBounds | None
     proposed: ProposedBounds | None
+    filter: tuple[float, ...] = ()
 
     @property
     def good(self) -> bool:

@@ -117,9 +117,10 @@ def difference_error(
     return tuple(found)
 
 
-def difference_age(task: Task) -> float:
-    """To which age of a sample a velocity by differences has that error, seconds; without end where v is measured."""
-    return float((task.sampling_period + task.control.latency) * BEYOND) if task.differs else math.inf
+def difference_age(task: Task, latency: float) -> float:
+    """To which age of a sample a velocity by differences has that error, seconds: samples BEYOND times the period apart, whose u
+    acts `latency` later; without end where v is measured."""
+    return float(task.sampling_period * BEYOND) + latency if task.differs else math.inf
 
 
 def inertial_law(

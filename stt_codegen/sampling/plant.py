@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 from flint import arb
 
+from stt_codegen.errors import BadInput
 from stt_codegen.plants import Model, model
 from stt_codegen.program import Op, Program, Var, operands
 from stt_codegen.program.ball_arithmetic import Ball, hull
@@ -158,8 +159,12 @@ class PlantEnclosure:
         may be from x, by dimension, where the plant mixes."""
         sample = [(-d, d) for d in drift] if self.plant.mixing is not None else []
         sides = [*box, *self.plant.constants, *sample]
-        pushes = [self._push(values) for values in self.parts[0].pieces(sides)]
-        inputs = [self._input(values) for values in self.parts[1].pieces(sides)]
+        try:
+            pushes = [self._push(values) for values in self.parts[0].pieces(sides)]
+            inputs = [self._input(values) for values in self.parts[1].pieces(sides)]
+        except (OverflowError, TypeError, ZeroDivisionError) as error:  # what is no number all over the box
+            told = f"f or g cannot be enclosed over the tube ({type(error).__name__}: {error})"
+            raise BadInput(f"--plant {self.plant.name}: {told}; is there a pole, or a root of what may be negative?") from None
         (push, push_norm), (most, cross, norm, least, definite) = (list(zip(*found, strict=True)) for found in (pushes, inputs))
         worst = [np.asarray(np.max(np.array(v), axis=0)) for v in (push, most, cross)]
         lowest = np.asarray(np.min(np.array(least), axis=0))

@@ -220,6 +220,10 @@ def _velocity_problem(task: TaskTables) -> str | None:
     if control.period_min is not None and control.period_min > task.sampling_period:
         told = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
         return f"control.period_min: {told}; use that or less"
+    tick = task.emit.tick_period
+    if tick is not None and tick < task.shortest_period:
+        told = f"is {decimal(tick)}, below control.period_min = {decimal(task.shortest_period)}"
+        return f"emit.tick_period: {told}, which a velocity by differences needs between samples; raise it, or lower that"
     if task.plant.noise_v is not None:
         return "plant.noise_v: is of a velocity that is measured, and here it is of differences; leave it out"
     if any(task.start_speed):

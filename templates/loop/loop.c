@@ -231,7 +231,7 @@ static void blow(const wind *v, double t, const double *x, double *w)
         }
         w[worst - first] = held[worst] < v->middle[worst] ? -1.0 : 1.0;
     }
-    for (int i = 0; i < n; i++) w[i] *= s->strength;
+    for (int i = 0; i < n; i++) w[i] *= s->strength * s->shares[i];
 }
 
 /* An input, x of the sample that it was made of, and since when it acts. */

@@ -36,6 +36,7 @@ typedef struct {
     double noise_v;        /* and of v */
     const double *filter;  /* n, of order 2: what is held in the filtered tube is v + filter x */
     const double *constants; /* of the plant, in this run */
+    const double *shares;  /* n: of w by component, at most 1 */
     double lag;            /* seconds: what acts follows u by a first-order lag, 0 for none; at rest first */
     double latency;        /* seconds from a sample to its u, less than WAITING - 2 periods; the first one acts at once */
     const double *start;   /* a state */
