@@ -7,7 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -86,28 +85,20 @@ def lemma(name: str) -> Lemma:
     return next(v for _, lemmas in FAMILIES.values() for v in lemmas if v.name == name)
 
 
-@cache
-def book() -> list[Entry]:
-    return prove_all()
-
-
-@pytest.mark.xdist_group("book")  # proved once
-def test_nothing_is_open_and_only_what_must_be_is_refuted() -> None:
-    entries = book()
+def test_nothing_is_open_only_what_must_be_is_refuted_and_the_pages_say_so() -> None:
+    """One test, for the whole book is proved once only within one: a minute and a half."""
+    entries = prove_all()
     assert {e.lemma.name for e in entries if e.verdict is Verdict.REFUTED} == REFUTED
     assert not [(e.lemma.name, e.outcome.evidence) for e in entries if e.verdict is Verdict.OPEN]
     assert all(e.outcome.evidence for e in entries)
+    assert (ROOT / "generated" / "lemmas.md").read_text() == page(entries)
+    the_book_in_latex_is_well_formed_and_complete(entries)
 
 
 def test_names_belong_to_their_family_and_are_used_once() -> None:
     names = [(family, v.name) for family, (_, lemmas) in FAMILIES.items() for v in lemmas]
     assert all(name.split(".")[0] == family for family, name in names)
     assert len({name for _, name in names}) == len(names)
-
-
-@pytest.mark.xdist_group("book")  # proved once
-def test_the_committed_page_is_what_the_book_says() -> None:
-    assert (ROOT / "generated" / "lemmas.md").read_text() == page(book())
 
 
 # ---- sabotage: the kernel that is printed made wrong, one family after the other
@@ -556,13 +547,12 @@ def test_the_key_follows_every_source_file(monkeypatch: Any) -> None:
     assert cache_module.key() != before
 
 
-@pytest.mark.xdist_group("book")  # proved once
-def test_the_book_in_latex_is_well_formed_and_complete() -> None:
-    text = page(book(), ".tex")
+def the_book_in_latex_is_well_formed_and_complete(entries: list[Entry]) -> None:
+    text = page(entries, ".tex")
     assert text.count("{") - text.count(r"\{") == text.count("}") - text.count(r"\}")
     for environment in ("itemize", "document"):
         assert text.count(rf"\begin{{{environment}}}") == text.count(rf"\end{{{environment}}}")
-    for e in book():
+    for e in entries:
         assert e.lemma.name.replace("_", r"\_") in text
         assert e.lemma.latex in text
 

@@ -21,7 +21,7 @@ from stt_codegen.sampling.plant import PlantEnclosure
 from stt_codegen.task import load_task
 
 ROOT = Path(__file__).parent.parent
-ROBOTS = ("arm", "attitude", "base", "rover")
+ROBOTS = ("arm", "attitude", "base", "drone", "rover")
 
 
 @cache
