@@ -145,7 +145,9 @@ def test_the_peak_speed_is_near_the_least_possible(seed: int) -> None:
     speed = float(max(build_task(task).certificate.speed))
     slowest = float(max(build_task(task, tube=refine(task.changed(tube={"prefer": "slow"}))).certificate.speed))
     assert least - 0.5 / arena.prescribed_time <= slowest <= speed * (1 + 1e-6)
-    assert speed <= max(ROOM * least, SLOWEST * slowest) * (1 + 1e-6)  # the grid of the table moves an edge by 2^-23 of the size
+    assert speed <= max(ROOM[1] * least, SLOWEST * slowest) * (
+        1 + 1e-6
+    )  # the grid of the table moves an edge by 2^-23 of the size
 
 
 @pytest.mark.parametrize("seed", range(3, 40, 9))

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import INERTIAL, ROOT
+from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +36,8 @@ from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling import eps_of_starts, longest
 from stt_codegen.task import Task, parse_task
+
+INERTIAL = ("arm", "drone")  # of the tasks of order 2; tests/test_robots.py has all
 
 SECOND = "\n[plant]\norder = 2\nw_max = 0.3\n"
 TEXTS = {

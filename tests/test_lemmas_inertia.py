@@ -15,7 +15,7 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
 
 PROVED = {
     "limits.scaled", "limits.scaled_size", "limits.scaled_stays", "limits.near_nominal", "filtered.vdot", "filtered.bounded",
-    "filtered.gain", "filtered.forever", "filtered.scaled", "filtered.differences", "filtered.stamped", "filtered.forward",
+    "filtered.gain", "filtered.forever", "filtered.saturated", "filtered.scaled", "filtered.differences", "filtered.stamped", "filtered.forward",
 }  # fmt: skip
 REFUTED = {
     "limits.clipped", "limits.clipped_leaves", "limits.nominal", "filtered.nominal_period", "filtered.stamps_alone",
@@ -71,6 +71,8 @@ def time_as_measured(speed: Any, noise: Any, late: Any, measured: Any, true: Any
         (inertia, "REST", inertia.REST.subs(inertia.L, inertia.R), "filtered.vdot"),
         (inertia, "FASTEST", sp.diff(inertia.R, inertia.t), "filtered.bounded"),
         (inertia, "SLOWEST", sp.diff(inertia.L, inertia.t), "filtered.bounded"),
+        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e) ** 2 / width, "filtered.saturated"),
+        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e / 2) ** 2 * width, "filtered.saturated"),
         (inertia, "PULL", 2 * inertia.PULL, "filtered.gain"),
         (inertia, "STAYS", inertia.STAYS / 2, "filtered.forever"),
         (inertia, "WEIGHT", inertia.t - inertia.s, "filtered.differences"),

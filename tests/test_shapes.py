@@ -187,7 +187,7 @@ def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the
     values = {k: eval(v) for k, v in given_set.items()}  # this file's own lists and numbers
     spare = {"disc": 0.01, "capsule": 0.01, "slanted rod": 0.03, "cylinder": 0.01}.get(name, 1e-4)
     verdicts = []
-    for k in range(-2, 24, 2):
+    for k in range(-2, 24, 4):
         changed = {**values, **MOVES[name](values, 0.04 * k)}
         table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in changed.items())
         text = head + "".join(f"\n[[unsafe]]\n{t}\n" for t in (table, *tables[1:]))

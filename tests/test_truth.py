@@ -272,8 +272,8 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
 
 
 def test_nothing_unsafe_passes_among_some_mutants() -> None:
-    """Every eighth is also asked of the checker, which takes ten times as long."""
-    verdicts = [judge(number, 1, number % 8 == 0, BASES) for number in range(150)]
+    """Every 24th is also asked of the checker, which takes ten times as long."""
+    verdicts = [judge(number, 1, number % 24 == 0, BASES) for number in range(150)]
     assert all(v.decided for v in verdicts)
     assert [v for v in verdicts if v.fault and any(a.passed for a in v.answers)] == []
     unsafe = [v for v in verdicts if v.fault]
@@ -281,7 +281,7 @@ def test_nothing_unsafe_passes_among_some_mutants() -> None:
     assert sum(v.near for v in verdicts) >= 15
     assert {v.kind for v in verdicts} == set(KINDS)
     assert sum(all(a.passed for a in v.answers) for v in verdicts if not v.fault) >= 30
-    assert judge(8, 1, True, BASES) == verdicts[8]
+    assert judge(24, 1, True, BASES) == verdicts[24]
 
 
 # ------------------------------------------------------------------------------------------------ order 2
@@ -371,7 +371,7 @@ def test_nothing_unsafe_passes_among_some_mutants_of_order_2() -> None:
     names = ("omni_s2", "paper 3")
     kinds = [k for k in INERTIAL if k not in ("speed of the starts", "share of the starts")]
     late = ("held: period", "held: period at its longest", "held: latency")
-    found = [judge_filtered(Random(f"order 2 {k}"), k, k % 4 == 0, names=names, kinds=kinds) for k in range(48)]
+    found = [judge_filtered(Random(f"order 2 {k}"), k, k % 12 == 0, names=names, kinds=kinds) for k in range(48)]
     held = [judge_held(Random(f"held {k}"), k, k % 4 == 0, names=names[:1], kinds=late) for k in range(10)]
     assert [v for v in (*found, *held) if v.fault and any(a.passed for a in v.answers)] == []
     assert [v for v in found if v.fault and v.fault.code.endswith("nothing leaves")] == []
@@ -384,10 +384,9 @@ def test_nothing_unsafe_passes_among_some_mutants_of_order_2() -> None:
 
 @pytest.mark.parametrize("kind", HELD)
 def test_every_kind_of_held_mutant_is_drawn(kind: str) -> None:
-    for k in range(4):
-        drawn, _, _, (task, _) = draw_held(Random(f"{kind} {k}"), ("omni_s2", "spacecraft"), [kind])
-        assert drawn == kind
-        assert task.control.period is not None
+    drawn, _, _, (task, _) = draw_held(Random(kind), ("spacecraft",), [kind])
+    assert drawn == kind
+    assert task.control.period is not None
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,32 @@ def _bounded() -> Outcome:
     )
 
 
+def asked_at(e: Any, width: Any) -> Any:
+    """What the law asks for over k at eps = E: 4 q(E)/Z, q(E) = E cosh(E/2)^2."""
+    return 4 * e * sp.cosh(e / 2) ** 2 / width
+
+
+def _saturated() -> Outcome:
+    """At a/b = e^E the law asks for 4 k q(E)/Z, at most Z_+ wide no less than 4 k q(E)/Z_+. With g |u| = P_x + room, f + w = F -
+    s_F and the mean of the exit inequality M - s_m, P_x = F + M: eps' a b/(a + b) is below 0, against eps < E before."""
+    e, more, room, lack_f, lack_m, force, mean = sp.symbols("E Z_+-Z room s_F s_m F M", positive=True)
+    upper, lower = Z / (1 + sp.exp(-e)), Z / (1 + sp.exp(e))
+    asked = asked_at(e, Z)
+    law = (1 / upper + 1 / lower) * e
+    rises = (force - lack_f) - (force + mean + room) + (mean - lack_m)
+    less = asked * more / (Z + more)
+    return all_of(
+        identity(
+            {
+                "h at a/b = e^E, less 4 q/Z": sp.simplify((law - asked.rewrite(sp.exp)).expand()),
+                "4 q/Z - 4 q/Z_+": sp.together(asked - asked_at(e, Z + more) - less),
+                "eps' a b/(a + b)": sp.expand(rises + room + lack_f + lack_m),
+            }
+        ),
+        sign({"4 q/Z - 4 q/Z_+": less.subs(sp.cosh(e / 2), sp.Symbol("cosh", positive=True)), "room": room + lack_f + lack_m}),
+    )
+
+
 def _gain() -> Outcome:
     """1/a + 1/b less 4/(a + b) is a square over positive numbers."""
     xi = 1 / far + 1 / near
@@ -214,6 +240,15 @@ LEMMAS = (
            "0 < Z_min <= Z <= Z_+", "x(0) and z(0) inside", "no clamp reached", "u is continuous in time"), "ours", _forever,
           ("sampled.first_exit", "filtered.inside", "filtered.bounded", "filtered.vdot", "filtered.pushed", "theorem.skew",
            "filtered.gain", "theorem.decrease")),
+    Lemma(
+        "filtered.saturated",
+        "Where g min(u_max, what the law asks for at |eps| = E) is above P_x, |eps| < E stays: x in its tube, whatever u_max is.",
+        r"g\,\min(u_{max}, 4 k q(E)/Z_+) > P_x \Rightarrow \dot\epsilon < 0\ \mathrm{at}\ \epsilon = E",
+        ("u is continuous in time", "a, b > 0 and x in its tube at the start", "the lower edge by symmetry"),
+        "ours",
+        _saturated,
+        ("filtered.inside", "filtered.exit", "filtered.pushed"),
+    ),
     Lemma("filtered.scaled", "Scaled u keeps |eps| < E for order 2 too, for any g with g_s >= g_min.",
           r"g_{min}u_{max} > |P_x|,\ k\,g_{min}\tfrac{4}{Z_+}q_n(E) > |P_x|"
           r" \Rightarrow \dot V < 0\ \mathrm{at}\ |\varepsilon| = E",
