@@ -14,7 +14,7 @@ import pytest
 
 from stt_codegen.certify import checker
 from stt_codegen.certify.components import inertial_shift
-from stt_codegen.certify.period import searched, statement_of
+from stt_codegen.certify.period import statement_of
 from stt_codegen.compare.toolchain import load_module
 from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.designs import RefinedDesign
@@ -22,6 +22,7 @@ from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.sampling.loops import loop_of
 from stt_codegen.task import Task, load_task
 
 ROOT = Path(__file__).parent.parent
@@ -100,7 +101,7 @@ def test_the_doubles_allow_for_no_less_than_the_fractions() -> None:
     own, design = controller.task, controller.design
     assert isinstance(design, RefinedDesign)
     errors = edge_error(design, controller.program), rate_error(design, controller.program)
-    exact, double = statement_of(own, design, *errors).shift, searched(own, design, *errors)
+    exact, double = statement_of(own, design, *errors).shift, loop_of(own, design, *errors)
     assert (double.law.shift >= [float(v) for v in exact]).all()
     assert (double.law.shift <= [1.02 * float(v) for v in exact]).all()  # by a hundredth of the period more
     assert double.longest_age >= float(own.sampling_period + own.control.latency)

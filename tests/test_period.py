@@ -19,7 +19,7 @@ from flint import arb
 from typer.testing import CliRunner
 
 import stt_codegen as stt
-from stt_codegen.certify.period import SharpStatement, logarithm, searched, statement_of
+from stt_codegen.certify.period import SharpStatement, logarithm, statement_of
 from stt_codegen.cli.main import app
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.loop.command import within_bounds
@@ -27,6 +27,7 @@ from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.pipeline import build_task
 from stt_codegen.record.package import loop_period
 from stt_codegen.sampling import STATEMENTS, holds, least, longest
+from stt_codegen.sampling.loops import loop_of
 from stt_codegen.task import Task
 
 LIMITED = {"u_max": "1.3", "gain": "0.05"}
@@ -49,7 +50,7 @@ def case(name: str) -> tuple[SharpStatement, Any]:
     task = with_period(*CASES[name])
     made = controller_of(CASES[name][0])
     error = edge_error(made.design, made.program)
-    return statement_of(task, made.design, error), searched(task, made.design, error)
+    return statement_of(task, made.design, error), loop_of(task, made.design, error)
 
 
 def at(statement: SharpStatement, seconds: float) -> SharpStatement:
@@ -133,7 +134,7 @@ def test_latency_counts_as_in_the_statement(latency: str) -> None:
     task = with_period(name, {"gain": "0.004", "latency": latency}, {"g_min": "0.9", "g_max": "1.1", "w_max": "0.01"})
     made = controller_of(name)
     error = edge_error(made.design, made.program)
-    statement, setting = statement_of(task, made.design, error), searched(task, made.design, error)
+    statement, setting = statement_of(task, made.design, error), loop_of(task, made.design, error)
     rho = (Fraction(60),) * task.dimension
     reach = np.full(task.dimension, math.log(60))
 
@@ -213,7 +214,7 @@ def test_the_example_sketch_keeps_to_what_is_proved() -> None:
     assert loop_period(build_task(task.changed(control={"gain": "auto", "period": "0.002"}))) == Fraction(1, 500)
     late = build_task(task.changed(control={"gain": "0.2", "latency": "0.0004"}))
     age = loop_period(late) + Fraction("0.0004")
-    setting = searched(late.task, late.design, edge_error(late.design, late.program))
+    setting = loop_of(late.task, late.design, edge_error(late.design, late.program))
     assert least("sharp", setting, float(age)) is not None
 
 
@@ -238,7 +239,7 @@ def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None
     made = build_task(task)
     assert made.certificate.holds
     assert made.task.digest == task.digest
-    setting = searched(made.task, made.design, edge_error(made.design, made.program))
+    setting = loop_of(made.task, made.design, edge_error(made.design, made.program))
     middle = setting.begun_at(np.full(2, 0.01))
 
     def room(factor: float, i: int) -> float | None:

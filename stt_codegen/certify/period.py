@@ -13,7 +13,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -29,21 +29,13 @@ from stt_codegen.sampling import (
     Gains,
     Period,
     Setting,
-    bounds_of_task,
-    difference_age,
-    eps_of_share,
-    eps_of_starts,
     extremes,
-    inertial_law,
-    inertial_setting,
-    law_of,
     least,
     longest,
     most_room,
-    refined_windows,
-    setting_of,
 )
 from stt_codegen.sampling.gains import MUCH, natural_gain, rounded_gain
+from stt_codegen.sampling.loops import loop_of
 from stt_codegen.sampling.setting import ROUNDING, back
 from stt_codegen.task import Task
 
@@ -183,25 +175,12 @@ def statement_of(
     return SharpStatement(task, design, tuple(2 * v + rest for v in edge_error))
 
 
-def searched(task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()) -> Setting:
-    """The loop in doubles, in which E and gains are searched for."""
-    if task.order == 2:
-        noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
-        law = inertial_law(task, design, edge_error, rate, noise, float(task.control.latency))
-        made = inertial_setting(design, [bounds_of_task(task)] * (design.segments + 1), law, eps_of_starts(task, design))
-        return replace(made, known_to=difference_age(task, float(task.control.latency)))
-    windows = refined_windows(design)
-    law = law_of(task, edge_error, float(task.plant.noise or 0), float(task.control.latency))
-    start = eps_of_share(task.initial_set.share, task.dimension)
-    return setting_of(windows, [bounds_of_task(task)] * len(windows.narrow), law, start)
-
-
 def chosen_gain(
     task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
 ) -> tuple[Fraction, ...]:
     """control.gain = "auto": the most room at the period. Where no gain is proved for it, that of the longest period, and the
     refusal says what would do."""
-    setting = searched(task, design, edge_error, rate)
+    setting = loop_of(task, design, edge_error, rate)
     shape = natural_gain(setting)
     age = float(task.sampling_period + task.control.latency)
     found = most_room(setting, age, statements=("sharp",)) or Gains(setting, shape, statements=("sharp",)).longest
@@ -213,7 +192,7 @@ def certify_period(
     task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
 ) -> tuple[Finding, PeriodProof | None]:
     """P9, and what is proved with it. The margin is in seconds: by how much a longer period is proved."""
-    statement, setting = statement_of(task, design, edge_error, rate), searched(task, design, edge_error, rate)
+    statement, setting = statement_of(task, design, edge_error, rate), loop_of(task, design, edge_error, rate)
     outside = _outside(task, design)
     if outside is not None:
         i, lack, share = outside

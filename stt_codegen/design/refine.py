@@ -26,18 +26,9 @@ from stt_codegen.design.timed import search_of
 from stt_codegen.design.widest import PLENTY, Search, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import (
-    Gains,
-    bounds_of_task,
-    eps_of_share,
-    eps_of_starts,
-    inertial_law,
-    inertial_setting,
-    law_of,
-    refined_windows,
-    setting_of,
-)
+from stt_codegen.sampling import Gains
 from stt_codegen.sampling.gains import natural_gain
+from stt_codegen.sampling.loops import loop_of, statements_of
 from stt_codegen.task import Task
 
 CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
@@ -139,31 +130,13 @@ def _finished(task: Task, search: Search, shape: Shape) -> RefinedDesign:
 def _longest_period(task: Task, design: RefinedDesign) -> float:
     """Seconds between samples that are proved for the plant's bounds and the share of starts: at the task's gain, over all gains
     where that is left open. 0 where there are none."""
-    if task.order == 2:
-        return _longest_inertial(task, design)
-    windows = refined_windows(design)
-    law = law_of(task, (lattice_of(task).allowance,) * task.dimension, float(task.plant.noise or 0), float(task.control.latency))
-    start = eps_of_share(task.initial_set.share, task.dimension)
-    setting = setting_of(windows, [bounds_of_task(task)] * len(windows.narrow), law, start)
-    if task.control.gain is None or task.gain_chosen:
-        best = Gains(setting, natural_gain(setting)).longest
-        return 0.0 if best is None else best[1].seconds
-    period = Gains(setting, setting.law.gain).at(setting.law.gain)
-    return 0.0 if period is None else period.seconds
-
-
-def _longest_inertial(task: Task, design: RefinedDesign) -> float:
-    """The same for order 2."""
     allowance = lattice_of(task).allowance
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    noise = (float(task.plant.noise or 0), float(task.plant.noise_v or 0))
-    law = inertial_law(task, design, edge, rate, noise, float(task.control.latency))
-    plant = [bounds_of_task(task)] * (design.segments + 1)
-    setting = inertial_setting(design, plant, law, eps_of_starts(task, design))
+    setting, statements = loop_of(task, design, edge, rate), statements_of(task)
     if task.control.gain is None or task.gain_chosen:
-        best = Gains(setting, natural_gain(setting), statements=("sharp",)).longest
+        best = Gains(setting, natural_gain(setting), statements=statements).longest
         return 0.0 if best is None else best[1].seconds
-    period = Gains(setting, setting.law.gain, statements=("sharp",)).at(setting.law.gain)
+    period = Gains(setting, setting.law.gain, statements=statements).at(setting.law.gain)
     return 0.0 if period is None else period.seconds
 
 

@@ -42,20 +42,13 @@ from stt_codegen.sampling import (
     Gains,
     Period,
     Setting,
-    difference_age,
-    eps_of_share,
-    eps_of_starts,
-    eps_of_state,
-    inertial_law,
-    inertial_setting,
-    law_of,
     most_room,
-    setting_of,
     speeds,
 )
 from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
 from stt_codegen.sampling.gains import longest_from
 from stt_codegen.sampling.inertia import BEYOND
+from stt_codegen.sampling.loops import eps_of_states, loop_of, statements_of
 from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
 from stt_codegen.sampling.setting import back
 from stt_codegen.sampling.statements import STATEMENTS
@@ -88,9 +81,7 @@ class Analysis:
         self.windows = self._windows()
         self.bounds = list(self._bounds())
         self.setting = self._setting(start)
-        self.statements: tuple[str, ...] = ("sharp", "general") if task.order == 1 else ("sharp",)
-        if task.scales:  # the sharp statement is about u that is limited by component
-            self.statements = ("general",)
+        self.statements = statements_of(task)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
         if task.order == 2 and (start is None or len(start) == task.dimension):
             moving = any(task.start_speed)
@@ -98,27 +89,15 @@ class Analysis:
 
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
-        return replace(self._loop(start), known_to=min(self.mixed_age, difference_age(self.controller.task, self.latency)))
+        controller, design = self.controller, self.controller.design
+        rate = rate_error(design, controller.program) if controller.task.order == 2 and isinstance(design, RefinedDesign) else ()
+        edge, windows = controller.certificate.edge_error, self.windows
+        made = loop_of(controller.task, design, edge, rate, windows, self.bounds, self.noise, self.latency, start)
+        return replace(made, known_to=min(made.known_to, self.mixed_age))
 
-    def _loop(self, start: Sequence[float] | None) -> Setting:
-        controller, task, design = self.controller, self.controller.task, self.controller.design
-        edge = controller.certificate.edge_error
-        if task.order == 2:
-            assert isinstance(design, RefinedDesign)
-            noise = (self.noise, float(task.plant.noise_v or 0))
-            law = inertial_law(task, design, edge, rate_error(design, controller.program), noise, self.latency)
-            return inertial_setting(design, self.bounds, law, eps_of_starts(task, design, start))
-        law = law_of(task, edge, self.noise, self.latency)
-        share = eps_of_share(task.initial_set.share, task.dimension)
-        return setting_of(self.windows, self.bounds, law, share if start is None else eps_of_state(self.windows, start))
-
-    def _eps_of(self, state: Sequence[float]) -> Array:
-        """|eps(0)| of a state, of order 2 at the speeds that its start may have."""
-        design = self.controller.design
-        if self.controller.task.order == 2:
-            assert isinstance(design, RefinedDesign)
-            return eps_of_starts(self.controller.task, design, state)
-        return eps_of_state(self.windows, state)
+    def _eps_of(self, state: Sequence[float] | None) -> Array:
+        """What |eps(0)| is at most, of a state, or of the starts in the share."""
+        return eps_of_states(self.controller.task, self.controller.design, self.windows, state)
 
     def _windows(self) -> Windows:
         design = self.controller.design
@@ -196,16 +175,7 @@ class Analysis:
     def state_is_outside(self) -> bool:
         """Whether initial_state is none of the starts in the share."""
         state = self._eps_of([float(v) for v in self.controller.task.initial_state])
-        return bool((state > self._share).any())
-
-    @property
-    def _share(self) -> Array:
-        """What |eps(0)| is at most for the starts in the share."""
-        task, design = self.controller.task, self.controller.design
-        if task.order == 2:
-            assert isinstance(design, RefinedDesign)
-            return eps_of_starts(task, design)
-        return eps_of_share(task.initial_set.share, task.dimension)
+        return bool((state > self._eps_of(None)).any())
 
     def assumptions(self) -> list[str]:
         """What the periods rest on and nothing here can show."""
