@@ -12,11 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.loop.command import Request, simulate, with_wind
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.plants import Model, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
+from stt_codegen.sampling.inertia import speeds
 from stt_codegen.sampling.plant import PlantEnclosure
 from stt_codegen.task import load_task
 
@@ -70,6 +72,29 @@ def test_bounds_hold_of_states_constants_and_samples(name: str) -> None:
             assert (np.diag(g) <= bounds.most).all()
             assert (np.abs(g - np.diag(np.diag(g))) <= bounds.cross + 1e-15).all()
     assert found.mixed_age == (math.inf if plant.mixing is None else pytest.approx(float(found.wanted + found.latency) * 1.01))
+
+
+@pytest.mark.parametrize("name", ["arm", "attitude", "base"])
+def test_bounds_of_a_window_hold_for_the_oldest_sample(name: str) -> None:
+    """x in the window, v as fast as it may be, x of the sample a period, its latency and the noise away from it."""
+    controller, plant = robot(name)
+    found, n, draw = analysis(name), controller.task.dimension, np.random.default_rng(7)
+    design = controller.design
+    assert isinstance(design, RefinedDesign)
+    evaluate, (slow, fast) = model(plant, n, 2), speeds(design)
+    age, worst = found.wanted + found.latency, 0.0
+    for k in range(0, len(found.bounds), 3):
+        for _ in range(60):
+            x, v = draw.uniform(found.windows.low[k], found.windows.high[k]), draw.choice([-1, 1], size=n) * fast[k]
+            assert (slow[k] == -fast[k]).all()
+            sample = x - v * age + draw.choice([-1, 1], size=n) * found.noise
+            g = np.array(evaluate(np.concatenate([x, v, [draw.choice(ends) for ends in plant.constants], sample]))[1])
+            aside = np.abs(g - np.diag(np.diag(g)))
+            assert (aside <= found.bounds[k].cross + 1e-15).all()
+            assert (found.bounds[k].least <= np.diag(g)).all()
+            assert (np.diag(g) <= found.bounds[k].most).all()
+            worst = max(worst, float((aside / np.maximum(found.bounds[k].cross, 1e-300)).max()))
+    assert worst > 0.5  # a bound that no sample comes near says nothing of samples
 
 
 @pytest.mark.parametrize("name", ROBOTS)
