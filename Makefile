@@ -28,12 +28,13 @@ test: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest -n auto --dist loadgroup
+	$(BIN)/pytest -n auto --dist loadgroup -m "not slow"
 
 # Each command fails where a law is broken: a mutant that passes, a lemma that no mutant moves, a sampled statement that is violated, an
 # arena with a way and no certificate, a closed loop that collides or leaves.
 integration: $(STAMP) $(if $(CI),$(PEERS))
 	@.ci/tools test
+	$(BIN)/pytest -n auto --dist loadgroup -m slow
 	$(BIN)/python benchmarks/mutations.py
 	$(BIN)/python benchmarks/mutations.py --shapes --count 1000
 	$(BIN)/python benchmarks/token_mutants.py

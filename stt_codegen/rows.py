@@ -20,9 +20,13 @@ from functools import cache
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
 from stt_codegen.program.number import round_down
 from stt_codegen.task import Task
+from stt_codegen.task.formula import In, regions_of
+from stt_codegen.task.mission import State
 from stt_codegen.task.motion import Course
 from stt_codegen.task.polytopes import HalfSpace
-from stt_codegen.task.sets import BoxSet, ConvexSet, Normal
+from stt_codegen.task.sets import BoxSet, ConvexSet, Normal, Vector
+from stt_codegen.task.shapes import Unsafe, UnsafeSet
+from stt_codegen.task.unions import left_over
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
 
@@ -108,6 +112,43 @@ def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
         growing = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
         found.append(Avoidance(s.name, apart_rows(s, task.tube.clearance), course, growing))
     return tuple(found)
+
+
+def mission_rows(task: Task, state: State) -> tuple[Avoidance, ...]:
+    """P10, at the moments at which a state formula of the mission must hold: of each of these one row. To be in a region is to be
+    behind all of its faces; out of one, with the body and the clearance, is P4; of boxes with "and" and "or" what is left over
+    must be avoided (task/unions.py)."""
+    inner, n, regions = state.inner, task.dimension, task.regions
+    if not isinstance(inner, In):
+        spans = {one: _span(task, one) for one in regions_of(inner)}
+        return tuple(Avoidance(str(state), _open_rows(*box)) for box in left_over(inner, spans, n))
+    region = regions[inner.region]
+    assert isinstance(region, Unsafe)
+    own = task.own_axes(region)
+    if inner.kept:
+        convex = region.within(task.state_space, own).grown(task.half_extents)
+        return (Avoidance(str(state), apart_rows(convex, task.tube.clearance)),)
+    places = [(dict(zip(own, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
+    faces = [(tuple(place.get(i, 0) for i in range(n)), offset) for place, offset in places]
+    return tuple(Avoidance(str(state), (row,)) for row in behind_rows(faces))
+
+
+def _span(task: Task, one: In) -> tuple[Vector, Vector]:
+    """A region that is a box; of one that is kept off, with the body and the clearance; as long as anything where it has no
+    edges."""
+    region = task.regions[one.region]
+    assert isinstance(region, UnsafeSet)
+    own = dict(zip(task.own_axes(region), zip(region.lower, region.upper, strict=True), strict=True))
+    far = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
+    keep = [h + task.tube.clearance if one.kept else Fraction(0) for h in task.half_extents]
+    ends = [own.get(i, (-far, far)) for i in range(task.dimension)]
+    return tuple(a - k for (a, _), k in zip(ends, keep, strict=True)), tuple(b + k for (_, b), k in zip(ends, keep, strict=True))
+
+
+def _open_rows(lower: Sequence[Fraction | None], upper: Sequence[Fraction | None]) -> tuple[Row, ...]:
+    """The tube beyond a box on one of the sides on which it ends."""
+    below = [Row(((i, UPPER, -1),), -a) for i, a in enumerate(lower) if a is not None]
+    return (*below, *(Row(((i, LOWER, 1),), b) for i, b in enumerate(upper) if b is not None))
 
 
 def speed_rows(task: Task) -> tuple[Row, ...]:

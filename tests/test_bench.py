@@ -33,6 +33,7 @@ def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
         assert timeless(list(spread(run, JOBS, 1, cluster.scheduler_address))) == here
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_is_not_there_is_one_message() -> None:
     with pytest.raises(BadInput, match="no Dask scheduler answers there"):
         list(spread(run, JOBS[:1], 1, "127.0.0.1:9"))

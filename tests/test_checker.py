@@ -502,6 +502,7 @@ def test_a_bound_on_speed_is_claimed(tmp_path) -> None:
     assert checker.main([str(tmp_path / n) for n in ("task.toml", "omni_s1.c", "omni_s1.certificate.json")]) == 0
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_with_new_hashes_every_bend_that_breaks_a_property_is_found_by_the_proof(data, tmp_path) -> None:

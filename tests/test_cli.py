@@ -98,6 +98,7 @@ def test_what_cannot_be_done_is_said_in_the_json_document_too(arguments: tuple[s
     assert told in document["error"]
 
 
+@pytest.mark.slow
 def test_a_reader_who_has_seen_enough_is_no_error() -> None:
     """The pipe is closed before anything is written: what comes out at once, and what comes while a command runs."""
     for arguments in (("schema",), ("--help",), ("design", TASK), ("check", "generated")):

@@ -268,6 +268,7 @@ def bent(design: AdaptiveDesign, which: int, how: str, amount: Fraction) -> Adap
 HOW = ("theta0", "kappa", "nu", "varsigma", "target", "height", "middle", "radius", "steepness")
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much])
 @given(
     name=st.sampled_from(["omni_s1", "omni_s2", "omni_s3"]),

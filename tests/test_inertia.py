@@ -21,7 +21,7 @@ import stt_codegen as stt
 from stt_codegen.certify import checker
 from stt_codegen.certify.components import start_ratios
 from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
-from stt_codegen.certify.period import searched, statement_of
+from stt_codegen.certify.period import statement_of
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.arithmetic import edge_error, rate_error
@@ -35,6 +35,7 @@ from stt_codegen.pipeline import Controller, build_task, certify
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling import eps_of_starts, longest
+from stt_codegen.sampling.loops import loop_of
 from stt_codegen.task import Task, parse_task
 
 INERTIAL = ("arm", "drone")  # of the tasks of order 2; tests/test_robots.py has all
@@ -344,7 +345,7 @@ def test_the_statement_in_fractions_is_the_one_in_balls() -> None:
     task, design, program = controller.task, controller.design, controller.program
     assert isinstance(design, RefinedDesign)
     errors = edge_error(design, program), rate_error(design, program)
-    most = longest("sharp", searched(task, design, *errors))
+    most = longest("sharp", loop_of(task, design, *errors))
     assert most is not None
 
     def holds(seconds: float) -> bool:

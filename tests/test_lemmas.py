@@ -165,6 +165,7 @@ WRONG = SimpleNamespace(  # what is bent below is bent from these
 upside_down = Plant("wrong", "", None, lambda x: [0] * x.shape[0], lambda x: -ca.diag(1 + x**2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "name", "wrong", "falls"),
     [

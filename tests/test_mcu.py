@@ -74,6 +74,7 @@ def test_sizes_are_of_what_control_needs(board: Any) -> None:
     assert 0 < mcu.sizes(controller, board, "tube")[0] < code < 2048 - tables
 
 
+@pytest.mark.slow
 def test_the_whole_run_in_small(board: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(mcu, "VARIANTS", mcu.VARIANTS[:2])
     monkeypatch.setattr(mcu, "DIMENSIONS", (1, 3))

@@ -158,6 +158,7 @@ def test_what_gets_harder_is_refused_where_the_truth_is(name: str, made: dict[st
     assert len(set(verdicts)) == 2
 
 
+@pytest.mark.slow
 def test_nothing_unsafe_passes_among_moving_mutants() -> None:
     verdicts = [judge(number, 5, number % 4 == 0, ("omni_s2", "paper 3"), MOVING) for number in range(32)]
     assert not [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]

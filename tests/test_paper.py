@@ -379,6 +379,7 @@ def test_psi_plus_alpha_stays_positive_for_every_step_length(name: str, dt: floa
         assert np.all(alpha >= 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_implicit_step_is_of_first_order_against_a_stiff_integrator(name: str) -> None:
     """Radau at 1e-10; halving the step halves the error (a quarter of tolerance for the next term)."""

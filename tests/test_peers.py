@@ -290,6 +290,7 @@ def test_ours_is_proved_for_longer_than_a_cascade_and_the_table_says_so(monkeypa
     assert "nowhere" in lines[0]
 
 
+@pytest.mark.slow
 def test_a_loop_of_ours_that_leaves_below_its_period_is_told() -> None:
     ours = cascade.filtered(tube_of("spacecraft"))
     assert ours is not None

@@ -210,6 +210,7 @@ def test_no_tube_of_the_family_is_slower_wider_or_longer_proved_than_the_one_pre
         assert tube.preferred or not any(other.beats(tube) for other in report.tubes)
 
 
+@pytest.mark.slow
 def test_pareto_prints_the_tubes_draws_them_and_writes_data(tmp_path: Path) -> None:
     task = str(ROOT / "tasks" / "trolley.toml")
     shown = CliRunner().invoke(app, ["design", task, "--pareto", "--picture", str(tmp_path)])

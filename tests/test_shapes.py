@@ -205,6 +205,7 @@ def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the
     assert len(set(verdicts)) == 2
 
 
+@pytest.mark.slow
 def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agrees(tmp_path: Path) -> None:
     dice, certified = Random(7), 0
     for _ in range(10):

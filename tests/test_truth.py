@@ -271,6 +271,7 @@ def test_the_checker_is_asked_about_the_very_mutant() -> None:
         assert checker.Tube(source, read, design.bits).table == [list(row) for row in design.table]
 
 
+@pytest.mark.slow
 def test_nothing_unsafe_passes_among_some_mutants() -> None:
     """Every 24th is also asked of the checker, which takes ten times as long."""
     verdicts = [judge(number, 1, number % 24 == 0, BASES) for number in range(150)]
@@ -367,6 +368,7 @@ def test_a_held_loop_is_refuted_beyond_its_period_and_keeps_its_bounds_at_it() -
     assert counterexample(weak, b.design) is not None
 
 
+@pytest.mark.slow
 def test_nothing_unsafe_passes_among_some_mutants_of_order_2() -> None:
     names = ("omni_s2", "paper 3")
     kinds = [k for k in INERTIAL if k not in ("speed of the starts", "share of the starts")]

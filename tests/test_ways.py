@@ -65,6 +65,7 @@ def plainly(field: Field, quickest: int) -> dict[tuple[int, ...], int]:
     return {cell: cost for cell, cost in best.items() if field.goal[cell]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dimensions", range(1, SLICE + 1))
 def test_a_way_is_the_best_of_all_on_its_cells(dimensions: int) -> None:
     draw = np.random.default_rng(dimensions)

@@ -1,5 +1,5 @@
 """What a certificate says: the properties P1 to P7, P8 where u is limited and the plant has bounds, P9 where the task has a
-period, each with its margin and the place where the margin is least."""
+period, P10 where it has a mission, each with its margin and the place where the margin is least."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from stt_codegen.certify.monitor import Witness
 from stt_codegen.decimals import decimal
+from stt_codegen.task.formula import Formula
+from stt_codegen.task.mission import State
 
 TITLES = {
     "P1": "width",
@@ -19,15 +22,16 @@ TITLES = {
     "P7": "arithmetic",
     "P8": "limits",
     "P9": "period",
+    "P10": "mission",
 }
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One property. It holds when `margin` >= `required` (task's units; seconds for P9, but a length where initial_state is
-    outside the share; units per second for P8); then `margin` is a proved lower bound on the slack, least in the time interval
-    `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place where it
-    fails, not necessarily the worst."""
+    """One property. It holds when `margin` >= `required` (task's units; seconds for P9 and the second of P10, but a length where
+    initial_state is outside the share; units per second for P8); then `margin` is a proved lower bound on the slack, least in the
+    time interval `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place
+    where it fails, not necessarily the worst."""
 
     code: str
     statement: str
@@ -78,6 +82,18 @@ class PeriodProof:
 
 
 @dataclass(frozen=True)
+class MissionProof:
+    """What P10 shows. spans: where each state holds, in slices of a segment (certify/mission.py); margin: in units of the table,
+    on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds."""
+
+    formula: Formula
+    spans: dict[State, tuple[tuple[int, int], ...]]
+    margin: int
+    time_margin: int
+    witnesses: tuple[tuple[Witness, ...], ...]
+
+
+@dataclass(frozen=True)
 class Certificate:
     """The findings for one tube, and the numbers that go with them.
 
@@ -87,7 +103,8 @@ class Certificate:
     steps: the shortest and longest step of alpha (seconds) for which an adaptive or literal tube is proved.
     speed: bound on |gammadot| by dimension (P6). least_width: over all t and dimensions (a proved lower bound where P1 holds).
     start: gamma(0) as (lower, upper) by dimension. whole_start: gamma(0) is all of the initial set but for
-    a thousandth of its width at each edge. proved_period: what P9 proves, where the task has a period and it holds.
+    a thousandth of its width at each edge. proved_period: what P9 proves, where the task has a period and it holds; mission: what
+    P10 shows, likewise.
     """
 
     findings: tuple[Finding, ...]
@@ -99,6 +116,7 @@ class Certificate:
     method: str = "exact"
     steps: tuple[Fraction, Fraction] | None = None
     proved_period: PeriodProof | None = None
+    mission: MissionProof | None = None
     rate_error: tuple[Fraction, ...] = ()
     axes: tuple[str, ...] = ()  # what sentences call the dimensions
 
@@ -112,7 +130,7 @@ class Certificate:
 
     @property
     def tube_holds(self) -> bool:
-        """Whether P1 to P7 do, whatever becomes of P8 and P9."""
+        """Whether P1 to P7 and P10 do, whatever becomes of P8 and P9."""
         return self.proves and all(f.holds for f in self.findings if f.code not in ("P8", "P9"))
 
     def refusal(self) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.certify.limits import least_spare
+from stt_codegen.certify.mission import SLICES
 from stt_codegen.certify.moving import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
 from stt_codegen.designs import RefinedDesign
@@ -50,7 +51,7 @@ class Claim:
     derivative, where the property does not tell it."""
 
     code: str
-    on: tuple[int, int]
+    on: tuple[int | Fraction, ...]
     margin: int | None
     name: str | None = None
     hints: tuple[Stretch, ...] = ()
@@ -58,7 +59,7 @@ class Claim:
 
 
 def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
-    """The claims P1 to P6, and P8, in that order; P4 for every unsafe set."""
+    """The claims P1 to P6, P8 and P10, in that order; P4 for every unsafe set."""
     unit, bezier, segments = design.unit, design.bezier(), design.segments
     error = units_of_error(design, certificate.edge_error)
     always, n = (0, segments), task.dimension
@@ -113,11 +114,21 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         at("P2", (*state_rows(task), *start_rows(task)), 0, 0),
         every("P3", stay_rows(task)),
         *avoid(),
-        at("P5", reach_rows(task), -1, -1),
+        *([] if task.target_set is None else [at("P5", reach_rows(task), -1, -1)]),
         Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
         *([] if second is None else [Claim("P6", always, second, order=2)]),
         *inert,
+        *_mission(certificate),
     ]
+
+
+def _mission(certificate: Certificate) -> list[Claim]:
+    """P10: every stretch on which a state holds."""
+    shown = certificate.mission
+    if shown is None:
+        return []
+    ends = {state: [tuple(Fraction(v, SLICES) for v in span) for span in spans] for state, spans in shown.spans.items()}
+    return [Claim("P10", span, shown.margin, str(state)) for state, spans in ends.items() for span in spans]
 
 
 def _whole(slack: Any) -> int:
@@ -133,7 +144,7 @@ def units_of_error(design: RefinedDesign, edge_error: Sequence[Fraction]) -> int
 def cuts_of(claims: Sequence[Claim]) -> int:
     """Into how many parts a segment is cut where the hints have it finest: a power of two."""
     places = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
-    return max((v.denominator for v in places), default=1)
+    return max((v.denominator for v in (*places, *(v for claim in claims for v in claim.on))), default=1)
 
 
 def _demand(rows: Sequence[Row]) -> Fraction:

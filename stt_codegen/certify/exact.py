@@ -18,6 +18,7 @@ from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.inertia import certify_inertia
 from stt_codegen.certify.limits import certify_limits
+from stt_codegen.certify.mission import certify_mission
 from stt_codegen.certify.moving import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.controller.arithmetic import edge_error, rate_error
@@ -41,13 +42,15 @@ from stt_codegen.task import Task
 
 
 def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Certificate:
-    """P1 to P7 for the emitted tube; P8 where u is limited and the plant has bounds, P9 where there is a period."""
+    """P1 to P7 for the emitted tube; P8 where u is limited and the plant has bounds, P9 where there is a period, P10 where there
+    is a mission."""
     error = edge_error(design, program)
     certificate = certify_refined(task, design, error)
+    tenth, mission = certify_mission(task, design, units_of_error(design, error))
     seventh = Finding(
         "P7",
         f"{program.scalar} arithmetic moves no edge by more than {above(max(error), 2):g}",
-        min((f.margin - f.required for f in certificate.findings if f.required > 0), default=Fraction(0)),
+        min((f.margin - f.required for f in (*certificate.findings, *tenth[:1]) if f.required > 0), default=Fraction(0)),
         Fraction(0),
         advice=(
             'the task needs more room than single precision leaves: use emit.scalar = "double", shift the origin, or, where the '
@@ -57,14 +60,14 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
         ),
     )
     rate = rate_error(design, program) if task.order == 2 else ()
-    certificate = replace(certificate, rate_error=rate)
+    certificate = replace(certificate, rate_error=rate, mission=mission)
     own = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
     if task.control.period is None or (task.order == 2 and not all(f.holds for f in own)):
-        return replace(certificate, findings=(*certificate.findings, seventh, *own))
+        return replace(certificate, findings=(*certificate.findings, seventh, *own, *tenth))
     from stt_codegen.certify.period import certify_period
 
     ninth, proved = certify_period(task, design, error, rate)
-    return replace(certificate, findings=(*certificate.findings, seventh, *own, ninth), proved_period=proved)
+    return replace(certificate, findings=(*certificate.findings, seventh, *own, ninth, *tenth), proved_period=proved)
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:
@@ -81,7 +84,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
             *tube.start(),
             tube.stay(),
             tube.avoid(),
-            tube.reach(),
+            *([] if task.target_set is None else [tube.reach()]),
             _smooth(task, design, tube.bezier, speed),
             *_accelerated(task, design, tube.bezier),
         ),

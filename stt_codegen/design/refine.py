@@ -18,11 +18,12 @@ from dataclasses import replace
 import numpy as np
 
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
+from stt_codegen.design.asked import mission_of
 from stt_codegen.design.filter import with_filter
 from stt_codegen.design.lattice import STEP_BITS, lattice_of
 from stt_codegen.design.refusal import refusal
 from stt_codegen.design.shape import Shape, calmest
-from stt_codegen.design.timed import search_of
+from stt_codegen.design.visits import anew, search_of
 from stt_codegen.design.widest import PLENTY, Search, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
@@ -45,7 +46,7 @@ def refine(task: Task) -> RefinedDesign:
     try:
         return _finished(task, search, shape)
     except NotCertified:  # of order 2: a narrower tube presses less
-        slow = search_of(search.arena, search.start, search.ladder).slowest() if task.order == 2 else None
+        slow = anew(search).slowest() if task.order == 2 else None
         if slow is None:
             raise
         return _finished(task, search, slow)
@@ -57,7 +58,7 @@ def family(task: Task) -> list[RefinedDesign]:
     found = _designed(task, _arena(task))
     if found is None:
         return []
-    fresh = search_of(found[0].arena, found[0].start, found[0].ladder)
+    fresh = anew(found[0])
     return [_finished(task, fresh, shape) for shape in _others(fresh)]
 
 
@@ -77,7 +78,8 @@ def _designed(task: Task, arena: Arena) -> tuple[Search, Shape] | None:
     use it up: first it is only asked whether it is kept, then no component may be faster than a few times what it takes without
     such bounds."""
     start, ladder = starting_box(arena), segments_tried(task, arena)
-    plain = search_of(arena, start, ladder)
+    mission = mission_of(task, arena)
+    plain = search_of(arena, start, ladder, mission)
     shape = _chosen(task, plain)
     if shape is not None and plain.keeps(shape):
         return plain, shape
@@ -87,7 +89,7 @@ def _designed(task: Task, arena: Arena) -> tuple[Search, Shape] | None:
     for times in CAPS:
         speeds = np.minimum(arena.max_speeds, times * base)
         fastest = float(speeds.max())
-        search = search_of(replace(arena, max_speed=fastest, swiftness=speeds / fastest), start, ladder)
+        search = search_of(replace(arena, max_speed=fastest, swiftness=speeds / fastest), start, ladder, mission)
         shape = _chosen(task, search)
         if shape is not None and search.keeps(shape):
             return search, shape
@@ -101,7 +103,7 @@ def _chosen(task: Task, search: Search) -> Shape | None:
         return shape
     own = [] if shape is None or not search.keeps(shape) else [shape]
     # made anew, so that they are the same tubes whatever was solved before
-    return _preferred(task, search, own + _others(search_of(search.arena, search.start, search.ladder)))
+    return _preferred(task, search, own + _others(anew(search)))
 
 
 def _others(search: Search) -> list[Shape]:

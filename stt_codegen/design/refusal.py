@@ -14,7 +14,7 @@ from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.closed import why_closed
 from stt_codegen.design.route import shortest_route
 from stt_codegen.design.shape import Shape
-from stt_codegen.design.timed import search_of
+from stt_codegen.design.visits import search_of
 from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.task import Task

@@ -197,7 +197,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
     if found is None:
         return None
     obstacles, space, goal = found
-    nodes = _nodes(obstacles, space, goal, centre)
+    nodes = route_nodes(obstacles, space, goal, centre)
     buried = obstacles.inside(nodes)
     if buried[0]:
         return None
@@ -247,7 +247,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
     return Route(polyline, float(np.cumsum(steps)[-1]), reach)
 
 
-def _nodes(obstacles: Obstacles, space: Array, goal: Array, centre: Array) -> Array:
+def route_nodes(obstacles: Obstacles, space: Array, goal: Array, centre: Array) -> Array:
     """The start, the corners of the grown sets that lie in the space, and the corners and centre of the target."""
     n = len(centre)
     middle = (goal[0] + goal[1]) / 2

@@ -17,6 +17,7 @@ import numpy as np
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.faces import Array
+from stt_codegen.design.movers import Mover
 from stt_codegen.design.sides import Limits, limits_of_tube
 from stt_codegen.design.solver import Rows, Solvers, face_bound, least
 from stt_codegen.design.template import INNER, Template, template_of
@@ -34,13 +35,15 @@ BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 /
 @dataclass(frozen=True)
 class Shape:
     """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
-    moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within."""
+    moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within;
+    demands: what a mission asks of it there, beside the arena's movers."""
 
     points: Array
     paces: Array
     limits: Limits
     width: Array
     order: int = 1
+    demands: tuple[Mover, ...] = ()
 
     @property
     def pace(self) -> float:
@@ -108,7 +111,7 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
 
 def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
     """The calmest tube of the same width within the same limits, no dimension faster than it is: the one that bends least."""
-    points = shape.points.copy()
+    points, arena = shape.points.copy(), replace(arena, movers=(*arena.movers, *shape.demands))
     for members in _groups(arena, shape.limits):
         found = _group(arena, start, shape.limits, shape.width, members, None, float(shape.paces[members[0]]))
         if found is not None:

@@ -10,7 +10,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stt_codegen.design.arena import Arena
 from stt_codegen.design.faces import Array
 from stt_codegen.design.shape import Shape, slowest_shape
 from stt_codegen.design.sides import limits_in_time
@@ -84,8 +83,3 @@ class TimedSearch(Search):
             if shape is not None:
                 return shape
         return None
-
-
-def search_of(arena: Arena, start: Array, ladder: tuple[int, ...]) -> Search:
-    """The search for an arena."""
-    return (TimedSearch if arena.movers else Search)(arena, start, ladder)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stt_codegen.design.arena import Arena
+from stt_codegen.design.asked import Mission
 from stt_codegen.design.faces import Array
 from stt_codegen.design.route import Route, shortest_route, wide_route
 from stt_codegen.design.shape import CLOSE, Shape, slowest_shape
@@ -47,7 +48,7 @@ DETOUR = 1.1  # where the route is at most so much longer than the shortest
 
 @dataclass(frozen=True)
 class Search:
-    """What is designed: an arena (t_c the unit of time), gamma(0), and the numbers of segments that may be tried.
+    """What is designed: an arena (t_c the unit of time), gamma(0), the numbers of segments that may be tried, and the mission.
 
     A width is told as a share of the narrower of start and target in every dimension, and is never less than min_width.
     """
@@ -56,6 +57,7 @@ class Search:
     start: Array
     ladder: tuple[int, ...]
     solvers: Solvers = field(default_factory=Solvers)
+    mission: Mission | None = None
 
     def width(self, share: float) -> Array:
         """(n,)"""
@@ -241,7 +243,7 @@ def segments_tried(task: Task, arena: Arena) -> tuple[int, ...]:
     """The numbers of segments to try for a task."""
     if task.tube.segments:
         return (task.tube.segments,)
-    return TIMED if arena.movers else segments_for(len(arena.names))
+    return TIMED if arena.movers or task.mission else segments_for(len(arena.names))
 
 
 def segments_for(unsafe: int) -> tuple[int, ...]:

@@ -11,8 +11,9 @@ import math
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify.certificate import Certificate, Finding, PeriodProof
+from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
 from stt_codegen.certify.claims import Claim, claims_of, cuts_of
+from stt_codegen.certify.mission import SLICES
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.program import Program
@@ -75,6 +76,7 @@ def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Cer
         "control": _control(task),
         **({"clock": _clock(task)} if task.timed else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
+        **({} if certificate.mission is None else {"mission": _mission(certificate.mission, cuts)}),
         **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
     }
 
@@ -93,7 +95,7 @@ def _claim(claim: Claim, cuts: int) -> dict[str, Any]:
         entry["set"] = claim.name
     if claim.order is not None:
         entry["order"] = claim.order
-    entry["on"] = [v * cuts for v in claim.on]
+    entry["on"] = [int(v * cuts) for v in claim.on]
     if claim.margin is not None:
         entry["margin"] = claim.margin
     if claim.hints:
@@ -112,6 +114,11 @@ def _control(task: Task) -> dict[str, Any]:
 def _clock(task: Task) -> dict[str, Any]:
     """The doubt about the clock of sets that move, within which the claims hold."""
     return {"start_delay": str(task.start_delay), "timing": {s.name: str(s.timing) for s in task.unsafe if s.timing is not None}}
+
+
+def _mission(shown: MissionProof, cuts: int) -> dict[str, Any]:
+    """The formula, and by how many parts of a segment every stretch of P10 may be shorter at both ends."""
+    return {"formula": str(shown.formula), "time_margin": shown.time_margin * cuts // SLICES}
 
 
 def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:

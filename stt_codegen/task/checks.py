@@ -9,13 +9,15 @@ import keyword
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
+from stt_codegen.task.mission_checks import mission_problem
 from stt_codegen.task.motion import Course, places
 from stt_codegen.task.polytopes import spanned
 from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
 from stt_codegen.task.schema import TaskTables
-from stt_codegen.task.sets import BoxSet, Normal, Vector
-from stt_codegen.task.shapes import Box, Region, Target, Unsafe, UnsafeSet, corners_left
-from stt_codegen.task.values import MAX_TURNS
+from stt_codegen.task.set_checks import axes_problem, entries_problem, motion_problem, set_problem
+from stt_codegen.task.sets import BoxSet, Normal
+from stt_codegen.task.shapes import Box, Region, UnsafeSet, corners_left
+from stt_codegen.task.values import ADD_IT
 
 
 def first_problem(task: TaskTables) -> str | None:
@@ -24,6 +26,7 @@ def first_problem(task: TaskTables) -> str | None:
     return (
         _name_problem(task.name)
         or _shape_problem(task, n)
+        or mission_problem(task)
         or _options_problem(task)
         or _containment_problem(task, n)
         or unsafe_problem(task)
@@ -40,11 +43,14 @@ def _name_problem(name: str) -> str | None:
 
 
 def _shape_problem(task: TaskTables, n: int) -> str | None:
-    tables: list[tuple[str, Box]] = [
-        ("state_space", task.state_space),
-        ("initial_set", task.initial_set),
-        ("target_set", task.target_set),
-    ]
+    target = task.target_set
+    if target is None and not task.mission:
+        return f"target_set: is missing; {ADD_IT}"
+    tables: list[tuple[str, Box]] = [("state_space", task.state_space), ("initial_set", task.initial_set)]
+    regions: list[tuple[str, Region]] = [("state_space", task.state_space)]
+    if target is not None:
+        tables.append(("target_set", target))
+        regions.append(("target_set", target))
     vectors = [("initial_state", task.initial_state)]
     vectors += [(f"{field}.{name}", vector) for field, table in tables for name, vector in table.vectors()]
     if task.body is not None:
@@ -67,82 +73,22 @@ def _shape_problem(task: TaskTables, n: int) -> str | None:
     for field, vector in vectors:
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
-    for field, region in (("state_space", task.state_space), ("target_set", task.target_set)):
-        problem = _axes_problem(task, region.axes) or _entries_problem(task, region.axes, *region.points)
+    for field, region in regions:
+        problem = axes_problem(task, region.axes) or entries_problem(task, region.axes, *region.points)
         if problem:
             return f"{field}.{problem}"
-    if problem := _motion_problem(task, task.target_set):
+    if target is not None and (problem := motion_problem(task, target)):
         return f"target_set.{problem}"
     found = (table.problem() for _, table in tables)
     told = ((field, problem) for (field, _), problem in zip(tables, found, strict=True) if problem)
     return next((f"{field}{'.' if _of_a_field(problem) else ': '}{problem}" for field, problem in told), None) or next(
-        (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := _set_problem(task, unsafe))), None
+        (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := set_problem(task, unsafe))), None
     )
 
 
 def _of_a_field(problem: str) -> bool:
     """Whether a message about a table begins with one of its fields."""
     return problem.partition(" ")[0].endswith(":")
-
-
-def _set_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
-    """An unsafe set that is in other dimensions than it says, or is none."""
-    if problem := _axes_problem(task, unsafe.axes):
-        return problem
-    names, own = task.axis_names, unsafe.axes
-    for field, vector in unsafe.vectors():
-        if own is not None and len(vector) != len(own):
-            return f"{field}: has {len(vector)} entries; its axes are {len(own)}: {', '.join(own)}"
-        if own is None and len(vector) != len(names):
-            told = f"has {len(vector)} entries; state_space.lower has {len(names)}, and all must agree"
-            return f"{field}: {told}" + (
-                f", unless axes names those of {', '.join(names)} that it is in" if len(vector) < len(names) else ""
-            )
-    return unsafe.problem() or _motion_problem(task, unsafe) or _hours_problem(task, unsafe)
-
-
-def _motion_problem(task: TaskTables, table: Unsafe | Target) -> str | None:
-    """A motion whose times do not increase, or whose displacements are in other dimensions than the set."""
-    wanted, t_c = len(table.axes or task.axis_names), task.prescribed_time
-    if table.motion is not None and len(table.motion) > MAX_TURNS:
-        return f"motion: has {len(table.motion)} entries; at most {MAX_TURNS} are taken"
-    for k, point in enumerate(table.motion or ()):
-        if len(point.by) != wanted:
-            return f"motion[{k}].by: has {len(point.by)} entries; {wanted} are needed, one for each of the set's axes"
-        if point.at > t_c:
-            told = f"is {decimal(point.at)}, after prescribed_time = {decimal(t_c)}; from then on sets stand"
-            return f"motion[{k}].at: {told}, so use at most {decimal(t_c)}"
-        if k and table.motion and point.at <= table.motion[k - 1].at:
-            before = decimal(table.motion[k - 1].at)
-            return f"motion[{k}].at: is {decimal(point.at)}, not after the entry before, {before}; times must increase"
-    return None
-
-
-def _hours_problem(task: TaskTables, unsafe: Unsafe) -> str | None:
-    """A window outside the task's time, or doubt about times that are not there."""
-    window, t_c = unsafe.during, task.prescribed_time
-    if window is not None and not 0 <= window[0] < window[1] <= t_c:
-        told = f"[{decimal(window[0])}, {decimal(window[1])}]"
-        return f"during: is {told}; from must be before to, and both between 0 and prescribed_time = {decimal(t_c)}"
-    if unsafe.timing is not None and unsafe.motion is None and unsafe.during is None:
-        return "timing: is about a motion or a window; give motion or during, or leave it out"
-    return None
-
-
-def _axes_problem(task: TaskTables, own: tuple[str, ...] | None) -> str | None:
-    names = task.axis_names
-    if own is not None and (not own or len(set(own)) < len(own) or not set(own) <= set(names)):
-        return f"axes: are {', '.join(own) or 'none'}; different ones of {', '.join(names)} are needed"
-    return None
-
-
-def _entries_problem(task: TaskTables, own: tuple[str, ...] | None, field: str, found: tuple[Vector, ...]) -> str | None:
-    wanted = task.dimension if own is None else len(own)
-    for k, vector in enumerate(found):
-        if len(vector) != wanted:
-            more = " of its axes" if own is not None else ", or axes that name fewer"
-            return f"{field}[{k}]: has {len(vector)} entries; {wanted} are needed, one for each dimension{more}"
-    return None
 
 
 def _labels_problem(task: TaskTables) -> str | None:
@@ -257,7 +203,7 @@ def _outside_problem(task: TaskTables) -> str | None:
     if kind == "stop":
         return None
     timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
-    if timed is not None or task.target_set.motion is not None:
+    if timed is not None or task.target_moves:
         field = "target_set" if timed is None else f"unsafe[{timed}]"
         return f'but {field} does not wait for a tube that stands; use "return" or "stop"'
     if task.order == 2:
@@ -282,7 +228,7 @@ def _limits_problem(task: TaskTables) -> str | None:
     if tube.design != "refined" and shaped is not None:
         return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
     timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
-    if tube.design != "refined" and (timed is not None or task.target_set.motion is not None):
+    if tube.design != "refined" and (timed is not None or task.target_moves):
         field = "target_set" if timed is None else f"unsafe[{timed}]"
         return f"{field}: is not always the same; the {tube.design} design knows standing sets alone, use the refined design"
     if tube.design != "refined" and tube.prefer != "balanced":
@@ -327,10 +273,10 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
     for i in range(n):
         if space.lower[i] >= space.upper[i]:
             return f"body[{i}]: the body does not fit into the state space; make it smaller"
-    boxes: tuple[tuple[str, Region, BoxSet], ...] = (
-        ("state_space", task.state_space, task.state_space.convex()),
-        ("target_set", task.target_set, task.target_at_rest),
-    )
+    target = task.target_set
+    boxes: list[tuple[str, Region, BoxSet]] = [("state_space", task.state_space, task.state_space.convex())]
+    if target is not None:
+        boxes.append(("target_set", target, task.target_at_rest))
     for field, region, box in boxes:
         own, cuts = task.own_axes(region), tuple(region.half_spaces())
         left = corners_left(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
@@ -344,9 +290,9 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
             for edge, sign, most in (("lower", -1, "at least"), ("upper", 1, "at most")):
                 end, limit = getattr(box, edge)[i], getattr(space, edge)[i]
                 if sign * end > sign * limit:
-                    round_ = field == "target_set" and task.target_set.centre is not None and not task.target_set.lower
+                    round_ = field == "target_set" and target is not None and target.centre is not None and not target.lower
                     what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
-                    if field == "target_set" and task.target_set.motion is not None:
+                    if field == "target_set" and task.target_moves:
                         by = task.target_course.displaced(task.prescribed_time)[i]
                         told = (
                             f"use {most} {decimal(limit - by)} here, or a motion that ends by {most} {decimal(limit - end + by)}"
@@ -402,7 +348,7 @@ def unsafe_problem(task: TaskTables) -> str | None:
         if any(not place.apart(start.lower, start.upper) for place in first):
             when = "" if course is None or not course.moves else f" where it {_may(course)} at t = 0"
             return f"initial_set: meets {label}{when}; move or shrink one of them"
-        if any(place.covers(target.lower, target.upper) for place in last):
+        if task.target_set is not None and any(place.covers(target.lower, target.upper) for place in last):
             closes = course is not None and course.window is not None and course.window[1] < course.t_c
             when = (
                 ""

@@ -14,10 +14,12 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
 
+from stt_codegen.task.formula import Formula, both
+from stt_codegen.task.mission import AnyRegion, Choice, Entry, expanded, with_states
 from stt_codegen.task.motion import Course, course_of
 from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe
+from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe, UnsafeSet
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
@@ -187,12 +189,16 @@ class TaskTables(Table):
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Annotated[Region, BeforeValidator(_from_box)]
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
-    target_set: Annotated[Target, BeforeValidator(_from_box)]
+    target_set: Annotated[Target, BeforeValidator(_from_box)] | None = Field(
+        default=None, description="where the tube is at t_c; may be left out where there is a mission"
+    )
     body: Vector | None = Field(default=None, description="half extents of the robot")
     start_delay: NotNegative = Field(
         default=Fraction(0), description="seconds by which the controller may start late against the sets' clock"
     )
     unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
+    region: tuple[AnyRegion, ...] = Field(default=(), description="named sets that missions speak of")
+    mission: tuple[Entry, ...] = Field(default=(), description="what must hold beside reach, avoid and stay, every entry")
     tube: TubeOptions = TubeOptions()
     control: ControlOptions = ControlOptions()
     emit: EmitOptions = EmitOptions()
@@ -336,7 +342,8 @@ class TaskTables(Table):
     @property
     def target_at_rest(self) -> BoxSet:
         """The target set, or the box that is cut to it, before it is displaced."""
-        return self.target_set.box(self.free_space, self.own_axes(self.target_set))
+        target = self.target_set
+        return self.free_space if target is None else target.box(self.free_space, self.own_axes(target))
 
     @property
     def target(self) -> BoxSet:
@@ -356,6 +363,8 @@ class TaskTables(Table):
     @property
     def target_cuts(self) -> tuple[HalfSpace, ...]:
         """The half-spaces that cut the target set at t_c."""
+        if self.target_set is None:
+            return self.space_cuts
         by = self.target_course.displaced(self.prescribed_time)
         given = self.target_set.cuts(self.own_axes(self.target_set), self.dimension)
         return tuple((n, h + sum((c * v for c, v in zip(n, by, strict=True)), Fraction(0))) for n, h in given)
@@ -363,7 +372,7 @@ class TaskTables(Table):
     @property
     def target_course(self) -> Course:
         """How the target moves."""
-        return self._course(self.target_set, None, Fraction(0), Fraction(0))
+        return self._course(self.target_set or self.state_space, None, Fraction(0), Fraction(0))
 
     @property
     def courses(self) -> tuple[Course | None, ...]:
@@ -375,11 +384,34 @@ class TaskTables(Table):
     @property
     def timed(self) -> bool:
         """Whether the clock of the sets matters: some unsafe set is not always the same, or the target moves."""
-        return any(s.timed for s in self.unsafe) or self.target_set.motion is not None
+        return any(s.timed for s in self.unsafe) or self.target_moves
 
-    def _course(self, table: Unsafe | Target, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
+    @property
+    def target_moves(self) -> bool:
+        """Whether the target is displaced."""
+        return self.target_set is not None and self.target_set.motion is not None
+
+    @property
+    def regions(self) -> dict[str, Unsafe | Choice]:
+        """The named regions."""
+        return {one.name: one for one in self.region}
+
+    @property
+    def formulas(self) -> tuple[Formula, ...]:
+        """Every entry of the mission as a formula about states."""
+        regions = self.regions
+        boxes = frozenset(name for name, one in regions.items() if isinstance(one, UnsafeSet))
+        return tuple(with_states(expanded(e.meaning(self.prescribed_time), regions), boxes) for e in self.mission)
+
+    @property
+    def formula(self) -> Formula | None:
+        """The mission, all of its entries; None where there is none."""
+        return both(*self.formulas) if self.mission else None
+
+    def _course(self, table: Unsafe | Region, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
         own, n = self.own_axes(table), self.dimension
-        knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in table.motion or ()] or [(Fraction(0), {})]
+        motion = getattr(table, "motion", None)
+        knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in motion or ()] or [(Fraction(0), {})]
         return course_of(
             tuple((at, tuple(place.get(i, Fraction(0)) for i in range(n))) for at, place in knots),
             None if during is None else (during[0], during[1]),

@@ -196,6 +196,10 @@ class Unsafe(Table):
         """Whether points were given that are not corners of the set."""
         return False
 
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        """In its own dimensions half-spaces that leave the set, or a polytope within it; none of a capsule."""
+        return ()
+
     def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
         """The set in a state space, its dimensions by number: in those that are not its own as long as that, all that counts."""
         base = self.own(*(tuple(edges[k] for k in own) for edges in (space.lower, space.upper)))
@@ -216,6 +220,9 @@ class UnsafeSet(Unsafe):
     def problem(self) -> str | None:
         return Box(lower=self.lower, upper=self.upper).problem()
 
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return BoxSet(self.lower, self.upper).faces
+
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         return BoxSet(self.lower, self.upper, self.name)
 
@@ -234,6 +241,9 @@ class UnsafePolytope(Unsafe):
     @property
     def thinned(self) -> bool:
         return len(Hull.of(self.vertices).corners) < len(self.vertices)
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return Hull.of(self.vertices).faces
 
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         return Polytope(self.vertices, self.name)
@@ -254,6 +264,9 @@ class UnsafeHalfSpaces(Unsafe):
                 f"normals: have {len(self.normals[0])} entries; half-spaces are for at most {SOLID} dimensions, name them in axes"
             )
         return half_space_problem(self.normals, self.offsets)
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return half_spaces(self.normals, self.offsets)
 
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         """Raises `ValueError` where nothing of the state space is in all half-spaces."""
@@ -289,6 +302,9 @@ class UnsafeBall(Unsafe):
 
     def problem(self) -> str | None:
         return None
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return inscribed(self.centre, self.radius)
 
     def own(self, lower: Vector, upper: Vector) -> ConvexSet:
         return Round((self.centre,), self.radius, self.name)
@@ -365,7 +381,7 @@ KINDS: tuple[tuple[str, type[Unsafe]], ...] = (  # the field that tells which, a
 )
 
 
-def _kind_of_set(value: Any) -> str:
+def kind_of_set(value: Any) -> str:
     """What a table [[unsafe]] is to be read as."""
     if isinstance(value, Unsafe):
         return f"<{type(value).__name__}>"
@@ -379,5 +395,5 @@ AnyUnsafe = Annotated[
     | Annotated[UnsafeHalfSpaces, Tag("<UnsafeHalfSpaces>")]
     | Annotated[UnsafeBall, Tag("<UnsafeBall>")]
     | Annotated[UnsafeCapsule, Tag("<UnsafeCapsule>")],
-    Discriminator(_kind_of_set),
+    Discriminator(kind_of_set),
 ]

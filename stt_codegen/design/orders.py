@@ -1,0 +1,192 @@
+"""In which order, and where, the events of a skeleton happen: the shortest way that its times allow.
+
+Labels are searched, shortest first: which events are done, at which place the centre is, and the zone, the closed
+difference-bound matrix of all times with the legs so far. A leg is the shortest way among the places that keeps to all holds that
+are open. Of labels with the same events and place those count that are shorter or earlier than the others, at most BEAM of them.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stt_codegen.design.faces import Array
+from stt_codegen.design.places import Flags, Places
+from stt_codegen.design.route import STRAIGHT
+from stt_codegen.design.skeleton import END, START, TINY, Skeleton
+from stt_codegen.task.mission import State
+
+BEAM = 3
+LATE = 1e-7  # what a time may lack for rounding
+MOST_LABELS = 60_000
+NEAREST = 24  # places at which an event happens that may be anywhere
+
+
+@dataclass(frozen=True)
+class Stop:
+    """An event, and the points of the way to it from the one before, (m, n); none where it is at the same place."""
+
+    event: int
+    way: Array
+
+
+@dataclass(frozen=True)
+class _Label:
+    """A beginning of a way: its length and the earliest time at its end, which events are done, a bit each, and where it is. The
+    last leg came from label `parent` and ended with `event`; zone: of all times, where there are any."""
+
+    length: float
+    time: float
+    done: int
+    place: int
+    parent: int
+    event: int
+    zone: Array | None
+
+
+@dataclass
+class Order:
+    """A search for one skeleton."""
+
+    places: Places
+    skeleton: Skeleton
+
+    @cached_property
+    def before(self) -> list[int]:
+        """Which events must be done before each: bits."""
+        s = self.skeleton
+        found = [0] * s.events
+        for d in s.differences:
+            if d.least >= 0:
+                found[d.last] |= 1 << d.first
+            if d.most <= 0:
+                found[d.first] |= 1 << d.last
+        for hold in s.holds:
+            if not hold.at_once:
+                found[hold.last] |= 1 << hold.first
+        assert s.zone is not None
+        for i in range(s.events):
+            for j in range(s.events):
+                if i != j and s.zone[j, i] < -1e-7:
+                    found[j] |= 1 << i
+        found[END] |= ((1 << s.events) - 1) & ~(1 << END)
+        return [bits & ~(1 << k) for k, bits in enumerate(found)]
+
+    @cached_property
+    def possible(self) -> Flags:
+        """At which nodes each event may happen: (events, N)."""
+        places, s = self.places, self.skeleton
+        found = np.ones((s.events, len(places.nodes)), dtype=bool)
+        for hold in s.holds:
+            if hold.at_once:
+                found[hold.first] &= places.allowed[hold.state]
+            else:
+                found[hold.first] &= places.passable(hold.state)
+                found[hold.last] &= places.passable(hold.state)
+        arena, half = places.arena, places.width / 2
+        inside = (places.nodes >= arena.target[0] + half - TINY) & (places.nodes <= arena.target[1] - half + TINY)
+        found[END] &= inside.all(axis=1)
+        if len(arena.goals.bound):
+            found[END] &= arena.goals.hold(places.nodes, half)
+        return found
+
+    @cached_property
+    def far(self) -> dict[int, Array]:
+        """For each event that may not be anywhere how far it is at least from every node, (N,)."""
+        away, n = self.places.distance, self.places.arena.dimension
+        return {e: away[:, row].min(axis=1) / (1 + STRAIGHT * n) for e, row in enumerate(self.possible) if not row.all()}
+
+    @cached_property
+    def held(self) -> list[tuple[State, int, int]]:
+        """The holds of some length, with the bits of their events."""
+        return [(h.state, 1 << h.first, 1 << h.last) for h in self.skeleton.holds if not h.at_once]
+
+    def open_after(self, done: int) -> frozenset[State]:
+        """The states that are held when these events are done."""
+        return frozenset(state for state, a, b in self.held if done & a and not done & b)
+
+    def rest(self, done: int) -> Array:
+        """What is left to go at least, from every node (N,), once these events are done."""
+        left = [away for e, away in self.far.items() if not done >> e & 1]
+        return np.asarray(np.max(left, axis=0)) if left else np.zeros(len(self.places.nodes))
+
+    def shortest(self, speed: float) -> list[Stop] | None:
+        """The shortest way that is in time at this speed, lengths per t_c; None where none was found."""
+        nodes = len(self.places.nodes)
+        if not nodes or not self.possible.any(axis=1).all() or not self.possible[START, 0]:
+            return None
+        labels = [_Label(0.0, 0.0, 1, 0, -1, START, self.skeleton.zone if self.skeleton.timed else None)]
+        fronts: dict[tuple[int, int], list[tuple[float, float]]] = {}
+        ahead: dict[int, Array] = {}
+        queue, popped = [(0.0, 0)], 0
+        while queue and popped < MOST_LABELS:
+            _, k = heapq.heappop(queue)
+            popped += 1
+            label = labels[k]
+            if label.done == (1 << self.skeleton.events) - 1:
+                return self._way(labels, k)
+            for event, done in self._next(label):
+                if done not in ahead:
+                    ahead[done] = self.rest(done)
+                for place, leg, time in self._reached(label, event, done, speed):
+                    length = label.length + leg
+                    if _improves(fronts.setdefault((done, place), []), length, time):
+                        zone = None if label.zone is None else _after(label.zone, label.event, event, leg / speed)
+                        if zone is None or not (np.diag(zone) < -LATE).any():
+                            labels.append(_Label(length, time, done, place, k, event, zone))
+                            heapq.heappush(queue, (length + float(ahead[done][place]), len(labels) - 1))
+        return None
+
+    def _next(self, label: _Label) -> Iterator[tuple[int, int]]:
+        """The events that may come next, and what is done with them."""
+        for event, before in enumerate(self.before):
+            if not label.done >> event & 1 and not before & ~label.done:
+                yield event, label.done | 1 << event
+
+    def _reached(self, label: _Label, event: int, done: int, speed: float) -> Iterator[tuple[int, float, float]]:
+        """Where an event may happen in time, how far that is, and the earliest time."""
+        lengths, _ = self.places.legs(self.open_after(label.done), label.place)
+        good, when, zone = self.possible[event] & np.isfinite(lengths), np.zeros(len(lengths)), label.zone
+        if zone is not None:
+            when = np.maximum(lengths / speed - zone[label.event, START], -zone[event, START])
+            good &= lengths <= zone[label.event, event] * speed + LATE
+            for other, away in self.far.items():
+                if not done >> other & 1 and zone[START, other] < np.inf:
+                    good &= when + away / speed <= zone[START, other] + LATE
+        places = np.nonzero(good)[0]
+        if event not in self.far and len(places) > NEAREST:
+            places = places[np.argsort(lengths[places], kind="stable")[:NEAREST]]
+        for place in places.tolist():
+            yield place, float(lengths[place]), float(when[place])
+
+    def _way(self, labels: Sequence[_Label], k: int) -> list[Stop]:
+        """The stops of a label, from the first on."""
+        stops = []
+        while labels[k].parent >= 0:
+            label, above = labels[k], labels[labels[k].parent]
+            _, before = self.places.legs(self.open_after(above.done), above.place)
+            path = [label.place]
+            while path[-1] != above.place:
+                path.append(int(before[path[-1]]))
+            stops.append(Stop(label.event, self.places.nodes[path[-2::-1]]))
+            k = label.parent
+        return stops[::-1]
+
+
+def _improves(front: list[tuple[float, float]], length: float, time: float) -> bool:
+    """Whether a label is shorter or earlier than all that are there; if it is, it is put among them."""
+    if any(a <= length + TINY and b <= time + TINY for a, b in front):
+        return False
+    if len(front) >= BEAM and not all(length < a for a, _ in front):
+        return False
+    front.append((length, time))
+    return True
+
+
+def _after(zone: Array, first: int, last: int, least: float) -> Array:
+    """The zone where there is at least so much time between two events."""
+    return np.asarray(np.minimum(zone, zone[:, last, None] - least + zone[None, first]))
