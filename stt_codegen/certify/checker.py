@@ -49,15 +49,18 @@ LAW = {
     "inline": {24: 2.0**-14, 53: 2.0**-14},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
-    "": "name axes units prescribed_time start_delay initial_state body state_space initial_set target_set unsafe tube "
-        "control emit plant",
+    "": "name axes units prescribed_time start_delay initial_state body state_space initial_set target_set unsafe region mission "
+        "tube control emit plant",
     "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share speed",
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
+    "region": "name any_of axes lower upper vertices normals offsets centre segment radius",
+    "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
     "control": "gain e_max u_max period latency outside velocity period_min saturate",
     "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
+LISTS = ("unsafe", "region", "mission")
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
 FAN: tuple[tuple[tuple[int, ...], ...], ...] = (  # normals of a target that is a ball, by its dimensions
     (), ((1,),), ((1, 0), (5, 1), (5, 2), (3, 2), (1, 1)),
@@ -99,7 +102,7 @@ class Task:
             raise Unusable(
                 "the task has a map; give the .task.toml that was written beside the C, where its sets are spelled out"
             )
-        tables = [(name, entry) for name, v in document.items() for entry in (v if name == "unsafe" else [v]) if name in KNOWN]
+        tables = [(name, entry) for name, v in document.items() for entry in (v if name in LISTS else [v]) if name in KNOWN]
         for name, entry in [("", document), *tables]:
             unknown = set(entry) - set(KNOWN[name].split())
             if unknown:
@@ -113,7 +116,9 @@ class Task:
         self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
         names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
         walls = _cuts(document["state_space"], names)
-        self.target, self.goals = _target(document["target_set"], names, self.space, self.t_c)
+        self.reaches = "target_set" in document or "mission" not in document
+        target = document["target_set"] if self.reaches else document["state_space"]
+        self.target, self.goals = _target(target, names, self.space, self.t_c)
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
@@ -122,24 +127,25 @@ class Task:
         delay, timed, given = _number(document.get("start_delay", 0)), {"motion", "during", "spread"}, document.get("unsafe", [])
         self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for e in given]
         doubt = {name: str(_number(e["timing"])) for (name, _), e in zip(self.unsafe, given) if "timing" in e}
-        moving = "motion" in document["target_set"] or any({"motion", "during"} & {*e} or e.get("spread") for e in given)
+        moving = "motion" in target or any({"motion", "during"} & {*e} or e.get("spread") for e in given)
         self.clock = {"start_delay": str(delay), "timing": doubt} if moving else None
+        self.mission = Mission(document, names, (lower, upper), body, self.t_c, delay) if "mission" in document else None
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
         self.segments = _number(tube["segments"]) if "segments" in tube else None
         self.limits = [_each(tube[k], n) if k in tube else None for k in ("max_speed", "max_acceleration")]
         self._plant(document)
-        self.period = _number(control["period"]) if "period" in control else None
-        self.latency = _number(control.get("latency", 0))
+        self.period, self.latency = (
+            _number(control["period"]) if "period" in control else None,
+            _number(control.get("latency", 0)),
+        )
         gain = control.get("gain", Decimal("0.5") if self.period is None else "auto")
         self.gain = None if gain == "auto" else _each(gain, n)
         self.e_max = _each(control.get("e_max", Decimal("0.99")), n)
         self.u_max = _each(control["u_max"], n) if "u_max" in control else None
         self.apart, self.scales = self._apart(control, document), self._scales(control, document.get("plant", {}))
-        self.outside, self.inline = _outside(control, self.order == 2 or self.clock is not None), emit.get("math") == "inline"
-        self.selftest = bool(emit.get("selftest", False))
-        self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
+        self._emitted(control, emit)
         given = [*(self.plant["g_min"] or []), *(self.plant["g_max"] or []), self.period, self.tick, *(self.u_max or [])]
         given += [v for most in self.limits for v in most or []]
         positive = [self.t_c, self.share, *self.e_max, *(v for v in given if v is not None)]
@@ -153,6 +159,13 @@ class Task:
         ]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
+
+    def _emitted(self, control: dict[str, Any], emit: dict[str, Any]) -> None:
+        """How late u may be; what the C looks like, and has beside it."""
+        self.latency = _number(control.get("latency", 0))
+        self.outside, self.inline = _outside(control, self.order == 2 or self.clock is not None), emit.get("math") == "inline"
+        self.selftest = bool(emit.get("selftest", False))
+        self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
 
     def _plant(self, document: dict[str, Any]) -> None:
         """What is said of the plant, of its starts, and for order 2 of lambda."""
@@ -1404,6 +1417,323 @@ def apart(
             yield math.floor(min(room) / size)
 
 
+# ------------------------------------------------------------------------------------------------ P10
+
+Formula = Any  # ("in", region), ("out", region), ("and", f, ..), ("or", f, ..), (operator, (from, to), f, ..)
+PRECEDENCE = ("->", "or", "and", "until")
+
+
+def joined(sign: str, *parts: Formula) -> Formula:
+    """ "and" or "or" of formulas, flat."""
+    flat = [p for part in parts for p in (part[1:] if part[0] == sign else (part,))]
+    return flat[0] if len(flat) == 1 else (sign, *flat)
+
+
+def negated(f: Formula) -> Formula:
+    """What holds only where a formula does not."""
+    kind, *rest = f
+    other = {"in": "out", "out": "in", "and": "or", "or": "and", "always": "eventually", "eventually": "always"}
+    if kind in ("in", "out"):
+        return (other[kind], *rest)
+    if kind in ("and", "or"):
+        return joined(other[kind], *map(negated, rest))
+    if kind in ("always", "eventually"):
+        return (other[kind], rest[0], negated(rest[1]))
+    (a, b), first, last = rest[0], negated(rest[1]), negated(rest[2])
+    release = ("eventually", (a, a), ("until", (Fraction(0), b - a), last, joined("and", first, last)))
+    return joined("or", ("always", (a, b), last), ("eventually", (Fraction(0), a), first), release)
+
+
+def formula(text: Any) -> Formula:
+    """The formula that a text says, "not" down at the regions."""
+    need(isinstance(text, str), "a formula is no text")
+    words = [*re.findall(r"->|[A-Za-z]\w*|\d+(?:\.\d+)?(?:[eE][+-]?\d+)?|\S", text), ""]
+
+    def taken(word: str) -> None:
+        if words.pop(0) != word:
+            raise Unusable(f"the formula {text!r:.80} lacks a {word!r}")
+
+    def window() -> tuple[Any, Any]:
+        if words[0] != "[":
+            return Fraction(0), math.inf
+        taken("[")
+        begin = Fraction(_decimal(words.pop(0)))
+        taken(",")
+        end = math.inf if words[0] == "inf" else Fraction(_decimal(words[0]))
+        words.pop(0)
+        taken("]")
+        if end < begin:
+            raise Unusable(f"the formula {text!r:.80} has a window that ends before it begins")
+        return begin, end
+
+    def binary(level: int) -> Formula:
+        if level == len(PRECEDENCE):
+            return unary()
+        sign, found = PRECEDENCE[level], binary(level + 1)
+        while words[0] == sign:
+            taken(sign)
+            if sign == "->":
+                found = joined("or", negated(found), binary(level))
+            elif sign == "until":
+                found = ("until", window(), found, binary(level + 1))
+            else:
+                found = joined(sign, found, binary(level + 1))
+        return found
+
+    def unary() -> Formula:
+        word = words.pop(0)
+        if word == "not":
+            return negated(unary())
+        if word in ("always", "eventually"):
+            return (word, window(), unary())
+        if word == "(":
+            found = binary(0)
+            taken(")")
+            return found
+        if not re.fullmatch(r"[A-Za-z]\w*", word) or word in PRECEDENCE:
+            raise Unusable(f"the formula {text!r:.80} has {word!r} where a region is needed")
+        return ("in", word)
+
+    found = binary(0)
+    taken("")
+    return found
+
+
+def entry(table: Any, t_c: Fraction) -> Formula:
+    """An entry of the mission as a formula."""
+    zero = Fraction(0)
+    forms = [k for k in ("visit", "never", "patrol", "formula") if k in table]
+    beside = {"visit": "between stay then within", "never": "before", "patrol": "every until", "formula": ""}
+    if len(forms) != 1 or not set(table) <= {forms[0], *beside[forms[0]].split()}:
+        raise Unusable("the task has an entry of its mission that is said in no way that is known here")
+    if forms == ["formula"]:
+        return formula(table["formula"])
+    if forms == ["never"]:
+        out = ("out", str(table["never"]))
+        return (
+            ("until", (zero, t_c), out, ("in", str(table["before"]))) if "before" in table else ("always", (zero, math.inf), out)
+        )
+    if forms == ["patrol"]:
+        every, until = _number(table["every"]), _number(table.get("until", t_c))
+        if not 0 < every <= until:
+            raise Unusable("the task has a patrol that is shorter than its rounds")
+        rounds = (("always", (zero, until - every), ("eventually", (zero, every), ("in", str(r)))) for r in table["patrol"])
+        return joined("and", *rounds)
+    stay, begin = _number(table.get("stay", 0)), tuple(_each(table["between"], 2)) if "between" in table else (zero, t_c)
+    here: Formula = ("in", str(table["visit"]))
+    here = ("always", (zero, stay), here) if stay else here
+    if "then" in table:
+        gap = _number(table.get("within", t_c))
+        here = joined("and", here, ("eventually", (stay, stay + gap), ("in", str(table["then"]))))
+    if stay < 0 or begin[0] > begin[1] or begin[0] < 0:
+        raise Unusable("the task has a visit in no time")
+    return ("eventually", begin, here)
+
+
+def united(spans: Any) -> list[tuple[Any, Any]]:
+    """Intervals as disjoint ones, in order."""
+    found: list[tuple[Any, Any]] = []
+    for a, b in sorted(spans):
+        if found and a <= found[-1][1]:
+            found[-1] = (found[-1][0], max(b, found[-1][1]))
+        else:
+            found.append((a, b))
+    return found
+
+
+def met(first: Any, last: Any) -> list[tuple[Any, Any]]:
+    """What is in both of two sets of intervals."""
+    return united((max(a, c), min(b, d)) for a, b in first for c, d in last if max(a, c) <= min(b, d))
+
+
+def ahead(t: Any, by: Any) -> Any:
+    """t - by, where t may be infinite."""
+    return t if math.isinf(t) else t - by
+
+
+def satisfied(f: Formula, known: dict[Formula, list[tuple[Any, Any]]]) -> list[tuple[Any, Any]]:
+    """When a formula holds, from when the parts hold that are known; all that is known is proved."""
+    if f in known:
+        return known[f]
+    kind, *rest = f
+    if kind in ("in", "out"):  # nothing is claimed of it
+        return []
+    if kind in ("and", "or"):
+        found = [satisfied(p, known) for p in rest]
+        every = found[0]
+        for one in found[1:]:
+            every = met(every, one)
+        return every if kind == "and" else united(span for one in found for span in one)
+    (a, b), first = rest[0], satisfied(rest[1], known)
+    if kind == "always":
+        return united((ahead(u, a), ahead(v, b)) for u, v in first if ahead(u, a) <= ahead(v, b))
+    if kind == "eventually":
+        return united((ahead(u, b), ahead(v, a)) for u, v in first)
+    last = satisfied(rest[2], known)
+    spans = [(max(u, ahead(c, b)), min(v, ahead(d, a))) for u, v in first for c, d in met([(u, v)], last)]
+    return united((u, v) for u, v in spans if u <= v)
+
+
+class Mission:
+    """The regions and the formula of a task, choices told by their members."""
+
+    def __init__(self, document: Any, names: list[str], space: Box, body: list[Fraction], t_c: Fraction, delay: Fraction) -> None:
+        self.regions: dict[str, Any] = {}
+        self.names, self.space, self.body, self.delay = names, space, body, delay
+        for table in document.get("region", []):
+            if str(table["name"]) in self.regions:
+                raise Unusable("the task has two regions of one name")
+            if any(name not in self.regions for name in table.get("any_of", [])):
+                raise Unusable("the task has a choice of regions that are not before it")
+            self.regions[str(table["name"])] = table
+        self.formula = joined("and", *(self.told(entry(table, t_c)) for table in document["mission"]))
+
+    def told(self, f: Formula) -> Formula:
+        """With every choice told by its members."""
+        kind, *rest = f
+        if kind not in ("in", "out"):
+            parts = [self.told(p) for p in rest if isinstance(p[0], str)]
+            return joined(kind, *parts) if kind in ("and", "or") else (kind, rest[0], *parts)
+        if rest[0] not in self.regions:
+            raise Unusable(f"the mission speaks of {rest[0]!r}, which is no region")
+        members = self.regions[rest[0]].get("any_of")
+        return f if members is None else joined("or" if kind == "in" else "and", *(self.told((kind, m)) for m in members))
+
+    def box(self, name: str, more: list[Fraction]) -> list[tuple[Any, Any]] | None:
+        """The edges of a region that is a box, grown; None of another. In dimensions that are not its own it has none."""
+        table = self.regions[name]
+        if "lower" not in table:
+            return None
+        own = _own(table, self.names)
+        ends = dict(zip(own, zip(*_box(table, len(own)))))
+        return [(ends[i][0] - m, ends[i][1] + m) if i in ends else (-math.inf, math.inf) for i, m in enumerate(more)]
+
+    def true(self, f: Formula, point: list[Any], more: list[Fraction]) -> bool:
+        """Whether a formula of boxes holds at a point that lies on no edge; of those kept off, grown by `more`."""
+        kind, *rest = f
+        if kind in ("and", "or"):
+            return (all if kind == "and" else any)(self.true(p, point, more) for p in rest)
+        need(kind in ("in", "out"), "the certificate claims a formula with times as one without")
+        edges = self.box(rest[0], more if kind == "out" else [Fraction(0)] * len(more))
+        need(edges is not None, "the certificate claims a choice of what are not boxes")
+        inside = all(a < x < b for x, (a, b) in zip(point, edges or []))
+        return bool(inside == (kind == "in"))
+
+    def room(self, f: Formula, task: Task, tube: Tube, margin: int) -> Callable[[Piece], bool]:
+        """Whether all of a piece, larger by the margin on every side, satisfies a state formula; true only where it does."""
+        unit, more = tube.unit, [h + task.clearance for h in self.body]
+        if f[0] == "in" and "lower" not in self.regions[f[1]]:
+            if "segment" in self.regions[f[1]]:
+                raise Unusable("the mission has a capsule to be in")
+            faces = _cuts(self.regions[f[1]], self.names)
+
+            def behind(piece: Piece) -> bool:
+                return all(
+                    sum(c * piece[i][c > 0][k] for i, c in enumerate(n) if c) * unit + sum(map(abs, n)) * margin * unit <= offset
+                    for n, offset in faces
+                    for k in range(4)
+                )
+
+            return behind
+        edges: list[set[Any]] = [set() for _ in range(task.n)]
+
+        def gather(p: Formula) -> None:
+            if p[0] in ("and", "or"):
+                for part in p[1:]:
+                    gather(part)
+                return
+            need(p[0] in ("in", "out"), "the certificate claims a formula with times as one without")
+            found = self.box(p[1], more if p[0] == "out" else [Fraction(0)] * task.n)
+            need(found is not None, "the certificate claims a choice of what are not boxes")
+            for i, ends in enumerate(found or []):
+                edges[i].update(v for v in ends if not math.isinf(v))
+
+        gather(f)
+
+        def within_boxes(piece: Piece) -> bool:
+            cells = []
+            for (low, high), cut in zip(piece, edges):
+                a, b = (min(low) - margin) * unit, (max(high) + margin) * unit
+                ends = [a, *sorted(v for v in cut if a < v < b), b]
+                cells.append([(p + q) / 2 for p, q in zip(ends, ends[1:])])
+            return all(self.true(f, list(point), more) for point in itertools.product(*cells))
+
+        return within_boxes
+
+    def prove(self, task: Task, tube: Tube, error: int, claims: list[Any], cuts: int, told: Any, bits: int) -> None:
+        """P10: every claim about a state, and that the mission follows from them."""
+        need(isinstance(told, dict) and set(told) == {"formula", "time_margin"}, "the certificate's mission is not known")
+        need(self.told(formula(told["formula"])) == self.formula, "the certificate's formula is not the task's mission")
+        margin, part, end = told["time_margin"], task.t_c / (tube.segments * cuts), tube.segments * cuts
+        clock = task.t_c * Fraction(4, 1 << bits) + self.delay
+        need(type(margin) is int and margin * part >= clock, "P10: the time margin is less than the clock's error")
+        known: dict[Formula, list[tuple[Any, Any]]] = {}
+        for claim in claims:
+            keys = {"property", "set", "on", "margin"}
+            need(set(claim) - {"hints"} == keys and claim["property"] == "P10", f"a claim is not of P10: {claim!s:.80}")
+            on, room = claim["on"], claim["margin"]
+            good = isinstance(on, list) and [type(v) for v in (*on, room)] == [int] * 3 and 0 <= on[0] <= on[1] <= end
+            need(good and room >= error, f"P10: a claim has no interval, or less room than the arithmetic takes: {claim!s:.80}")
+            state = self.told(formula(claim["set"]))
+            self.state(state, claim, task, tube, cuts)
+            a, b = (-math.inf if on[0] == 0 else on[0] + margin), (math.inf if on[1] == end else on[1] - margin)
+            spans = known.setdefault(state, [])
+            if a <= b:
+                spans.append((a * part, b * part))
+        found = satisfied(self.formula, {f: united(spans) for f, spans in known.items()})
+        need(any(a <= 0 <= b for a, b in found), "P10: the mission does not follow from what is claimed of its states")
+
+    def state(self, f: Formula, claim: Any, task: Task, tube: Tube, cuts: int) -> None:
+        """That a state holds on the interval of a claim, with its margin."""
+        (begin, stop), room = claim["on"], claim["margin"]
+        if f[0] == "out" and "lower" not in self.regions[f[1]]:
+            table = {k: v for k, v in self.regions[f[1]].items() if k != "name"}
+            unsafe = _unsafe(table, self.names, self.space, self.body)
+            at, found = begin, list[Any]()
+            need(isinstance(claim.get("hints"), list), "a claim to keep off what is no box has no hints")
+            for hint in claim["hints"]:
+                need(isinstance(hint, list) and len(hint) == 3 and at == hint[0] <= hint[1], "the hints are in no order")
+                at = hint[1]
+                for a, b in aligned(hint[0], hint[1], cuts, whole=True):
+                    found.append((part_of(tube, a, b, cuts), hint[2], (a, b)))
+            need(at == stop and bool(found), "the hints leave a gap in time")
+            slack = min(apart(task, tube, unsafe, None, found, Fraction(1)))
+            need(slack >= room, f"P10: {claim['set']} does not hold from {begin} to {stop} with the margin that is claimed")
+            return
+        shows = self.room(f, task, tube, room)
+        for a, b in aligned(begin, stop, cuts):
+            need(self.shown(part_of(tube, a, b, cuts), shows, 12), f"P10: {claim['set']} does not hold from {a} to {b}")
+
+    def shown(self, piece: Piece, shows: Callable[[Piece], bool], depth: int) -> bool:
+        """Whether a piece, in halves where its hull is too coarse, is as it should be."""
+        if shows(piece):
+            return True
+        half = Fraction(1, 2)
+        parts = [within(piece, Fraction(0), half), within(piece, half, Fraction(1))] if depth else []
+        return bool(parts) and all(self.shown(p, shows, depth - 1) for p in parts)
+
+
+def aligned(begin: int, stop: int, cuts: int, whole: bool = False) -> Iterator[tuple[int, int]]:
+    """An interval in parts of a segment as intervals none of which crosses a multiple of its length, or of a segment alone."""
+    at = begin
+    while at < stop or at == begin == stop:
+        size = cuts - at % cuts
+        size = min(size, stop - at) if whole else min(at & -at or cuts, size, cuts)
+        while at + size > stop and size > 1:
+            size = stop - at if whole else size // 2
+        yield at, min(at + size, stop)
+        at += max(size, 1)
+
+
+def part_of(tube: Tube, a: int, b: int, cuts: int) -> Piece:
+    """The tube from a to b, in parts of a segment."""
+    k = min(a // cuts, tube.segments - 1)
+    if b - a == cuts:
+        return tube.pieces[k]
+    p, q = Fraction(a, cuts) - k, Fraction(b, cuts) - k
+    return within(tube.pieces[k], p, q) if q > 0 else [([low[0]] * 4, [high[0]] * 4) for low, high in tube.pieces[k]]
+
+
 def derived(tube: Tube, task: Task, filtered: list[Fraction]) -> tuple[list[Piece], list[Piece]]:
     """For order 2, exactly: the edges of v + lambda x, L' + lambda L and R' + lambda R; and what the tube's motion asks of u at
     each, lambda^2 (R - L) + L'' and lambda^2 (R - L) - R''. Bezier coefficients of degree 3, in the task's units."""
@@ -1462,6 +1792,7 @@ def prove(
     cuts: int,
     bits: int,
     more: list[tuple[str, list[int], int, Fraction, dict[str, Any]]],
+    mission: Any,
 ) -> None:
     """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
     unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
@@ -1514,7 +1845,8 @@ def prove(
         claim("P4", [0, end], min(found), error, set=name)
     last = [(low[3], high[3]) for low, high in tube.pieces[-1]]
     held: Piece = [([low[3]] * 4, [high[3]] * 4) for low, high in tube.pieces[-1]]
-    claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)
+    if task.reaches:
+        claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)
     need(all(tube.table[-k] == tube.table[-3] for k in range(1, task.order + 1)), "P6: the tube has a kink at t_c")
     for order, most in enumerate(task.limits, 1):
         scale = (task.t_c / tube.segments) ** order / unit
@@ -1525,7 +1857,9 @@ def prove(
         claim(code, [v * cuts for v in on], slack, needed, **told)
     if task.limited and task.order == 1:
         claim("P8", [0, end], spare(task, tube, bits), 1)
-    need(not claims, "the certificate claims more than is known")
+    if task.mission is not None:
+        task.mission.prove(task, tube, error, claims, cuts, mission, bits)
+    need(not claims or task.mission is not None, "the certificate claims more than is known")
 
 
 # ------------------------------------------------------------------------------------------------ P9
@@ -1719,7 +2053,8 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     """The certificate's hashes and claims against what is read, found and proved."""
     clock: dict[str, Any] = {} if task.clock is None else {"clock": task.clock}
     second = ["filter", "rate_error"] if task.order == 2 else []
-    unknown = set(certificate) ^ {*CLAIMS, *(["sampled"] if task.period is not None else []), *clock, *second}
+    named = [name for name, there in (("sampled", task.period), ("mission", task.mission)) if there is not None]
+    unknown = set(certificate) ^ {*CLAIMS, *named, *clock, *second}
     need(not unknown, f"the certificate lacks a claim or has one that is not known: {', '.join(sorted(unknown))}")
     told = {"format": 2, "task": task.name, "certified": True, "method": "exact", "order": task.order, **clock}
     for key, value in told.items():
@@ -1768,7 +2103,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
     filtered, more, wide = _filter(task, tube, source, certificate, error) if task.order == 2 else ([], [], True)
     claims = [dict(claim) for claim in certificate["claims"]]
-    prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more)
+    prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"))
     narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
     computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
     _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"], filtered))
@@ -1914,7 +2249,8 @@ def main(arguments: list[str]) -> int:
     except (RecursionError, ValueError, KeyError, TypeError, ArithmeticError, AttributeError, IndexError) as error:
         print(f"checker: cannot check: give task, C file, certificate ({type(error).__name__}: {error})", file=sys.stderr)
         return 2
-    proved = "P1 to " + ("P8" if task.limited else "P7") + (" and P9" if task.period is not None else "")
+    others = [name for name, there in (("P9", task.period), ("P10", task.mission)) if there is not None]
+    proved = " and ".join(["P1 to " + ("P8" if task.limited else "P7"), *others])
     size = f"{tube.segments} segments, {task.n} dimensions"
     print(f"checker: yes: {task.name}: {proved} hold, and the C computes this tube and this law; {size}")
     return 0

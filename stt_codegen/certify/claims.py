@@ -17,7 +17,7 @@ import numpy as np
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.certify.limits import least_spare
-from stt_codegen.certify.mission import SLICES
+from stt_codegen.certify.mission import SLICES, kept_off
 from stt_codegen.certify.moving import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
 from stt_codegen.designs import RefinedDesign
@@ -25,6 +25,7 @@ from stt_codegen.rows import (
     Row,
     acceleration_rows,
     avoid_rows,
+    mission_rows,
     reach_rows,
     speed_rows,
     start_rows,
@@ -33,6 +34,8 @@ from stt_codegen.rows import (
     width_rows,
 )
 from stt_codegen.task import Task
+from stt_codegen.task.formula import In
+from stt_codegen.task.shapes import UnsafeSet
 
 
 @dataclass(frozen=True)
@@ -118,17 +121,30 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
         Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
         *([] if second is None else [Claim("P6", always, second, order=2)]),
         *inert,
-        *_mission(certificate),
+        *_mission(task, design, certificate),
     ]
 
 
-def _mission(certificate: Certificate) -> list[Claim]:
-    """P10: every stretch on which a state holds."""
-    shown = certificate.mission
-    if shown is None:
-        return []
-    ends = {state: [tuple(Fraction(v, SLICES) for v in span) for span in spans] for state, spans in shown.spans.items()}
-    return [Claim("P10", span, shown.margin, str(state)) for state, spans in ends.items() for span in spans]
+def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> list[Claim]:
+    """P10: every stretch on which a state holds; with hints where a region that is no box is kept off."""
+    shown, found = certificate.mission, []
+    for state, spans in () if shown is None else shown.spans.items():
+        assert shown is not None
+        inner = state.inner
+        hinted = isinstance(inner, In) and inner.kept and not isinstance(task.regions[inner.region], UnsafeSet)
+        (rows,) = [one.rows for one in mission_rows(task, state)] if hinted else [()]
+        for span in spans:
+            told = kept_off(design, RowBlock.of(rows, design.unit), span, shown.margin) if hinted else []
+            hints = tuple(Stretch(a, b, _normal(rows[r], task.dimension)) for a, b, r in told)
+            found.append(Claim("P10", tuple(Fraction(v, SLICES) for v in span), shown.margin, str(state), hints))
+    return found
+
+
+def _normal(row: Row, n: int) -> tuple[int, ...]:
+    normal = [0] * n
+    for i, _, c in row.terms:
+        normal[i] = c
+    return tuple(normal)
 
 
 def _whole(slack: Any) -> int:
@@ -163,11 +179,8 @@ def _stretches(pieces: list[Found], rows: Sequence[Row], margin: int, n: int) ->
                 last += 1
             reach.append(last)
         best = int(np.argmax(reach))
-        normal = [0] * n
-        for i, _, c in rows[best].terms:
-            normal[i] = c
         last = max(reach[best], k + 1)
-        result.append(Stretch(pieces[k][0], pieces[last - 1][1], tuple(normal)))
+        result.append(Stretch(pieces[k][0], pieces[last - 1][1], _normal(rows[best], n)))
         k = last
     return result
 

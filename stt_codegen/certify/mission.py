@@ -164,3 +164,32 @@ def _slices(whole: npt.NDArray[Any], at: npt.NDArray[Any], step: int) -> list[tu
         if k < len(whole) and whole[k] <= 0:
             found.append((k * step, k * step + 1))
     return found
+
+
+def kept_off(design: RefinedDesign, block: RowBlock, span: tuple[int, int], margin: int) -> list[tuple[Fraction, Fraction, int]]:
+    """On a span, in slices, the rows of a set that show the margin: from, to, in segments, and which. Whole segments where one
+    row does for them, else its parts and slices."""
+    (begin, end), step, bezier = span, SLICES // PARTS, design.bezier()
+    found: list[tuple[Fraction, Fraction, int]] = []
+    at = begin
+    while at < end or at == begin == end:
+        for size in (SLICES, step, 1, 0):
+            if (size and at % size) or at + size > end:
+                continue
+            piece = _slice(bezier, at, at + size) if at + size else bezier[0, ..., :1].repeat(4, axis=-1)
+            slack = block.told(piece[None])[0]
+            best = int(np.argmax(slack))
+            if slack[best] < margin and size:
+                continue
+            whole, (last, until, row) = size == SLICES, found[-1] if found else (Fraction(0), Fraction(0), -1)
+            if whole and row == best and until.denominator == last.denominator == 1:
+                found[-1] = (last, until + 1, row)
+            else:
+                found.append((Fraction(at, SLICES), Fraction(at + size, SLICES), best))
+            at += size
+            break
+        else:
+            break
+        if begin == end:
+            break
+    return found

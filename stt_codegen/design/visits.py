@@ -18,7 +18,8 @@ from stt_codegen.design.arena import Arena
 from stt_codegen.design.asked import Mission
 from stt_codegen.design.faces import Array
 from stt_codegen.design.movers import Mover
-from stt_codegen.design.orders import Order, Places, Stop
+from stt_codegen.design.orders import Order, Stop
+from stt_codegen.design.places import Places
 from stt_codegen.design.shape import Shape, slowest_shape
 from stt_codegen.design.sides import limits_in_time
 from stt_codegen.design.skeleton import END, START, TINY, Skeleton
