@@ -17,6 +17,7 @@ from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
 from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
 from stt_codegen.report.design import DesignReport
+from stt_codegen.report.mission import sentence
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.sampling.gains import MUCH
 
@@ -62,6 +63,8 @@ def show_design(report: DesignReport) -> None:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
         table.add_row(p.property, p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
+    for one in report.mission:
+        _indented(console, f"mission {one.entry}, {escape(sentence(one))}")
     law = report.input
     if law.largest_u is not None:
         saturated = f", saturated at {', '.join(f'{u:g}' for u in law.u_max)}" if law.u_max else ""

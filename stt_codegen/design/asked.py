@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,7 @@ from stt_codegen.design.faces import Array, Cuts, Faces
 from stt_codegen.design.inner import inner_box
 from stt_codegen.design.movers import NEVER, Mover
 from stt_codegen.design.obstacles import Obstacles, obstacles_of
-from stt_codegen.design.skeleton import Skeleton, skeletons
+from stt_codegen.design.skeleton import END, START, Skeleton, skeletons
 from stt_codegen.rows import Avoidance, Row, mission_rows
 from stt_codegen.task import Task
 from stt_codegen.task.formula import And, Formula, In, Or
@@ -86,6 +87,12 @@ class Mission:
 
     skeletons: tuple[Skeleton, ...]
     states: dict[State, Asked]
+
+    @cached_property
+    def permanent(self) -> tuple[State, ...]:
+        """The states that hold at all times, whatever the skeleton."""
+        held = [{h.state for h in one.holds if (h.first, h.last) == (START, END)} for one in self.skeletons]
+        return tuple(state for state in self.states if held and all(state in one for one in held))
 
 
 def margin_of(task: Task) -> float:

@@ -9,20 +9,21 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+import numpy.typing as npt
 
 from stt_codegen.design.faces import Array
 from stt_codegen.design.places import Flags, Places
-from stt_codegen.design.route import STRAIGHT
 from stt_codegen.design.skeleton import END, START, TINY, Skeleton
-from stt_codegen.task.mission import State
 
 BEAM = 3
 LATE = 1e-7  # what a time may lack for rounding
 MOST_LABELS = 60_000
+MOST_TOURED = 9  # places of events whose shortest tour is a bound
 NEAREST = 24  # places at which an event happens that may be anywhere
 
 
@@ -50,10 +51,12 @@ class _Label:
 
 @dataclass
 class Order:
-    """A search for one skeleton."""
+    """A search for one skeleton. given: the events in the order that they must come in; empty: in any."""
 
     places: Places
     skeleton: Skeleton
+    given: tuple[int, ...] = ()
+    tours: dict[tuple[int, frozenset[int]], float] = field(default_factory=dict)
 
     @cached_property
     def before(self) -> list[int]:
@@ -66,13 +69,15 @@ class Order:
             if d.most <= 0:
                 found[d.first] |= 1 << d.last
         for hold in s.holds:
-            if not hold.at_once:
+            if hold.first != hold.last:
                 found[hold.last] |= 1 << hold.first
         assert s.zone is not None
         for i in range(s.events):
             for j in range(s.events):
                 if i != j and s.zone[j, i] < -1e-7:
                     found[j] |= 1 << i
+        for first, last in pairwise(self.given):
+            found[last] |= 1 << first
         found[END] |= ((1 << s.events) - 1) & ~(1 << END)
         return [bits & ~(1 << k) for k, bits in enumerate(found)]
 
@@ -82,7 +87,7 @@ class Order:
         places, s = self.places, self.skeleton
         found = np.ones((s.events, len(places.nodes)), dtype=bool)
         for hold in s.holds:
-            if hold.at_once:
+            if hold.first == hold.last:
                 found[hold.first] &= places.allowed[hold.state]
             else:
                 found[hold.first] &= places.passable(hold.state)
@@ -97,22 +102,52 @@ class Order:
     @cached_property
     def far(self) -> dict[int, Array]:
         """For each event that may not be anywhere how far it is at least from every node, (N,)."""
-        away, n = self.places.distance, self.places.arena.dimension
-        return {e: away[:, row].min(axis=1) / (1 + STRAIGHT * n) for e, row in enumerate(self.possible) if not row.all()}
+        return {e: self.places.far(row) for e, row in enumerate(self.possible) if e != START and not row.all()}
 
     @cached_property
-    def held(self) -> list[tuple[State, int, int]]:
-        """The holds of some length, with the bits of their events."""
-        return [(h.state, 1 << h.first, 1 << h.last) for h in self.skeleton.holds if not h.at_once]
+    def held(self) -> list[tuple[int, int, int]]:
+        """The holds of some length: the bits of state, first and last event."""
+        bit = {state: 1 << k for k, state in enumerate(self.places.mission.states)}
+        return [(bit[h.state], 1 << h.first, 1 << h.last) for h in self.skeleton.holds if h.first != h.last]
 
-    def open_after(self, done: int) -> frozenset[State]:
-        """The states that are held when these events are done."""
-        return frozenset(state for state, a, b in self.held if done & a and not done & b)
+    def open_after(self, done: int) -> int:
+        """The states that are held when these events are done, a bit each."""
+        found = 0
+        for state, first, last in self.held:
+            if done & first and not done & last:
+                found |= state
+        return found
+
+    @cached_property
+    def gaps(self) -> dict[tuple[int, int], float]:
+        """How far it is at least from a place of one event to one of another."""
+        rows = {START: self.possible[START] & (np.arange(len(self.places.nodes)) == 0)}
+        rows |= {e: self.possible[e] for e in self.far}
+        return {(e, f): float(away[row].min()) for e, row in rows.items() for f, away in self.far.items() if e != f}
 
     def rest(self, done: int) -> Array:
-        """What is left to go at least, from every node (N,), once these events are done."""
-        left = [away for e, away in self.far.items() if not done >> e & 1]
-        return np.asarray(np.max(left, axis=0)) if left else np.zeros(len(self.places.nodes))
+        """What is left to go at least, from every node (N,), once these events are done: the shortest tour of their places, as if
+        each were as near as its nearest point."""
+        left = frozenset(e for e in self.far if not done >> e & 1)
+        if not left:
+            return np.zeros(len(self.places.nodes))
+        if len(left) > MOST_TOURED:
+            return np.asarray(np.max([self.far[e] for e in left], axis=0))
+        return np.asarray(np.min([self.far[e] + self._tour(e, left - {e}) for e in self._first(left)], axis=0))
+
+    def _first(self, left: frozenset[int]) -> list[int]:
+        """Those of some events that may come first."""
+        bits = sum(1 << e for e in left)
+        return [e for e in left if not self.before[e] & bits]
+
+    def _tour(self, here: int, left: frozenset[int]) -> float:
+        """What it takes at least from a place of an event to visit those of others."""
+        if not left:
+            return 0.0
+        if (here, left) not in self.tours:
+            found = (self.gaps[here, e] + self._tour(e, left - {e}) for e in self._first(left))
+            self.tours[here, left] = min(found)
+        return self.tours[here, left]
 
     def shortest(self, speed: float) -> list[Stop] | None:
         """The shortest way that is in time at this speed, lengths per t_c; None where none was found."""
@@ -122,21 +157,34 @@ class Order:
         labels = [_Label(0.0, 0.0, 1, 0, -1, START, self.skeleton.zone if self.skeleton.timed else None)]
         fronts: dict[tuple[int, int], list[tuple[float, float]]] = {}
         ahead: dict[int, Array] = {}
+        best: dict[int, Array] = {}  # where only the order counts, the length to every node
         queue, popped = [(0.0, 0)], 0
         while queue and popped < MOST_LABELS:
             _, k = heapq.heappop(queue)
-            popped += 1
             label = labels[k]
+            if label.done in best and label.length > best[label.done][label.place] + TINY:
+                continue
+            popped += 1
             if label.done == (1 << self.skeleton.events) - 1:
                 return self._way(labels, k)
             for event, done in self._next(label):
                 if done not in ahead:
                     ahead[done] = self.rest(done)
-                for place, leg, time in self._reached(label, event, done, speed):
+                places, lengths, times = self._reached(label, event, done, speed)
+                if label.zone is None:
+                    known = best.setdefault(done, np.full(nodes, np.inf))
+                    better = label.length + lengths < known[places] - TINY
+                    places, lengths = places[better], lengths[better]
+                    known[places] = label.length + lengths
+                    for place, leg in zip(places.tolist(), lengths.tolist(), strict=True):
+                        labels.append(_Label(label.length + leg, 0.0, done, place, k, event, None))
+                        heapq.heappush(queue, (label.length + leg + float(ahead[done][place]), len(labels) - 1))
+                    continue
+                for place, leg, time in zip(places.tolist(), lengths.tolist(), times.tolist(), strict=True):
                     length = label.length + leg
                     if _improves(fronts.setdefault((done, place), []), length, time):
-                        zone = None if label.zone is None else _after(label.zone, label.event, event, leg / speed)
-                        if zone is None or not (np.diag(zone) < -LATE).any():
+                        zone = _after(label.zone, label.event, event, leg / speed)
+                        if not (np.diag(zone) < -LATE).any():
                             labels.append(_Label(length, time, done, place, k, event, zone))
                             heapq.heappush(queue, (length + float(ahead[done][place]), len(labels) - 1))
         return None
@@ -147,8 +195,8 @@ class Order:
             if not label.done >> event & 1 and not before & ~label.done:
                 yield event, label.done | 1 << event
 
-    def _reached(self, label: _Label, event: int, done: int, speed: float) -> Iterator[tuple[int, float, float]]:
-        """Where an event may happen in time, how far that is, and the earliest time."""
+    def _reached(self, label: _Label, event: int, done: int, speed: float) -> tuple[npt.NDArray[np.int64], Array, Array]:
+        """Where an event may happen in time, how far that is, and the earliest time: three times (M,)."""
         lengths, _ = self.places.legs(self.open_after(label.done), label.place)
         good, when, zone = self.possible[event] & np.isfinite(lengths), np.zeros(len(lengths)), label.zone
         if zone is not None:
@@ -160,8 +208,7 @@ class Order:
         places = np.nonzero(good)[0]
         if event not in self.far and len(places) > NEAREST:
             places = places[np.argsort(lengths[places], kind="stable")[:NEAREST]]
-        for place in places.tolist():
-            yield place, float(lengths[place]), float(when[place])
+        return places, lengths[places], when[places]
 
     def _way(self, labels: Sequence[_Label], k: int) -> list[Stop]:
         """The stops of a label, from the first on."""

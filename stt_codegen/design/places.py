@@ -19,6 +19,7 @@ from stt_codegen.task.mission import State
 MOST_PAIRS = 576  # of regions of which the nearest points are places too
 CORNERS = 3  # dimensions in which all corners of a region are places
 ALL_LEGS = 300  # places between which all legs are found at once
+TINIEST = 1e-12  # between nodes at one place, for 0 is no edge of a graph
 THIN = 1e-7  # sets are so much smaller where a leg is looked along their edge
 Flags = npt.NDArray[np.bool_]
 
@@ -32,8 +33,8 @@ class Places:
     start: Array
     width: Array
     _sights: dict[State, Flags] = field(default_factory=dict)
-    _legs: dict[tuple[frozenset[State], int], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)
-    _whole: dict[frozenset[State], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)
+    _graphs: dict[int, Array] = field(default_factory=dict)
+    _legs: dict[tuple[int, int], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)
 
     @cached_property
     def reach(self) -> Array:
@@ -66,6 +67,10 @@ class Places:
         if len(arena.walls.bound):
             free &= arena.walls.hold(points, half)
         free[0] |= not grown.inside(points[:1])[0]
+        for state in self.mission.permanent:
+            asked = self.mission.states[state]
+            blocking = asked.obstacles(self.reach - THIN)
+            free &= asked.allows(points, half, self.reach) if blocking is None else ~blocking.inside(points)
         first = points[0]
         rest = np.unique(np.round(points[1:][free[1:]], 12), axis=0)
         return np.concatenate([first[None], rest]) if free[0] else np.empty((0, len(first)))
@@ -125,20 +130,31 @@ class Places:
         grown = asked.obstacles(self.reach - THIN)
         return self.allowed[state] if grown is None else ~grown.inside(self.nodes)
 
-    def legs(self, states: frozenset[State], source: int) -> tuple[Array, npt.NDArray[np.int32]]:
-        """Distances from a node to all, and the node before each, while these states are held."""
+    def _graph(self, states: int) -> Array:
+        """The lengths of what is in sight while these states are held, 0 where nothing is."""
+        if states not in self._graphs:
+            seen = self.sight
+            for k, state in enumerate(self.mission.states):
+                seen = seen & self.sight_of(state) if states >> k & 1 else seen
+            self._graphs[states] = np.where(seen, self.distance + TINIEST, 0.0)
+        return self._graphs[states]
+
+    def legs(self, states: int, source: int) -> tuple[Array, npt.NDArray[np.int32]]:
+        """Distances from a node to all, and the node before each, while these states are held, a bit each in the mission's
+        order."""
         if (states, source) not in self._legs:
             from scipy.sparse.csgraph import dijkstra
 
-            seen = self.sight
-            for state in states:
-                seen = seen & self.sight_of(state)
-            graph = np.where(seen, self.distance + 1e-12, 0.0)
             if len(self.nodes) > ALL_LEGS:
-                self._legs[states, source] = dijkstra(graph, indices=source, return_predecessors=True)
+                self._legs[states, source] = dijkstra(self._graph(states), indices=source, return_predecessors=True)
             else:
-                if states not in self._whole:
-                    self._whole[states] = dijkstra(graph, return_predecessors=True)
-                lengths, before = self._whole[states]
-                self._legs[states, source] = lengths[source], before[source]
+                lengths, before = dijkstra(self._graph(states), return_predecessors=True)
+                self._legs.update({(states, k): (lengths[k], before[k]) for k in range(len(self.nodes))})
         return self._legs[states, source]
+
+    def far(self, goals: Flags) -> Array:
+        """How far it is at least from every node to the nearest of some, whatever is held: (N,)."""
+        from scipy.sparse.csgraph import dijkstra
+
+        lengths = dijkstra(self._graph(0), indices=np.nonzero(goals)[0], min_only=True)
+        return np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))

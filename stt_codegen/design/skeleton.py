@@ -45,16 +45,17 @@ class Difference:
 
 @dataclass(frozen=True)
 class Hold:
-    """A state from one event to another."""
+    """A state from one event to another; `longer`: and a little longer, so that the clock has room."""
 
     state: State
     first: int
     last: int
+    longer: bool = False
 
     @property
     def at_once(self) -> bool:
         """Whether it is asked at one moment alone."""
-        return self.first == self.last
+        return self.first == self.last and not self.longer
 
 
 @dataclass(frozen=True)
@@ -74,9 +75,14 @@ class Skeleton:
         """With one difference more."""
         return Skeleton(self.events, (*self.differences, Difference(first, last, least, most)), self.holds)
 
-    def holding(self, state: State, first: int, last: int) -> Skeleton:
+    def holding(self, hold: Hold) -> Skeleton:
         """With one hold more."""
-        return Skeleton(self.events, self.differences, (*self.holds, Hold(state, first, last)))
+        return Skeleton(self.events, self.differences, (*self.holds, hold))
+
+    def lengthened(self, count: int, last: int) -> Skeleton:
+        """With all holds but the first `count` that end at an event a little longer."""
+        more = (Hold(h.state, h.first, h.last, True) if h.last == last != END else h for h in self.holds[count:])
+        return Skeleton(self.events, self.differences, (*self.holds[:count], *more))
 
     @cached_property
     def zone(self) -> Array | None:
@@ -122,7 +128,7 @@ class _Expansion:
         """`to` with what it takes that the formula holds at all times from one event to another."""
         match formula:
             case State():
-                yield to.holding(formula, first, last)
+                yield to.holding(Hold(formula, first, last))
             case And(parts):
                 yield from self._all(parts, first, last, to)
             case Or(parts):
@@ -147,13 +153,13 @@ class _Expansion:
             case Until(over, held, reached):
                 if first != last:  # enough: `held` from first to the last witness
                     for here in self._chains(over, reached, first, last, to):
-                        until, longer = self._moved(here, here.events - 1, Fraction(0), 1)
-                        yield from self.at(held, first, until, longer)
+                        for more in self.at(held, first, here.events - 1, here):
+                            yield more.lengthened(len(here.holds), here.events - 1)
                     return
                 for when, here in self._witness(to, first, over):
-                    for more in self.at(reached, when, when, here):
-                        until, longer = self._moved(more, when, Fraction(0), 1)
-                        yield from self.at(held, first, until, longer)
+                    for there in self.at(reached, when, when, here):
+                        for more in self.at(held, first, when, there):
+                            yield more.lengthened(len(there.holds), when)
 
     def _all(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
         if not parts:

@@ -32,6 +32,7 @@ FASTEST = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at wh
 SLOWER = 0.9  # of the speed that an order needs another one is looked for,
 TRIES = 6  # so often at most
 ORDERS = 4  # skeletons whose way is made a tube
+UNHURRIED = 1.5  # times its way in t_c is a speed that more events would hardly lower
 CALM = (0, 1, 2, 4)  # segments that every leg gets at least
 ROUNDED = 1e-9
 AT_A_KNOT = 1 / 64  # of a segment: around a knot at which a state is asked for it must hold so long
@@ -39,13 +40,14 @@ AT_A_KNOT = 1 / 64  # of a segment: around a knot at which a state is asked for 
 
 @dataclass(frozen=True)
 class Plan:
-    """When and where: the stops in order, the first at the start; speed: the least at which all are in time, lengths per t_c;
-    times: of the events, in parts of t_c."""
+    """From where, and the stops in order; lengths: of the legs to them, as far as time goes; speed: the least at which all are in
+    time, lengths per t_c."""
 
     skeleton: Skeleton
+    origin: Array
     stops: tuple[Stop, ...]
+    lengths: tuple[float, ...]
     speed: float
-    length: float
 
 
 @dataclass(frozen=True)
@@ -53,12 +55,23 @@ class MissionSearch(TimedSearch):
     """A search whose arena has a mission."""
 
     plans: dict[float, list[Plan]] = field(default_factory=dict)
+    bounds: dict[Skeleton, float] = field(default_factory=dict)
 
     @property
     def straight(self) -> float:
-        """What the least width takes: no tube is known to be slower."""
-        plans = self.planned(0.0)
-        return plans[0].speed if plans else np.inf
+        """What the least width takes, in the order of events that a wider tube has where there is one: no tube is known to be
+        slower."""
+        wider = next((found[0] for share, found in self.plans.items() if share and found), None)
+        if wider is None or 0.0 in self.plans:
+            plans = self.planned(0.0)
+            return plans[0].speed if plans else np.inf
+        if wider.skeleton not in self.bounds:
+            assert self.mission is not None
+            places = Places(self.arena, self.mission, self.start, self.width(0.0))
+            order = Order(places, wider.skeleton, (START, *(stop.event for stop in wider.stops)))
+            least = _timed(places, wider.skeleton, order.shortest(wider.speed))
+            self.bounds[wider.skeleton] = wider.speed if least is None else min(wider.speed, least.speed)
+        return self.bounds[wider.skeleton]
 
     @property
     def shares(self) -> tuple[float, ...]:
@@ -74,14 +87,12 @@ class MissionSearch(TimedSearch):
             assert self.mission is not None
             places = Places(self.arena, self.mission, self.start, self.width(share))
             found: list[Plan] = []
-            fewest = None
             for skeleton in self.mission.skeletons:
-                if fewest is not None and skeleton.events > fewest + 2:
+                most = max((plan.skeleton.events for plan in found), default=skeleton.events)
+                if skeleton.events > most and any(plan.speed <= UNHURRIED * sum(plan.lengths) for plan in found):
                     break
                 plan = plan_of(self.arena, places, skeleton)
-                if plan is not None:
-                    found.append(plan)
-                    fewest = fewest or skeleton.events
+                found += [] if plan is None else [plan]
             self.plans[share] = sorted(found, key=lambda plan: plan.speed)
         return self.plans[share]
 
@@ -105,7 +116,7 @@ class MissionSearch(TimedSearch):
         assert self.mission is not None
         demands = demands_of(self.arena, self.mission, plan, knots, segments)
         arena = replace(self.arena, movers=(*self.arena.movers, *demands))
-        limits = limits_in_time(arena, self.start, centre_of(plan, self.start, knots, segments), width)
+        limits = limits_in_time(arena, self.start, centre_of(plan, knots, segments), width)
         shape = slowest_shape(arena, self.start, limits, width, plan.speed, self.solvers)
         return None if shape is None else replace(shape, demands=demands)
 
@@ -120,30 +131,30 @@ def plan_of(arena: Arena, places: Places, skeleton: Skeleton) -> Plan | None:
     """The way of a skeleton that needs the least speed, of those that are found; None where none is."""
     order = Order(places, skeleton)
     if np.isfinite(arena.max_speed):
-        return _timed(skeleton, order.shortest(arena.max_speed))
+        return _timed(places, skeleton, order.shortest(arena.max_speed))
     if not skeleton.timed:
-        return _timed(skeleton, order.shortest(np.inf))
+        return _timed(places, skeleton, order.shortest(np.inf))
     extent = float((arena.space[1] - arena.space[0]).max())
     found = None
     for times in FASTEST:
-        found = _timed(skeleton, order.shortest(times * extent))
+        found = _timed(places, skeleton, order.shortest(times * extent))
         if found is not None:
             break
     for _ in range(TRIES if found else 0):
         assert found is not None
-        other = _timed(skeleton, order.shortest(SLOWER * found.speed))
+        other = _timed(places, skeleton, order.shortest(SLOWER * found.speed))
         if other is None or other.speed > 0.999 * found.speed:
             break
         found = other
     return found
 
 
-def _timed(skeleton: Skeleton, stops: list[Stop] | None) -> Plan | None:
+def _timed(places: Places, skeleton: Skeleton, stops: list[Stop] | None) -> Plan | None:
     """With the least speed at which its legs are in time: scaled durations D = speed * duration make it one linear program."""
     if stops is None:
         return None
-    lengths = _lengths(stops)
-    legs = len(stops)
+    origin, legs = places.nodes[0], len(stops)
+    lengths = _lengths(places.arena, origin, stops)
     program = LinearProgram(legs + 1)
     program.cost[legs] = 1.0
     program.lower[:legs], program.lower[legs] = lengths, 0.0
@@ -157,16 +168,16 @@ def _timed(skeleton: Skeleton, stops: list[Stop] | None) -> Plan | None:
     found = program.solve()
     if found is None:
         return None
-    return Plan(skeleton, tuple(stops), float(found[legs]), float(np.cumsum(lengths)[-1]))
+    return Plan(skeleton, origin, tuple(stops), tuple(lengths), float(found[legs]))
 
 
-def _lengths(stops: list[Stop] | tuple[Stop, ...]) -> list[float]:
-    """Of the legs, in the largest component."""
-    found, here = [], None
+def _lengths(arena: Arena, origin: Array, stops: list[Stop]) -> list[float]:
+    """Of the legs."""
+    found, here = [], origin
     for stop in stops:
-        points = stop.way if here is None or not len(stop.way) else np.concatenate([here[None], stop.way])
-        found.append(float(np.abs(np.diff(points, axis=0)).max(axis=1).sum()) if len(points) > 1 else 0.0)
-        here = points[-1] if len(points) else here
+        points = np.concatenate([here[None], stop.way])
+        found.append(float(np.cumsum([0.0, *arena.distance(points[1:] - points[:-1])])[-1]))
+        here = points[-1]
     return found
 
 
@@ -184,7 +195,7 @@ def _windows(skeleton: Skeleton, stops: list[Stop] | tuple[Stop, ...]) -> Iterat
 def knots_of(plan: Plan, segments: int, calm: int) -> list[int] | None:
     """The knot of each stop, the start's first: times at the least speed rounded to whole segments within all windows, each leg
     that goes anywhere at least `calm` long; None where windows are too narrow for so few segments."""
-    legs, lengths = len(plan.stops), _lengths(plan.stops)
+    legs, lengths = len(plan.stops), plan.lengths
     windows = list(_windows(plan.skeleton, plan.stops))
     moving = [length > TINY for length in lengths]
     if calm * sum(moving) > segments:
@@ -222,9 +233,9 @@ def knots_of(plan: Plan, segments: int, calm: int) -> list[int] | None:
     return None if found is None else [int(v) for v in np.rint(found[:count])]
 
 
-def centre_of(plan: Plan, start: Array, knots: list[int], segments: int) -> Array:
+def centre_of(plan: Plan, knots: list[int], segments: int) -> Array:
     """Where the centre is at the end of each segment when every leg is gone at one speed: (segments + 1, n)."""
-    here = (start[0] + start[1]) / 2
+    here = plan.origin
     found = np.empty((segments + 1, len(here)))
     found[0] = here
     for stop, a, b in zip(plan.stops, knots[:-1], knots[1:], strict=True):
@@ -249,13 +260,13 @@ def demands_of(arena: Arena, mission: Mission, plan: Plan, knots: list[int], seg
         wanted: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
         room = np.zeros((segments, 4))
         a, b = when[hold.first], when[hold.last]
-        if a == b:
+        if hold.at_once:
             room_here = 2.0 * plan.speed / segments * AT_A_KNOT
             for k, c in ((a - 1, 3), (a, 0)):
                 if 0 <= k < segments:
                     wanted[k, c], room[k, c] = True, room_here
         else:
-            wanted[a:b] = True
+            wanted[a : b + hold.longer] = True
         if hold.last == END:
             wanted[segments - 1, 3] = True
         demands += mission.states[hold.state].demands(arena, f"{number}", wanted, room)

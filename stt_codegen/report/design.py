@@ -18,6 +18,7 @@ from stt_codegen.program.cost import cost_of, table_bytes
 from stt_codegen.program.operations import COST_KINDS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import Sampling, above_float
+from stt_codegen.report.mission import Served, served
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,8 @@ class Cost:
 
 @dataclass(frozen=True)
 class DesignReport:
-    """The figures of one design in the task's units; seconds: how long the design took; picture: where it was drawn."""
+    """The figures of one design in the task's units; seconds: how long the design took; picture: where it was drawn;
+    mission: when each of its entries is served."""
 
     task: str
     design: str
@@ -75,6 +77,7 @@ class DesignReport:
     input: Input
     cost: Cost
     picture: str | None = None
+    mission: tuple[Served, ...] = ()
 
     def drawn(self, path: Path) -> DesignReport:
         """The same report, naming the picture that was drawn."""
@@ -85,7 +88,7 @@ class DesignReport:
         data = asdict(self)
         sampling = self.input.sampling
         data["input"]["sampling"] = None if sampling is None else sampling.document()
-        return data if self.picture is not None else {k: v for k, v in data.items() if k != "picture"}
+        return {k: v for k, v in data.items() if (k != "picture" or v is not None) and (k != "mission" or v)}
 
 
 def design_report(controller: Controller, seconds: float) -> DesignReport:
@@ -98,7 +101,7 @@ def design_report(controller: Controller, seconds: float) -> DesignReport:
         task.name, design.kind, controller.program.scalar, certificate.holds, round(seconds, 3), float(task.prescribed_time),
         design.size, certificate.method, float(certificate.least_width), tuple(float(v) for v in certificate.speed),
         certificate.whole_start, task.axis_names, task.units or ("",) * task.dimension, properties, input_report(controller),
-        cost_report(controller),
+        cost_report(controller), None, () if certificate.mission is None else served(task, certificate.mission),
     )  # fmt: skip
 
 

@@ -1,0 +1,77 @@
+"""What is told of a mission: for every entry where and when the tube serves it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stt_codegen.certify.certificate import MissionProof
+from stt_codegen.certify.monitor import Witness
+from stt_codegen.task import Task
+from stt_codegen.task.formula import In, regions_of
+
+
+@dataclass(frozen=True)
+class Visit:
+    """The tube is in a region, or what else a formula without time says, from `begin` to `end`, seconds; None: for ever, at the
+    start also from before it."""
+
+    state: str
+    begin: float | None
+    end: float | None
+
+
+@dataclass(frozen=True)
+class Served:
+    """An entry of the mission, from 1, and what shows that it holds; nothing where it is about what is never done."""
+
+    entry: int
+    title: str
+    visits: tuple[Visit, ...]
+
+
+def served(task: Task, shown: MissionProof) -> tuple[Served, ...]:
+    """Every entry in the order of the file."""
+    pairs = enumerate(zip(task.mission, shown.witnesses, strict=True), 1)
+    return tuple(Served(k, entry.title(), tuple(_visits(found))) for k, (entry, found) in pairs)
+
+
+def reached(witness: Witness) -> bool:
+    """Whether a witness is about a region that the tube is in: keeping off is not served at a time."""
+    return not isinstance(witness.state.inner, In) or not witness.state.inner.kept
+
+
+def _visits(found: tuple[Witness, ...]) -> Iterator[Visit]:
+    for w in found:
+        if reached(w):
+            yield Visit(str(w.state).strip("()"), *(None if math.isinf(v) else float(v) for v in (w.begin, w.end)))
+
+
+def sentence(one: Served) -> str:
+    """As a line: "visit dock then exit: dock from 4.1 to 6.4 s; left or right from 12 to 12.05 s"."""
+    told = "; ".join(f"{v.state} {_when(v)}" for v in one.visits)
+    return f"{one.title}: {told or 'kept at all times'}"
+
+
+def _when(visit: Visit) -> str:
+    begin = "from the start" if visit.begin is None else f"from {visit.begin:.4g}"
+    return f"{begin} on" if visit.end is None else f"{begin} to {visit.end:.4g} s"
+
+
+def phases(task: Task, shown: MissionProof) -> list[tuple[Fraction, int]]:
+    """Until which time which entry, from 1, is being served: the one whose next visit ends first. Times that are for ever are
+    t_c."""
+    ends: list[tuple[Fraction, int]] = []
+    for k, found in enumerate(shown.witnesses, 1):
+        for w in found:
+            if reached(w) and regions_of(w.state.inner):
+                ends.append((task.prescribed_time if math.isinf(w.end) else Fraction(w.end), k))
+    result: list[tuple[Fraction, int]] = []
+    for end, k in sorted(ends):
+        if result and result[-1][1] == k:
+            result[-1] = (end, k)
+        elif not result or end > result[-1][0]:
+            result.append((end, k))
+    return result
