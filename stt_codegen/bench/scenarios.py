@@ -6,10 +6,12 @@ otherwise, and no speed is given: the slowest tube counts.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from stt_codegen.design.faces import Array
 
 Box = Sequence[float]  # x0 x1 y0 y1 ..
 ROOM = 0.25  # half width of a start
@@ -38,7 +40,7 @@ def task_of(
     start: Sequence[float],
     space: Box,
     unsafe: Sequence[Box],
-    regions: dict[str, Box],
+    regions: Mapping[str, Box],
     more: str,
     room: float = ROOM,
     tube: str = "",
@@ -66,10 +68,12 @@ WALLS = ((8, 15, 0, 4), (8, 15, 6, 10), (3.5, 5, 0, 2.5), (0, 2.5, 4, 6), (3.5, 
 DOORS = ((12.8, 14, 3.99, 6.01), (11.5, 12.7, 3.99, 6.01), (10.2, 11.4, 3.99, 6.01), (8.9, 10.1, 3.99, 6.01))
 KEYS = ((1, 2, 1, 2), (1, 2, 8, 9), (6, 7, 8, 9), (6, 7, 1, 2))
 PAIRS = (
-    ((5.4249, 6.4249, 4.9039, 5.9039), (3.8129, 4.8129, 5.813, 6.813)), ((3.9383, 4.9383, 8.026, 9.026), (8.673, 9.673, 3.451, 4.451)),
-    ((7.1255, 8.1255, 4.7601, 5.7601), (5.1124, 6.1124, 8.3304, 9.3304)), ((0.6393, 1.6393, 0.7842, 1.7842), (0.182, 1.182, 7.4936, 8.4936)),
+    ((5.4249, 6.4249, 4.9039, 5.9039), (3.8129, 4.8129, 5.813, 6.813)),
+    ((3.9383, 4.9383, 8.026, 9.026), (8.673, 9.673, 3.451, 4.451)),
+    ((7.1255, 8.1255, 4.7601, 5.7601), (5.1124, 6.1124, 8.3304, 9.3304)),
+    ((0.6393, 1.6393, 0.7842, 1.7842), (0.182, 1.182, 7.4936, 8.4936)),
     ((7.0034, 8.0034, 7.8301, 8.8301), (8.8076, 9.8076, 7.1924, 8.1924)),
-)  # fmt: skip
+)
 STONES = (
     (3.7532, 6.4829), (0.001, 2.721), (1.3208, 0.831), (1.6763, 3.11), (3.5709, 4.8494), (3.7728, 6.167), (1.8401, 7.9031),
     (0.2465, 6.0342), (3.7557, 5.0282), (1.2635, 1.7829), (7.2067, 8.7144), (2.8208, 6.2309), (7.8875, 8.0515), (0.7654, 0.3515),
@@ -149,7 +153,8 @@ def own() -> Iterator[Scenario]:
 
     yield made("patrol", "patrol of two regions", 40, "ae", '[[mission]]\npatrol = ["a", "e"]\nevery = 14\n')
     yield made("respond", "response", 30, "ae", formulas("eventually[0, 12] a", "always[0, 18] (not a or eventually[0, 8] e)"))
-    stay = '[[mission]]\nvisit = "a"\nbetween = [4, 12]\nstay = 3\nthen = "b"\nwithin = 8\n\n[[mission]]\nnever = "e"\nbefore = "b"\n'
+    stay = '[[mission]]\nvisit = "a"\nbetween = [4, 12]\nstay = 3\nthen = "b"\nwithin = 8\n'
+    stay += '\n[[mission]]\nnever = "e"\nbefore = "b"\n'
     yield made("stay", "stay, then, never before", 30, "abe", stay)
     order = "eventually[0, 60] (f and eventually[0, 60] (a and eventually[0, 60] (g and eventually[0, 60] (e and "
     order += "eventually[0, 60] (d and eventually[0, 60] (c and eventually[0, 60] (h and eventually[0, 60] b)))))))"
@@ -168,13 +173,13 @@ def random_mission(seed: int, n: int, unsafe: int) -> str:
     """Visits in two windows, one with a stay, a choice of two regions, and a door that needs a key, among unsafe boxes."""
     draw, visits = np.random.default_rng(seed), 5
     start = np.array([[0.3] * n, [0.8] * n])
-    sets: list[np.ndarray] = []
+    sets: list[Array] = []
     while len(sets) < unsafe:
         low = draw.uniform(0, 8.5, n)
         box = np.array([low, low + draw.uniform(0.6, 2, n)])
         if _apart(box, [start], 0.6):
             sets.append(box)
-    regions: list[np.ndarray] = []
+    regions: list[Array] = []
     while len(regions) < visits + 2:
         low = draw.uniform(0, 9, n)
         box = np.array([low, low + 1.0])
@@ -188,13 +193,41 @@ def random_mission(seed: int, n: int, unsafe: int) -> str:
         *(f'[[mission]]\nvisit = "r{k}"\n' for k in range(3, visits)),
     ]
     choice = f'[[region]]\nname = "either"\nany_of = ["r2", "r{visits}"]\n'
-    boxes = {f"r{k}": box.T.ravel() for k, box in enumerate(regions)}
+    boxes = {f"r{k}": box.T.ravel().tolist() for k, box in enumerate(regions)}
     middle = [0.55] * n
-    return task_of(f"r{seed}", 30, middle, (0, 10) * n, [b.T.ravel() for b in sets], boxes, "\n".join([choice, *entries]))
+    return task_of(
+        f"r{seed}", 30, middle, (0, 10) * n, [b.T.ravel().tolist() for b in sets], boxes, "\n".join([choice, *entries])
+    )
 
 
-def _apart(box: np.ndarray, others: Sequence[np.ndarray], gap: float) -> bool:
+def _apart(box: Array, others: Sequence[Array], gap: float) -> bool:
     return all(bool((box[0] - gap > o[1]).any() or (box[1] + gap < o[0]).any()) for o in others)
+
+
+def moving_mission(seed: int, n: int, movers: int) -> str:
+    """Three visits, each in a window of two seconds, among unit boxes that move."""
+    draw, size, time, side = np.random.default_rng(seed), 1.0, 9.0, 5.0
+    while True:
+        low, speed = draw.uniform(0, side - size, (movers, n)), draw.uniform(-0.4, 0.4, (movers, n))
+        last = low + speed * time
+        starts = (low < 0.6).all(axis=1).any()
+        ends = ((last + size > side - 0.6) & (last < side + 0.1)).all(axis=1).any()
+        if not starts and not ends:
+            break
+    draw = np.random.default_rng(seed + 999)
+    boxes, entries = {}, []
+    for k in range(3):
+        corner, begin = draw.uniform(0.3, side - 1.3, n), draw.uniform(0.5, 6)
+        boxes[f"r{k}"] = np.stack([corner, corner + 0.8], axis=1).ravel().tolist()
+        entries.append(f'[[mission]]\nvisit = "r{k}"\nbetween = [{begin:.4f}, {begin + 2:.4f}]\n')
+    sets = [
+        _set("unsafe", f"M{j}", np.stack([a, a + size], axis=1).ravel().tolist())
+        + f"motion = [{{ at = 0, by = {_vector([0.0] * n)} }}, {{ at = {time:g}, by = {_vector((v * time).tolist())} }}]\n"
+        for j, (a, v) in enumerate(zip(low, speed, strict=True))
+    ]
+    target = _set("target_set", "", [v for _ in range(n) for v in (side - 0.5, side)]).replace("[[target_set]]", "[target_set]")
+    more = "\n".join([target.replace('name = ""\n', ""), *sets, *entries])
+    return task_of(f"m{seed}", time, [0.25] * n, (0, side) * n, [], boxes, more, 0.24)
 
 
 FAMILIES: dict[str, Callable[[], Iterator[Scenario]]] = {"stlpy": stlpy, "own": own}

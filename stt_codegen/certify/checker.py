@@ -644,8 +644,8 @@ def guard(task: Task) -> tuple[list[str], list[str]]:
     return [*found[: found.index("{")], ";"], [f'#include "{task.name}.h"', *found]
 
 
-def header(source: Source, task: Task, hash_: str) -> list[str]:
-    """The tokens that the header must have; * stands for a literal that is compared by its value."""
+def header(source: Source, task: Task, hash_: str, phased: bool) -> list[str]:
+    """The tokens that the header must have; * stands for a literal that is compared by its value. phased: it has a phase."""
     p, macro = source.p, source.p.upper()
     last = -(-task.t_c // task.tick) if task.tick else 0
     return [
@@ -657,7 +657,7 @@ def header(source: Source, task: Task, hash_: str) -> list[str]:
         *([f"#define {macro}_PERIOD_SHORTEST *"] if task.apart is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
         *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
         *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
-        *guard(task)[0],
+        *guard(task)[0], *(f"int {p}_phase ( {p}_real t ) ;".split() if phased else []),
         *([f"#define {macro}_SELFTEST_{hash_}", *f"int {p}_selftest ( void ) ;".split()] if task.selftest else []),
         "#ifdef __cplusplus", "}", "#endif", "#endif",
     ]  # fmt: skip
@@ -2060,10 +2060,11 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     for key, value in told.items():
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
-    scalar, p = certificate["scalar"], task.name
+    scalar, p, source = certificate["scalar"], task.name, Source(text, task, certificate["scalar"] == "float")
     need(scalar in ("float", "double"), "the certificate's scalar is not known")
-    source = Source(text, task, scalar == "float")
-    others = [*(["guard"] if task.outside != "return" else []), *(["selftest"] if task.selftest else [])]
+    phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
+    there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased}
+    others = [name for name, wanted in there.items() if wanted]
     names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name in others)]
     need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
@@ -2106,7 +2107,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"))
     narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
     computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
-    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"], filtered))
+    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"], filtered), phased)
     if task.period is not None:
         _sampled(task, tube, certificate["sampled"], gain, source, error, filtered)
     return tube
@@ -2201,7 +2202,7 @@ def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequen
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _header(text: bytes, source: Source, task: Task, hash_: str) -> None:
+def _header(text: bytes, source: Source, task: Task, hash_: str, phased: bool) -> None:
     """The header: nothing but its types, constants and prototypes."""
     numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period, "PERIOD_SHORTEST": task.apart}
     found = tokens(text)
@@ -2212,7 +2213,7 @@ def _header(text: bytes, source: Source, task: Task, hash_: str) -> None:
             toward = math.floor if name.endswith("PROVED") else math.ceil if name.endswith("SHORTEST") else round
             need(source.number(value) == ("real", rounded(wanted, source.bits, toward)), f"{name} of the header is wrong")
             found[k] = f"#define {name} *"
-    should = [*header(source, task, hash_), "the end"]
+    should = [*header(source, task, hash_, phased), "the end"]
     different = next((f"{a} where {b} is expected" for a, b in zip([*found, "the end"], should) if a != b), "")
     need(not different, f"the header has {different}")
 

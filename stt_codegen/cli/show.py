@@ -12,12 +12,12 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from stt_codegen.certify.schedule import sentence
 from stt_codegen.compare.comparison import Row
 from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
 from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
 from stt_codegen.report.design import DesignReport
-from stt_codegen.report.mission import sentence
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.sampling.gains import MUCH
 

@@ -14,6 +14,7 @@ from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.closed import why_closed
 from stt_codegen.design.route import shortest_route
 from stt_codegen.design.shape import Shape
+from stt_codegen.design.unmet import why_unmet
 from stt_codegen.design.visits import search_of
 from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
 from stt_codegen.errors import BadInput, NotCertified
@@ -33,6 +34,8 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     limits = {name: given for name, given in limits.items() if given is not None}
     if limits and is_found(_with(task, dict.fromkeys(limits))):
         return _limits_bind(task, limits, is_found, _needed(task, arena))
+    if task.mission:
+        return why_unmet(task, arena, is_found)
     if arena.movers:
         still = replace(arena, movers=())
         shortest_route(still, starting_box(arena), np.full(arena.dimension, arena.min_width))  # raises where these shut the way

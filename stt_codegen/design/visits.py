@@ -24,8 +24,9 @@ from stt_codegen.design.shape import Shape, slowest_shape
 from stt_codegen.design.sides import limits_in_time
 from stt_codegen.design.skeleton import END, START, TINY, Skeleton
 from stt_codegen.design.solver import LinearProgram
+from stt_codegen.design.spacetime import way_in_time
 from stt_codegen.design.timed import TimedSearch
-from stt_codegen.design.widest import Search
+from stt_codegen.design.widest import QUICK, Search
 
 SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target, before the least width
 FASTEST = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at which an order is looked for
@@ -35,6 +36,7 @@ ORDERS = 4  # skeletons whose way is made a tube
 UNHURRIED = 1.5  # times its way in t_c is a speed that more events would hardly lower
 CALM = (0, 1, 2, 4)  # segments that every leg gets at least
 ROUNDED = 1e-9
+HURRY = 0.5  # of the time that every leg has at an even pace is enough where events are to be early or late
 AT_A_KNOT = 1 / 64  # of a segment: around a knot at which a state is asked for it must hold so long
 
 
@@ -101,22 +103,34 @@ class MissionSearch(TimedSearch):
         for plan in self.planned(share)[:ORDERS]:
             if self.arena.order == 1 and plan.speed > most:
                 continue
-            for segments in self.ladder:
-                for calm in CALM:
-                    knots = knots_of(plan, segments, calm)
-                    if knots is None:
-                        continue
+            for segments in self.ladder[:QUICK] if self.arena.movers else self.ladder:
+                for knots in self.timings(plan, segments):
                     shape = self.within_plan(plan, knots, segments, width)
                     if shape is not None and (self.arena.order == 2 or shape.speed <= self.most(segments)):
                         return shape
         return None
+
+    def timings(self, plan: Plan, segments: int) -> Iterator[list[int]]:
+        """Knots to try, each once: with more and more time for every leg; where sets move with all events early or late too."""
+        tried: set[tuple[int, ...]] = set()
+        for calm, lean in ((0, 0), (0, 1), (0, -1), (2, 0)) if self.arena.movers else ((calm, 0) for calm in CALM):
+            knots = knots_of(plan, segments, calm, lean)
+            if knots is not None and tuple(knots) not in tried:
+                tried.add(tuple(knots))
+                yield knots
 
     def within_plan(self, plan: Plan, knots: list[int], segments: int, width: Array) -> Shape | None:
         """The slowest tube whose events are at these knots."""
         assert self.mission is not None
         demands = demands_of(self.arena, self.mission, plan, knots, segments)
         arena = replace(self.arena, movers=(*self.arena.movers, *demands))
-        limits = limits_in_time(arena, self.start, centre_of(plan, knots, segments), width)
+        centre = centre_of(plan, knots, segments)
+        if self.arena.movers:  # the plan knows nothing of them
+            way = way_in_time(arena, self.centre, width, segments)
+            if way is None:
+                return None
+            centre = way
+        limits = limits_in_time(arena, self.start, centre, width)
         shape = slowest_shape(arena, self.start, limits, width, plan.speed, self.solvers)
         return None if shape is None else replace(shape, demands=demands)
 
@@ -192,9 +206,10 @@ def _windows(skeleton: Skeleton, stops: list[Stop] | tuple[Stop, ...]) -> Iterat
             yield list(range(a, b)), least, most
 
 
-def knots_of(plan: Plan, segments: int, calm: int) -> list[int] | None:
+def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0) -> list[int] | None:
     """The knot of each stop, the start's first: times at the least speed rounded to whole segments within all windows, each leg
-    that goes anywhere at least `calm` long; None where windows are too narrow for so few segments."""
+    that goes anywhere at least `calm` long; None where windows are too narrow for so few segments. lean: 1 for events as early
+    as half of that pace allows, -1 for as late."""
     legs, lengths = len(plan.stops), plan.lengths
     windows = list(_windows(plan.skeleton, plan.stops))
     moving = [length > TINY for length in lengths]
@@ -210,6 +225,10 @@ def knots_of(plan: Plan, segments: int, calm: int) -> list[int] | None:
     for columns, least, most in windows:
         program.rows([columns], np.ones(len(columns)), max(least, -np.inf), most)
     found = program.solve()
+    if found is not None and lean:
+        program.lower[legs] = found[legs] * HURRY
+        program.cost[:legs], program.cost[legs] = lean * np.arange(legs, 0, -1.0), 0.0
+        found = program.solve()
     if found is None:
         return None
     times = np.concatenate([[0.0], np.cumsum(found[:legs])]) * segments

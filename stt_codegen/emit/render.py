@@ -14,10 +14,12 @@ from typing import Any
 import jinja2
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.decimals import by_component, decimal
+from stt_codegen.certify.mission import clock_error
+from stt_codegen.certify.schedule import phases, sentence, served
+from stt_codegen.decimals import below, by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
-from stt_codegen.emit.naming import check_names, file_names, guard_name, selftest_name
+from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, selftest_name
 from stt_codegen.program import Const, Program, Status
 from stt_codegen.program.number import round_down, round_to, round_up
 from stt_codegen.program.print.c import CPrinter
@@ -50,6 +52,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "outside": task.control.outside,
         "late": bool(task.control.latency),
         "steps": certificate.steps if certificate.holds else None,
+        "phases": _phases(task, program, certificate),
+        "entries": _entries(task, certificate),
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     period = task.emit.tick_period
@@ -74,6 +78,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
     if task.control.outside != "return":
         files[guard_name(task.name)] = template("guard.c.j2").render(**common)
+    if common["phases"]:
+        files[phase_name(task.name)] = template("phase.c.j2").render(**common, c=printer)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     if task.written is not None:
@@ -96,8 +102,10 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
     if certificate.holds:
         lines = [
             f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
-            f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and ends in the target set.",
+            f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and "
+            + ("ends in the target set." if task.target_set is not None else "carries out the mission."),
         ]
+        lines += _mission(task, certificate)
         lines += _stated(task)
         if task.order == 2:
             moving = (
@@ -140,10 +148,37 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
     ]
 
 
+def _mission(task: Task, certificate: Certificate) -> list[str]:
+    """What is shown of the mission."""
+    shown = certificate.mission
+    if shown is None:
+        return []
+    (margin,) = (f.margin for f in certificate.findings if f.code == "P10" and f.required == clock_error(task))
+    told = f"Every x(t) that stays in the tube satisfies the mission (P10): {shown.formula}; times are seconds of t. It still "
+    told += f"holds where every time at which the tube is in a region, or off one, is wrong by up to {below(margin, 3):g} s."
+    return textwrap.wrap(told, 115)
+
+
+def _entries(task: Task, certificate: Certificate) -> list[str]:
+    """Every entry of the mission with the times at which the tube serves it."""
+    if certificate.mission is None:
+        return []
+    found = [f"{one.entry} {sentence(one)}" for one in served(task, certificate.mission)]
+    return [line for text in found for line in textwrap.wrap(text, 115, subsequent_indent="  ")]
+
+
+def _phases(task: Task, program: Program, certificate: Certificate) -> list[tuple[Const, int]]:
+    """Until when which entry is served; empty without a mission, or where nothing is visited."""
+    if certificate.mission is None:
+        return []
+    return [(Const(round_to(until, program.scalar)), entry) for until, entry in phases(task, certificate.mission)]
+
+
 def _clock(task: Task) -> str:
-    """What is said beside t_c where the clock of the sets matters."""
+    """What is said beside t_c where the clock of the sets, or that of a mission, matters."""
     if not task.timed:
-        return ""
+        late = f" at the latest {decimal(task.start_delay)} s after" if task.start_delay else " when"
+        return f"; t = 0 is{late} the mission begins" if task.mission else ""
     late = f", or at most {decimal(task.start_delay)} s after" if task.start_delay else ""
     return f"; t = 0 is when the clock of the sets shows 0{late}"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from stt_codegen.emit.naming import file_names, guard_name, selftest_name
+from stt_codegen.emit.naming import file_names, guard_name, phase_name, selftest_name
 from stt_codegen.emit.render import Files, design_hash, template
 from stt_codegen.pipeline import Controller
 from stt_codegen.report.design import input_report
@@ -61,7 +61,11 @@ def package(controller: Controller, kind: str) -> Files:
         "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
         "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
     }[kind]
-    sources = [name for name in (header, source, guard_name(prefix), selftest_name(prefix)) if name in controller.files]
+    sources = [
+        name
+        for name in (header, source, guard_name(prefix), phase_name(prefix), selftest_name(prefix))
+        if name in controller.files
+    ]
     files = {f"src/{name}": controller.files[name] for name in sources}
     files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}

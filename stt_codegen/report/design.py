@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from stt_codegen.certify.schedule import Served, served
 from stt_codegen.compare.toolchain import STRICT, find_compiler
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import Controller
@@ -18,7 +19,6 @@ from stt_codegen.program.cost import cost_of, table_bytes
 from stt_codegen.program.operations import COST_KINDS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.bounds import Sampling, above_float
-from stt_codegen.report.mission import Served, served
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
-COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb"}
+COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb", "region": "#7d3c98"}
 LABEL = "label "  # what the names of labels begin with, then 0 for those that come first
 Plane = tuple[int, int]  # two dimensions, from 0
 

@@ -15,6 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
+from stt_codegen.certify.schedule import served
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
@@ -25,6 +26,7 @@ from stt_codegen.rows import Avoidance, Row, avoid_rows
 from stt_codegen.task import Task
 from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
+from stt_codegen.task.shapes import Unsafe
 
 Array = npt.NDArray[np.float64]
 BOXES = 46  # tube boxes drawn over the arena
@@ -217,8 +219,30 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
         axis.add_patch(patch(s, COLOURS["unsafe"], plane, alpha=alpha))
         if told:
             named(axis, s, s.name, plane, "white", 1)
-    axis.add_patch(Polygon(target_outline(task, plane), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
+    if task.target_set is not None:
+        axis.add_patch(Polygon(target_outline(task, plane), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
+    for name, region in task.regions.items():
+        if isinstance(region, Unsafe):
+            shape = region.within(task.state_space, task.own_axes(region))
+            axis.add_patch(patch(shape, COLOURS["region"], plane, fill=False, linewidth=1.2, linestyle="--"))
+            if len(task.regions) <= NAMED:
+                named(axis, shape, name, plane, "black", 2)
     _walls(axis, task, plane)
+
+
+def _visits(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane) -> None:
+    """The numbers of the mission's entries where the tube serves them, first where it comes first."""
+    shown, t_c = controller.certificate.mission, float(controller.task.prescribed_time)
+    visits = [] if shown is None else [(v, one.entry) for one in served(controller.task, shown) for v in one.visits]
+    seen: set[tuple[float, int]] = set()
+    for visit, entry in visits:
+        if (visit.begin or 0.0, entry) in seen or len(seen) > NAMED:
+            continue
+        seen.add((visit.begin or 0.0, entry))
+        k = round((len(low) - 1) * (visit.begin or 0.0) / t_c)
+        x, y = ((low[k, i] + high[k, i]) / 2 for i in plane)
+        style = {"boxstyle": "circle,pad=0.2", "facecolor": COLOURS["region"], "edgecolor": "none"}
+        axis.text(x, y, str(entry), color="white", fontsize=7, ha="center", va="center", bbox=style, zorder=5, clip_on=True)
 
 
 def _walls(axis: Any, task: Task, plane: Plane) -> None:
@@ -249,10 +273,12 @@ def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane
         axis.add_patch(Polygon(swept, closed=True, facecolor=colour, alpha=0.28, edgecolor="none"))
     draw_sets(axis, task, plane)
     axis.add_patch(patch(task.start, COLOURS["start"], plane, fill=False, linewidth=1.8))
-    for box, name in ((task.start, "start"), (task.target, "target")):
+    ends = [(task.start, "start"), *([] if task.target_set is None else [(task.target, "target")])]
+    for box, name in ends:
         named(axis, box, name, plane, "black", 0)
     middle = (low + high) / 2
     axis.plot(middle[:, a], middle[:, b], color="black", linewidth=0.8, linestyle=":")
+    _visits(axis, controller, low, high, plane)
 
 
 def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Array, high: Array) -> None:
@@ -269,7 +295,8 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
         lower, upper = (float(v) for v in s.span(i))
         axis.fill_between(t, lower, upper, where=meets, color=COLOURS["unsafe"], alpha=0.6, linewidth=0)
     end = float(task.prescribed_time)
-    axis.vlines(end, float(task.target.lower[i]), float(task.target.upper[i]), color=COLOURS["target"], linewidth=5)
+    if task.target_set is not None:
+        axis.vlines(end, float(task.target.lower[i]), float(task.target.upper[i]), color=COLOURS["target"], linewidth=5)
     axis.vlines(0, float(task.initial_set.lower[i]), float(task.initial_set.upper[i]), color=COLOURS["start"], linewidth=5)
     axis.set(ylabel=label(task, i), xlim=(-0.01 * end, 1.01 * end))
     axis.set_ylim(float(task.state_space.lower[i]), float(task.state_space.upper[i]))
