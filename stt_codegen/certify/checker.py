@@ -1514,7 +1514,7 @@ def entry(table: Any, t_c: Fraction) -> Formula:
             ("until", (zero, t_c), out, ("in", str(table["before"]))) if "before" in table else ("always", (zero, math.inf), out)
         )
     if forms == ["patrol"]:
-        every, until = _number(table["every"]), _number(table.get("until", t_c))
+        every, until = _number(table["every"]), _number(table["until"]) if "until" in table else t_c
         if not 0 < every <= until:
             raise Unusable("the task has a patrol that is shorter than its rounds")
         rounds = (("always", (zero, until - every), ("eventually", (zero, every), ("in", str(r)))) for r in table["patrol"])
@@ -1523,7 +1523,7 @@ def entry(table: Any, t_c: Fraction) -> Formula:
     here: Formula = ("in", str(table["visit"]))
     here = ("always", (zero, stay), here) if stay else here
     if "then" in table:
-        gap = _number(table.get("within", t_c))
+        gap = _number(table["within"]) if "within" in table else t_c
         here = joined("and", here, ("eventually", (stay, stay + gap), ("in", str(table["then"]))))
     if stay < 0 or begin[0] > begin[1] or begin[0] < 0:
         raise Unusable("the task has a visit in no time")

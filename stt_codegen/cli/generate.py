@@ -90,7 +90,7 @@ def _tell_what_is_not_proved(controller: Any) -> None:
     task = controller.task
     for name in task.hulls:
         say(f"note: {task.name}: the vertices of {name} are not all corners of their hull; the hull is what is avoided")
-    if task.target_set.centre is not None:
+    if task.target_set is not None and task.target_set.centre is not None:
         from stt_codegen.task.rounds import FARTHEST
 
         faces = len(task.target_set.half_spaces())

@@ -103,7 +103,7 @@ class MissionSearch(TimedSearch):
         for plan in self.planned(share)[:ORDERS]:
             if self.arena.order == 1 and plan.speed > most:
                 continue
-            for segments in self.ladder[:QUICK] if self.arena.movers else self.ladder:
+            for segments in self.ladder[:QUICK] if self.arena.movers and share else self.ladder:
                 for knots in self.timings(plan, segments):
                     shape = self.within_plan(plan, knots, segments, width)
                     if shape is not None and (self.arena.order == 2 or shape.speed <= self.most(segments)):

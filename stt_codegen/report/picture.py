@@ -1,5 +1,7 @@
 """Pictures of a tube in the manner of the paper's figures 1 and 3: the arena with the tube's boxes over time, and each
-dimension's tube over time with the unsafe sets that matter then. Imports matplotlib, so import this late."""
+dimension's tube over time with the unsafe sets that matter then. Imports matplotlib, so import this late.
+
+Long because what is drawn of a task stands together: sets, regions, visits, times."""
 
 from __future__ import annotations
 
@@ -233,16 +235,17 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
 def _visits(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane) -> None:
     """The numbers of the mission's entries where the tube serves them, first where it comes first."""
     shown, t_c = controller.certificate.mission, float(controller.task.prescribed_time)
-    visits = [] if shown is None else [(v, one.entry) for one in served(controller.task, shown) for v in one.visits]
-    seen: set[tuple[float, int]] = set()
-    for visit, entry in visits:
-        if (visit.begin or 0.0, entry) in seen or len(seen) > NAMED:
-            continue
-        seen.add((visit.begin or 0.0, entry))
-        k = round((len(low) - 1) * (visit.begin or 0.0) / t_c)
+    numbers: dict[float, list[int]] = {}
+    for one in () if shown is None else served(controller.task, shown):
+        for visit in one.visits:
+            entries = numbers.setdefault(visit.begin or 0.0, [])
+            entries += [] if one.entry in entries else [one.entry]
+    for begin, entries in sorted(numbers.items())[:NAMED]:
+        k = round((len(low) - 1) * begin / t_c)
         x, y = ((low[k, i] + high[k, i]) / 2 for i in plane)
         style = {"boxstyle": "circle,pad=0.2", "facecolor": COLOURS["region"], "edgecolor": "none"}
-        axis.text(x, y, str(entry), color="white", fontsize=7, ha="center", va="center", bbox=style, zorder=5, clip_on=True)
+        told = ",".join(map(str, entries))
+        axis.text(x, y, told, color="white", fontsize=7, ha="center", va="center", bbox=style, zorder=5, clip_on=True)
 
 
 def _walls(axis: Any, task: Task, plane: Plane) -> None:

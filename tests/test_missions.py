@@ -1,0 +1,510 @@
+"""Missions: formulas, the algebra of their monitor, unions of boxes, tubes that carry them out, and the checker."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from collections.abc import Mapping
+from fractions import Fraction
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stt_codegen.bench.scenarios import FAMILIES, random_mission
+from stt_codegen.certify import checker
+from stt_codegen.certify.mission import SLICES, clock_error, held_of, spans_of
+from stt_codegen.certify.monitor import holds, satisfied
+from stt_codegen.certify.schedule import phases
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.rows import mission_rows
+from stt_codegen.task import parse_task
+from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated, read
+from stt_codegen.task.mission import State, states_of, with_states
+
+NAMES = ("a", "b", "c")
+LAST = 12  # seconds after which nothing changes; every number here is whole
+GRID = 2 * LAST + 1  # the whole seconds, and what lies between two of them
+Signal = Mapping[str, np.ndarray[Any, Any]]  # by region, whether the state is in it at each place of the grid
+
+COURIER = """
+name = "courier"
+prescribed_time = 24
+initial_state = [0.5, 0.5]
+state_space = { lower = [0, 0], upper = [8, 6] }
+initial_set = { lower = [0.1, 0.1], upper = [0.9, 0.9] }
+target_set = { lower = [6.5, 4.5], upper = [7.8, 5.8] }
+unsafe = [{ name = "shelf", lower = [3, 1], upper = [4, 4] }]
+region = [
+  { name = "dock", lower = [1, 4.5], upper = [2.2, 5.7] },
+  { name = "left", lower = [4.5, 0.3], upper = [5.5, 1.3] },
+  { name = "right", lower = [6.5, 0.3], upper = [7.5, 1.3] },
+  { name = "exit", any_of = ["left", "right"] },
+  { name = "lab", centre = [2.5, 2.6], radius = 0.4 },
+]
+mission = [
+  { visit = "dock", between = [4, 9], stay = 2, then = "exit", within = 8 },
+  { never = "lab", before = "dock" },
+]
+"""
+
+
+# --------------------------------------------------------------------------------------------------- formulas
+
+
+def windows() -> Any:
+    return st.tuples(st.integers(0, 4), st.integers(0, 4)).map(lambda v: Interval(Fraction(min(v)), Fraction(max(v))))
+
+
+def formulas(depth: int = 3) -> Any:
+    leaves = st.builds(In, st.sampled_from(NAMES), st.booleans())
+    return st.recursive(
+        leaves,
+        lambda inner: st.one_of(
+            st.builds(both, inner, inner),
+            st.builds(either, inner, inner),
+            st.builds(Always, windows(), inner),
+            st.builds(Eventually, windows(), inner),
+            st.builds(Until, windows(), inner, inner),
+        ),
+        max_leaves=depth + 1,
+    )
+
+
+def truth(formula: Formula, signal: Signal) -> np.ndarray[Any, Any]:
+    """Whether a formula holds at each place of the grid: by its definition, moment by moment. Windows are whole, so between two
+    whole seconds nothing differs; after the last place all is as there."""
+    at = np.arange(GRID)
+
+    def reach(t: int, over: Interval) -> range:
+        assert over.end is not None
+        return range(t + 2 * int(over.begin), t + 2 * int(over.end) + 1)
+
+    match formula:
+        case State(inner):
+            return truth(inner, signal)
+        case In(region, kept):
+            return signal[region] != kept
+        case And(parts):
+            return np.all([truth(p, signal) for p in parts], axis=0)
+        case Or(parts):
+            return np.any([truth(p, signal) for p in parts], axis=0)
+    if isinstance(formula, Always | Eventually):
+        inner = truth(formula.part, signal)
+        reached = [[bool(inner[min(s, GRID - 1)]) for s in reach(t, formula.over)] for t in at]
+        return np.array([(all if isinstance(formula, Always) else any)(found) for found in reached])
+    assert isinstance(formula, Until)
+    first, last = truth(formula.first, signal), truth(formula.last, signal)
+    return np.array(
+        [
+            any(last[min(s, GRID - 1)] and all(first[min(r, GRID - 1)] for r in range(t, s + 1)) for s in reach(t, formula.over))
+            for t in at
+        ]
+    )
+
+
+def signals() -> Any:
+    """Sets of closed intervals: what is true between two whole seconds is true at both."""
+
+    def closed(bits: list[bool]) -> np.ndarray[Any, Any]:
+        found = np.array(bits, dtype=bool)
+        found[0::2][:-1] |= found[1::2]
+        found[0::2][1:] |= found[1::2]
+        return found
+
+    return st.lists(st.booleans(), min_size=GRID, max_size=GRID).map(closed)
+
+
+@given(formulas())
+def test_a_formula_is_read_as_it_is_written(formula: Formula) -> None:
+    assert read(str(formula)) == formula
+
+
+@given(formulas(), st.fixed_dictionaries({name: st.lists(st.booleans(), min_size=GRID, max_size=GRID) for name in NAMES}))
+@settings(max_examples=150, deadline=None)
+def test_a_formula_and_its_negation_never_hold_together(formula: Formula, bits: dict[str, list[bool]]) -> None:
+    signal = {name: np.array(v) for name, v in bits.items()}
+    assert not (truth(formula, signal) & truth(negated(formula), signal)).any()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("always[0,3) a", "']' is needed"),
+        ("a b", "the end"),
+        ("", "ends where a region"),
+        ("eventually[2,1] a", "from must not be after to"),
+        ("a & b", "no word of a formula"),
+        ("not until a", "a region"),
+        ("always[0, x] a", "a number of seconds"),
+        ("(" * 60 + "a" + ")" * 60, "nested more than"),
+    ],
+)
+def test_what_is_no_formula_is_told(text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)):
+        read(text)
+
+
+# --------------------------------------------------------------------------------------------------- the monitor
+
+
+def spans(bits: np.ndarray[Any, Any]) -> list[tuple[Any, Any]]:
+    """The closed intervals of a signal, in seconds; what is true at an end is so for ever."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], bits, [False]]).astype(int)))
+    found = []
+    for a, b in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
+        if a % 2 == 0 and b % 2 == 0:
+            found.append((-float("inf") if a == 0 else Fraction(a, 2), float("inf") if b == GRID - 1 else Fraction(b, 2)))
+    return found
+
+
+def proved_of(formula: Formula, signal: Signal) -> dict[State, list[tuple[Any, Any]]]:
+    """What can be proved of each state: closed intervals on which it holds."""
+    found = {}
+    for state in states_of(formula):
+        bits = truth(state.inner, signal)
+        for k in range(1, GRID - 1, 2):  # of what is open only its closed parts
+            bits[k] &= bits[k - 1] and bits[k + 1]
+        found[state] = spans(bits)
+    return found
+
+
+@given(formulas(4), st.fixed_dictionaries({name: signals() for name in NAMES}))
+@settings(max_examples=300, deadline=None)
+def test_what_the_algebra_says_holds_does(formula: Formula, signal: Signal) -> None:
+    stated = with_states(formula, frozenset(NAMES))
+    at_once = satisfied(stated, proved_of(stated, signal))
+    told = truth(formula, signal)
+    for k in range(GRID):
+        if any(a <= Fraction(k, 2) <= b for a, b in at_once):
+            assert told[k], (str(formula), k)
+
+
+@given(formulas(3), st.fixed_dictionaries({name: signals() for name in NAMES}))
+@settings(max_examples=300, deadline=None)
+def test_of_closed_sets_it_says_all_that_holds(formula: Formula, signal: Signal) -> None:
+    """Without "not" every set is closed, and nothing is lost where each state has its own intervals."""
+    from stt_codegen.task.formula import mapped
+
+    plain = mapped(formula, lambda one: In(one.region))
+    stated = with_states(plain, frozenset())
+    at_once = satisfied(stated, proved_of(stated, signal))
+    told = truth(plain, signal)
+    early = GRID - 2 * 4 * 4  # later ones look beyond the end of the grid, where the algebra knows more
+    for k in range(0, max(early, 1), 2):
+        assert any(a <= Fraction(k, 2) <= b for a, b in at_once) == told[k], (str(plain), k)
+
+
+@given(formulas(3), st.fixed_dictionaries({name: signals() for name in NAMES}), st.integers(-2, 2))
+@settings(max_examples=200, deadline=None)
+def test_the_margin_in_time_covers_a_clock_that_is_off(formula: Formula, signal: Signal, off: int) -> None:
+    stated = with_states(formula, frozenset(NAMES))
+    proved = proved_of(stated, signal)
+    if holds(stated, proved, Fraction(2)):
+        moved = {s: [(a + off, b + off) for a, b in found] for s, found in proved.items()}
+        assert holds(stated, moved)
+
+
+# --------------------------------------------------------------------------------------------------- unions
+
+
+@given(st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(data: Any) -> None:
+    boxes = {}
+    for name in NAMES:
+        low = [data.draw(st.integers(0, 6)) for _ in range(2)]
+        boxes[name] = (low, [v + data.draw(st.integers(1, 4)) for v in low])
+    regions = ", ".join(f'{{ name = "{k}", lower = {a}, upper = {b} }}' for k, (a, b) in boxes.items())
+    formula = data.draw(st.sampled_from(["a or b", "a or b or c", "a or not b", "a and b or c", "not a or not b"]))
+    head = COURIER[: COURIER.index("unsafe")].replace("upper = [8, 6]", "upper = [12, 12]")
+    task = parse_task(f'{head}region = [{regions}]\nmission = [{{ formula = "{formula}" }}]\n[tube]\nclearance = 0\n')
+    sets = [one for state in states_of(task.formula) for one in mission_rows(task, state)]  # type: ignore[arg-type]
+    parts = {str(s): [one for one in sets if one.name == str(s)] for s in states_of(task.formula)}  # type: ignore[arg-type]
+    low = [data.draw(st.integers(0, 9)) + 0.25 for _ in range(2)]
+    high = [v + data.draw(st.integers(0, 3)) + 0.5 for v in low]
+    kept = {
+        name: all(
+            any(
+                sum(c * (high if side else low)[i] for i, side, c in row.terms) >= float(row.bound + row.keep) for row in one.rows
+            )
+            for one in found
+        )
+        for name, found in parts.items()
+    }
+    (kept_all,) = kept.values()
+    steps = [np.arange(a + 0.125, b, 0.25) for a, b in zip(low, high, strict=True)]
+
+    def inside(name: str, x: tuple[float, ...]) -> bool:
+        return all(a < v < b for a, v, b in zip(boxes[name][0], x, boxes[name][1], strict=True))
+
+    def true(f: Formula, x: tuple[float, ...]) -> bool:
+        match f:
+            case In(region, out):
+                return inside(region, x) != out
+            case And(parts):
+                return all(true(p, x) for p in parts)
+            case Or(parts):
+                return any(true(p, x) for p in parts)
+        raise AssertionError(f)
+
+    assert kept_all == all(true(read(formula), x) for x in product(*steps))
+
+
+# --------------------------------------------------------------------------------------------------- tubes
+
+
+def checked(controller: Controller, text: str, folder: Path) -> int:
+    for name, data in controller.files.items():
+        (folder / name).write_bytes(data)
+    (folder / "task.toml").write_text(text)
+    name = controller.task.name
+    return checker.main([str(folder / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
+
+
+def kept_by(controller: Controller, t: float, x: np.ndarray[Any, Any]) -> dict[str, bool]:
+    """In which regions a point is."""
+    found = {}
+    for name, region in controller.task.regions.items():
+        if hasattr(region, "any_of"):
+            continue
+        if hasattr(region, "radius"):
+            found[name] = bool(np.hypot(*(x - [float(v) for v in region.centre])) <= float(region.radius))
+        else:
+            low, high = ([float(v) for v in e] for e in (region.lower, region.upper))  # type: ignore[union-attr]
+            found[name] = all(a <= v <= b for a, v, b in zip(low, x, high, strict=True))
+    return found
+
+
+def test_a_courier_is_certified_checked_and_told_of(tmp_path: Path, capsys: Any) -> None:
+    controller = build_task(parse_task(COURIER))
+    assert checked(controller, COURIER, tmp_path) == 0
+    assert "P10" in capsys.readouterr().out
+    shown = controller.certificate.mission
+    assert shown is not None
+    (visit, choice), (key,) = shown.witnesses
+    assert (str(visit.state), str(choice.state), str(key.state)) in {
+        ("dock", "left", "dock"), ("dock", "right", "dock"), ("dock", "(left or right)", "dock"),
+    }  # fmt: skip
+    assert 4 <= visit.begin <= 9
+    assert visit.end - visit.begin >= 2
+    tube = controller.program  # the emitted tube, at the witnesses and all along
+    from stt_codegen.designs.grid import tube_at
+
+    assert tube.dimension == 2
+    times = np.linspace(float(visit.begin), float(visit.end), 50)
+    low, high = tube_at(controller.design, times)
+    assert (low >= [1, 4.5]).all()
+    assert (high <= [2.2, 5.7]).all()
+    until = np.linspace(0, float(key.begin), 200)
+    low, high = tube_at(controller.design, until)
+    nearest = np.clip([2.5, 2.6], low, high)
+    assert (np.hypot(*(nearest - [2.5, 2.6]).T) >= 0.4).all()
+
+
+def test_phases_follow_the_visits() -> None:
+    controller = build_task(parse_task(COURIER))
+    found = phases(controller.task, controller.certificate.mission)  # type: ignore[arg-type]
+    assert [k for _, k in found] == [1]
+    module: dict[str, Any] = {}
+    exec(controller.files["courier.py"].decode(), module)
+    (end, _) = found[-1]
+    assert module["phase"](0.0) == 1
+    assert module["phase"](float(end) - 0.01) == 1
+    assert module["phase"](float(end) + 0.01) == 0
+    assert "int courier_phase(courier_real t);" in controller.files["courier.h"].decode()
+    assert b"phase" not in controller.files["courier.c"]
+
+
+@pytest.mark.parametrize("name", [s.name for family in FAMILIES.values() for s in family() if not s.closed])
+def test_the_scenarios_are_carried_out(name: str, tmp_path: Path) -> None:
+    (scenario,) = (s for family in FAMILIES.values() for s in family() if s.name == name)
+    assert checked(build_task(parse_task(scenario.text)), scenario.text, tmp_path) == 0
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_random_missions_are_carried_out_by_every_trajectory(n: int, tmp_path: Path) -> None:
+    """Trajectories between random corners of the tube, judged at many moments by the definition."""
+    from stt_codegen.designs.grid import tube_at
+
+    for seed in range(3):
+        text = random_mission(seed, n, 6)
+        controller = build_task(parse_task(text))
+        assert checked(controller, text, tmp_path) == 0
+        task, draw = controller.task, np.random.default_rng(seed)
+        t = np.linspace(0, float(task.prescribed_time), 3001)
+        low, high = tube_at(controller.design, t)
+        for _ in range(4):
+            mix = np.interp(t, np.linspace(0, t[-1], 40), draw.integers(0, 2, 40))[:, None]
+            inside = [kept_by(controller, 0.0, x) for x in low + mix * (high - low)]
+            at = {name: np.array([one[name] for one in inside]) for name in inside[0]}
+            first, last = (np.array([t[0], t[-1]]) for _ in range(2))
+            assert first.size == last.size
+            for entry in task.mission:
+                if entry.visit is not None and entry.visit in at:
+                    begin, end = entry.between or (0, task.prescribed_time)
+                    window = (t >= float(begin)) & (t <= float(end))
+                    stay = float(entry.stay or 0)
+                    good = [at[entry.visit][(t >= s) & (t <= s + stay)].all() for s in t[window & at[entry.visit]]]
+                    assert any(good), (seed, entry.visit)
+                if entry.never is not None and entry.before is not None:
+                    reached = int(np.argmax(at[entry.before]))
+                    assert not at[entry.never][: reached + 1].any()
+
+
+def test_stones_that_are_not_joined_are_refused_and_why() -> None:
+    (scenario,) = (s for s in FAMILIES["stlpy"]() if s.closed)
+    with pytest.raises(NotCertified, match=r"P10 mission: no order .* without mission\[0\]"):
+        build_task(parse_task(scenario.text))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("lower = [1, 4.5]", "lower = [1, 5.695]"), r"no place was found in dock"),
+        (('before = "dock"', 'before = "lab"'), r"without mission\[1\] \(never lab before lab\)"),
+        (
+            ('name = "shelf", lower = [3, 1], upper = [4, 4]', 'name = "shelf", lower = [3, 0], upper = [4, 6]'),
+            r"without|no order",
+        ),
+    ],
+)
+def test_a_refusal_names_what_is_in_the_way(change: tuple[str, str], told: str) -> None:
+    with pytest.raises(NotCertified, match=told):
+        build_task(parse_task(COURIER.replace(*change)))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (('visit = "dock"', 'visit = "dok"'), "mission[0].visit: 'dok' is no region"),
+        (("between = [4, 9]", "between = [9, 4]"), "mission[0].between: is [9, 4]"),
+        (("stay = 2", "stay = 30"), "mission[0].stay: lasts to 34 s"),
+        (('never = "lab", ', ""), "mission[1]: says nothing"),
+        (('never = "lab"', 'never = "lab", visit = "dock"'), "mission[1]: has visit and never"),
+        (('before = "dock"', "every = 3"), "mission[1].every: is not for never"),
+        (('any_of = ["left", "right"]', 'any_of = ["left", "up"]'), "region[3].any_of: 'up' is no region before"),
+        (('name = "dock"', 'name = "the dock"'), "region[0].name"),
+        (('name = "right"', 'name = "left"'), "region[2].name: 'left' is already"),
+        (
+            ('{ never = "lab", before = "dock" }', '{ formula = "always[0, 30] not lab" }'),
+            "mission[1].formula: the window [0, 30]",
+        ),
+        (('{ never = "lab", before = "dock" }', '{ formula = "always not lab)" }'), "mission[1].formula: has ')'"),
+        (('{ never = "lab", before = "dock" }', '{ patrol = ["dock"] }'), "mission[1].every: is missing"),
+        (
+            ("centre = [2.5, 2.6], radius = 0.4", "centre = [2.5, 2.6], radius = 0.4, motion = [{ at = 0, by = [0, 0] }]"),
+            "region[4].motion",
+        ),
+        (('visit = "dock"', 'visit = "lab", between = [0, 1]'), "TOML"),
+    ],
+)
+def test_what_does_not_fit_together_is_one_message(change: tuple[str, str], told: str) -> None:
+    with pytest.raises(BadInput, match=re.escape(told)):
+        parse_task(COURIER.replace(*change))
+
+
+def test_without_a_mission_a_target_is_needed_and_regions_are_for_missions() -> None:
+    bare = COURIER[: COURIER.index("mission = [")]
+    with pytest.raises(BadInput, match="region: is only read by a mission"):
+        parse_task(bare)
+    bare = bare[: bare.index("region = [")]
+    with pytest.raises(BadInput, match="target_set: is missing"):
+        parse_task("\n".join(line for line in bare.splitlines() if not line.startswith("target_set")))
+
+
+def test_a_mission_may_have_no_target_and_is_not_for_other_designs() -> None:
+    text = "\n".join(line for line in COURIER.splitlines() if not line.startswith("target_set"))
+    certificate = build_task(parse_task(text)).certificate
+    assert certificate.holds
+    assert not [f for f in certificate.findings if f.code == "P5"]
+    with pytest.raises(BadInput, match="mission: is for the refined design"):
+        parse_task(COURIER + '[tube]\ndesign = "adaptive"\n')
+
+
+# --------------------------------------------------------------------------------------------------- the checker
+
+
+def changed(name: str) -> Any:
+    """How a certificate of the courier is changed; each must be found."""
+
+    def claim(document: dict[str, Any], state: str) -> dict[str, Any]:
+        return next(c for c in document["claims"] if c["property"] == "P10" and c["set"] == state)
+
+    def longer(d: dict[str, Any]) -> None:
+        claim(d, "dock")["on"][1] += d["grid"]["cuts"]
+
+    def wider(d: dict[str, Any]) -> None:
+        claim(d, "dock")["margin"] *= 50
+
+    def late(d: dict[str, Any]) -> None:
+        d["mission"]["time_margin"] *= 4
+
+    def timeless(d: dict[str, Any]) -> None:
+        d["mission"]["time_margin"] = 0
+
+    def other(d: dict[str, Any]) -> None:
+        d["mission"]["formula"] = "not lab"
+
+    def fewer(d: dict[str, Any]) -> None:
+        d["claims"].remove(claim(d, "not lab"))
+
+    def hintless(d: dict[str, Any]) -> None:
+        del claim(d, "not lab")["hints"]
+
+    def crooked(d: dict[str, Any]) -> None:
+        claim(d, "not lab")["hints"][0][2] = [1, 0]
+
+    def early(d: dict[str, Any]) -> None:
+        claim(d, "dock")["on"][0] -= d["grid"]["cuts"] * 4
+
+    def named(d: dict[str, Any]) -> None:
+        claim(d, "dock")["set"] = "lab"
+
+    return locals()[name]
+
+
+@pytest.mark.parametrize(
+    "name", ["longer", "wider", "late", "timeless", "other", "fewer", "hintless", "crooked", "early", "named"]
+)
+def test_the_checker_finds_what_is_changed(name: str, tmp_path: Path, capsys: Any) -> None:
+    controller = build_task(parse_task(COURIER))
+    document = json.loads(controller.files["courier.certificate.json"])
+    changed(name)(document)
+    files = controller.files | {"courier.certificate.json": json.dumps(document).encode()}
+    assert checked(dataclasses.replace(controller, files=files), COURIER, tmp_path) == 1
+    assert "NO" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("between = [4, 9]", "between = [4, 5]"), ("stay = 2", "stay = 6"), ('then = "exit"', 'then = "dock"'), ("within = 8", "within = 1"),
+        ('before = "dock"', 'before = "exit"'), ("lower = [1, 4.5]", "lower = [1, 5]"), ("radius = 0.4", "radius = 1.4"),
+    ],
+)  # fmt: skip
+def test_the_checker_and_the_tool_agree_on_another_mission(change: tuple[str, str], tmp_path: Path, capsys: Any) -> None:
+    """The same tube for a mission that asks more: what the tool does not certify the checker does not either, whatever the
+    certificate claims. Here it claims what was true of the easier mission."""
+    controller = build_task(parse_task(COURIER))
+    harder = COURIER.replace(*change)
+    task = parse_task(harder)
+    formula = task.formula
+    assert formula is not None
+    held = {state: held_of(controller.design, mission_rows(task, state)) for state in states_of(formula)}  # type: ignore[arg-type]
+    last = controller.design.segments * SLICES  # type: ignore[union-attr]
+    told = spans_of(held, 40, last, task.prescribed_time / last)
+    certified = holds(formula, told, clock_error(task))
+    document = json.loads(controller.files["courier.certificate.json"])
+    document["sha256"]["task_data"] = task.digest
+    document["mission"]["formula"] = str(formula)
+    files = controller.files | {"courier.certificate.json": json.dumps(document).encode()}
+    answer = checked(dataclasses.replace(controller, files=files), harder, tmp_path)
+    assert answer != 0 or certified
+    assert "checker" in (capsys.readouterr().out)
