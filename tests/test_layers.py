@@ -165,7 +165,7 @@ def used(tree: ast.AST) -> Iterator[str]:
 
 
 # Called by name: a command that typer registers where it is defined, methods that a backend or pydantic finds.
-BY_NAME = {"main", "mcu", "_transform", "_checked"}
+BY_NAME = {"main", "mcu", "missions", "_transform", "_checked"}
 PUBLIC = ("paper", "api")  # the paper's equations and the Python interface are for users
 
 

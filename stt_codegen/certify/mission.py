@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, MissionProof
-from stt_codegen.certify.monitor import Span, holds, united, witnesses
+from stt_codegen.certify.monitor import Span, holds, witnesses
 from stt_codegen.certify.moving import cut
 from stt_codegen.certify.slack import CHUNK, RowBlock
 from stt_codegen.decimals import decimal
@@ -43,7 +43,12 @@ class Held:
 
     def spans(self, least: int) -> list[tuple[int, int]]:
         """Where the slack is at least so much, disjoint and in order."""
-        return [(int(a), int(b)) for a, b in united([(int(a), int(b)) for a, b in self.stretches[self.slack >= least]])]
+        begin, end = self.stretches[self.slack >= least].T
+        order = np.argsort(begin, kind="stable")
+        begin, reach = begin[order], np.maximum.accumulate(end[order])
+        first = np.flatnonzero(np.concatenate([[True], begin[1:] > reach[:-1]])) if len(begin) else begin
+        last = np.append(first[1:], len(begin)) - 1
+        return list(zip(begin[first].tolist(), reach[last].tolist(), strict=True)) if len(begin) else []
 
 
 def clock_error(task: Task) -> Fraction:

@@ -81,3 +81,20 @@ def loop(
 
     if not run_loop(Loops(count, rate, w_max, runs, peers), Where(processes, scheduler, record, json)):
         raise typer.Exit(1)
+
+
+@bench.command()
+def missions(
+    count: Annotated[int | None, typer.Option(min=1, help="random missions of each kind, at most")] = None,
+    limit: Annotated[float, typer.Option(min=0, metavar="SECONDS", help="for each of stlpy's programs; 0: none")] = 60.0,
+    record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
+    json: Json = False,
+) -> None:
+    """Missions: scenarios of stlpy beside its own programs, random ones, sets that move, published tasks.
+
+    Exit code 1 where less than 98 of 100 are carried out. About six minutes.
+    """
+    from stt_codegen.bench.missions import run_missions
+
+    if not run_missions(count, limit, record, json, lambda what: say(f"  {what}")):
+        raise typer.Exit(1)
