@@ -31,9 +31,12 @@ from stt_codegen.task.shapes import Target, Waypoint
 TASKS = Path(__file__).parent.parent / "tasks"
 ARENAS = {"paper": 12, "dense12": 4, "space3": 1}
 SHAPES = {"discs": 6, "balls": 2, "polygons": 4, "solids": 1}
-# omni_board is omni_s2 with ticks; tasks of order 2 have mutants of their own, and what limits u adds P8 (tests/test_limits.py)
+# omni_board is omni_s2 with ticks; tasks of order 2 have mutants of their own, what limits u adds P8 (tests/test_limits.py), and
+# missions add P10 (mission_mutants.py)
 EXAMPLES = sorted(
-    p.stem for p in TASKS.glob("*.toml") if p.stem != "omni_board" and not re.search(r"^(order = 2|u_max =)", p.read_text(), re.M)
+    p.stem
+    for p in TASKS.glob("*.toml")
+    if p.stem != "omni_board" and not re.search(r"^(order = 2|u_max =|\[\[mission)", p.read_text(), re.M)
 )
 BASES = (*EXAMPLES, *(f"{name} {seed}" for name, n in ARENAS.items() for seed in range(n)))
 SHAPED = (*BASES, *(f"{name} {seed}" for name, n in SHAPES.items() for seed in range(n)))

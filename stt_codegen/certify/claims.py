@@ -158,9 +158,10 @@ def units_of_error(design: RefinedDesign, edge_error: Sequence[Fraction]) -> int
 
 
 def cuts_of(claims: Sequence[Claim]) -> int:
-    """Into how many parts a segment is cut where the hints have it finest: a power of two."""
+    """Into how many parts a segment is cut where the hints have it finest: a power of two; of missions into slices."""
     places = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
-    return max((v.denominator for v in (*places, *(v for claim in claims for v in claim.on))), default=1)
+    finest = max((v.denominator for v in places), default=1)
+    return max(finest, SLICES) if any(claim.code == "P10" for claim in claims) else finest
 
 
 def _demand(rows: Sequence[Row]) -> Fraction:

@@ -1,17 +1,15 @@
-/* courier_phase.c: which entry of the mission is being served. It is in courier.h; courier_control does not need it. */
+/* courier_phase.c: which entry of the mission is being served. courier_control does not need it. */
 #include "courier.h"
 
 int courier_phase(courier_real t)
 {
+    static const courier_real until[3] = { 9.703125, 13.1253662109375, 19.1722412109375 };
+    static const int entry[3] = { 1, 3, 1 };
     int phase = 0;
-    if (t < 9.703125) {
-        phase = 1;
-    }
-    else if (t < 13.1253662109375) {
-        phase = 3;
-    }
-    else if (t < 19.1722412109375) {
-        phase = 1;
+    for (int k = 3 - 1; k >= 0; k--) {
+        if (t < until[k]) {
+            phase = entry[k];
+        }
     }
     return phase;
 }

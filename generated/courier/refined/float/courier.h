@@ -65,7 +65,7 @@ void courier_transform(const courier_real lower[COURIER_N], const courier_real u
                        const courier_real x[COURIER_N], courier_real e[COURIER_N],
                        courier_real epsilon[COURIER_N], courier_real xi[COURIER_N]);
 
-/* In courier_phase.c: the entry of the mission that is being served at time t, from 1, in the order of the task; 0 once all are done.
+/* In courier_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
  * 1 visit dock then exit: dock from 7.547 to 9.703 s; left from 19.03 to 19.17 s
  * 2 never lab before dock: dock from 7.547 to 9.703 s
  * 3 always[0, 12] (dock -> eventually[0, 8] charger): charger from 13.12 to 13.13 s

@@ -65,7 +65,7 @@ void waypoints_transform(const waypoints_real lower[WAYPOINTS_N], const waypoint
                          const waypoints_real x[WAYPOINTS_N], waypoints_real e[WAYPOINTS_N],
                          waypoints_real epsilon[WAYPOINTS_N], waypoints_real xi[WAYPOINTS_N]);
 
-/* In waypoints_phase.c: the entry of the mission that is being served at time t, from 1, in the order of the task; 0 once all are done.
+/* In waypoints_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
  * 1 always[0, 1] home and always[3, 4] left and always[6, 7] right: home from the start to 1.125 s; left from 2.812
  *   to 4.219 s; right from 5.906 to 7.031 s
  * 2 always[9, 10] left and always[12, 13] right and always[17, 18] goal: left from 8.719 to 10.12 s; right from 11.25
