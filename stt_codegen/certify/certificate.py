@@ -41,6 +41,7 @@ class Finding:
     dimension: int | None = None
     obstacle: str | None = None
     advice: str = ""
+    in_time: bool = False  # margin and required are seconds
 
     @property
     def title(self) -> str:
@@ -64,7 +65,7 @@ class Finding:
 
     def fault(self, axes: Sequence[str] = ()) -> str:
         """What fails, where and by how much; axes as for `place`."""
-        where, unit = self.place(axes), " s" if self.code == "P9" and self.time is None else ""
+        where, unit = self.place(axes), " s" if self.in_time or (self.code == "P9" and self.time is None) else ""
         return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 

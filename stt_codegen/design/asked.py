@@ -83,10 +83,12 @@ class Asked:
 
 @dataclass(frozen=True)
 class Mission:
-    """All that is asked: skeletons, of which one is enough, and what their states ask."""
+    """All that is asked: skeletons, of which one is enough, and what their states ask. doubt: by how much of t_c the clock may be
+    late."""
 
     skeletons: tuple[Skeleton, ...]
     states: dict[State, Asked]
+    doubt: float = 0.0
 
     @cached_property
     def permanent(self) -> tuple[State, ...]:
@@ -106,7 +108,8 @@ def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Miss
     if formula is None:
         return None
     states = {state: _asked(task, arena, state) for state in states_of(formula)}
-    return Mission(tuple(skeletons(formula, task.prescribed_time, margin_of(task))), states)
+    found = tuple(skeletons(formula, task.prescribed_time, margin_of(task)))
+    return Mission(found, states, float(task.start_delay / task.prescribed_time))
 
 
 def _asked(task: Task, arena: Arena, state: State) -> Asked:

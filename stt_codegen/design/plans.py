@@ -176,13 +176,15 @@ def demands_of(arena: Arena, mission: Mission, plan: Plan, knots: list[int], seg
         wanted: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
         room = np.zeros((segments, 4))
         a, b = when[hold.first], when[hold.last]
-        if hold.at_once:
+        around = int(np.ceil(mission.doubt * segments))  # segments that it lasts to either side of its moment
+        if hold.at_once and not around:
             room_here = 2.0 * plan.speed / segments * AT_A_KNOT
             for k, c in ((a - 1, 3), (a, 0)):
                 if 0 <= k < segments:
                     wanted[k, c], room[k, c] = True, room_here
         else:
-            wanted[a : b + hold.longer] = True
+            first, last = (a - around, b + around) if hold.first == hold.last else (a, b + max(around, 1) * hold.longer)
+            wanted[max(first, 0) : last] = True
         if hold.last == END:
             wanted[segments - 1, 3] = True
         demands += mission.states[hold.state].demands(arena, f"{number}", wanted, room)

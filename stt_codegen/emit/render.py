@@ -14,7 +14,6 @@ from typing import Any
 import jinja2
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.mission import clock_error
 from stt_codegen.certify.schedule import phases, sentence, served
 from stt_codegen.decimals import below, by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
@@ -153,7 +152,7 @@ def _mission(task: Task, certificate: Certificate) -> list[str]:
     shown = certificate.mission
     if shown is None:
         return []
-    (margin,) = (f.margin for f in certificate.findings if f.code == "P10" and f.required == clock_error(task))
+    (margin,) = (f.margin for f in certificate.findings if f.code == "P10" and f.in_time)
     told = f"Every x(t) that stays in the tube satisfies the mission (P10): {shown.formula}; times are seconds of t. It still "
     told += f"holds where every time at which the tube is in a region, or off one, is wrong by up to {below(margin, 3):g} s."
     return textwrap.wrap(told, 115)
