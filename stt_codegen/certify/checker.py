@@ -163,7 +163,10 @@ class Task:
     def _emitted(self, control: dict[str, Any], emit: dict[str, Any]) -> None:
         """How late u may be; what the C looks like, and has beside it."""
         self.latency = _number(control.get("latency", 0))
-        self.outside, self.inline = _outside(control, self.order == 2 or self.clock is not None), emit.get("math") == "inline"
+        self.outside, self.inline = (
+            _outside(control, self.order == 2 or (self.clock or self.mission) is not None),
+            emit.get("math") == "inline",
+        )
         self.selftest = bool(emit.get("selftest", False))
         self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
 

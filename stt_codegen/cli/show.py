@@ -237,7 +237,11 @@ def show_run(report: RunReport) -> None:
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
     then = f"{_time(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
-    console.print(f"  unsafe sets entered: {hit}; state space left: {left}; {then} {reached}")
+    where = "" if task.target_set is None else f"; {then} {reached}"
+    console.print(f"  unsafe sets entered: {hit}; state space left: {left}{where}")
+    if task.mission:
+        not_done = ", ".join(f"{k} ({escape(task.mission[k - 1].title())})" for k in run.missed)
+        console.print(f"  mission: {f'[red]entry {not_done} missed[/red]' if run.missed else 'carried out, at every sample'}")
     tube = f"least margin {run.margin:.3g} of the width" if run.kept else "[red]was left[/red]"
     if report.fulfilled and not run.kept:
         tube += "; the task was met without a guarantee"

@@ -81,7 +81,8 @@ class RunReport:
     @property
     def _unsaid(self) -> set[str]:
         """What of a run is no data, or not asked for."""
-        return {"trace"} | (set() if self.controller.task.control.outside == "hold" else {"waited"})
+        unsaid = {"trace"} | (set() if self.controller.task.control.outside == "hold" else {"waited"})
+        return unsaid | (set() if self.controller.task.mission else {"missed"})
 
     def document(self) -> dict[str, Any]:
         """The report as JSON data."""

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant, own
+from stt_codegen.loop.mission import missed
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
@@ -105,8 +106,9 @@ class Scenario:
 class Run:
     """What came of it. hit: the unsafe set that was entered first; times are None where it did not happen; outside: samples at
     which the controller said OUTSIDE_TUBE; margin: least distance to an edge over the width, all along; e, u: largest |e_i|,
-    |u_i|; waited: seconds the tube did (control.outside = "hold"), by which the run is longer. trace: rows of t, x, u, lower,
-    upper, w, status at every sample and at the end, where asked for."""
+    |u_i|; waited: seconds the tube did (control.outside = "hold"), by which the run is longer; missed: entries of the mission,
+    from 1, that were not carried out. trace: rows of t, x, u, lower, upper, w, status at every sample and at the end, where asked
+    for."""
 
     hit: str | None
     hit_at: float | None
@@ -119,12 +121,14 @@ class Run:
     u: tuple[float, ...]
     last: tuple[float, ...]
     waited: float = 0.0
+    missed: tuple[int, ...] = ()
     trace: Array | None = field(default=None, compare=False, repr=False)
 
     @property
     def good(self) -> bool:
-        """The task is fulfilled: no unsafe set entered, never outside the state space, in the target at the end."""
-        return self.hit is None and self.left_at is None and self.reached
+        """The task is fulfilled: no unsafe set entered, never outside the state space, in the target at the end, the mission
+        carried out."""
+        return self.hit is None and self.left_at is None and self.reached and not self.missed
 
     @property
     def kept(self) -> bool:
@@ -209,7 +213,8 @@ class Loop:
             turns=field_.turns.ctypes.data,
             hours=field_.hours.ctypes.data,
         )
-        rows = np.empty((samples + 1, (4 + task.order) * task.dimension + 2)) if trace else None
+        wanted = trace or bool(task.mission)
+        rows = np.empty((samples + 1, (4 + task.order) * task.dimension + 2)) if wanted else None
         judged = Judged()
         self.own.start()
         pointers = [
@@ -225,7 +230,8 @@ class Loop:
         return parts if steps is None else max(1, min(parts, math.floor(period / float(steps[0]))))
 
     def _judged(self, r: Judged, rows: Array | None) -> Run:
-        n = self.controller.task.dimension
+        task = self.controller.task
+        n = task.dimension
 
         def at(value: float) -> float | None:
             return None if value < 0 else float(value)
@@ -242,6 +248,7 @@ class Loop:
             u=tuple(r.u[:n]),
             last=tuple(r.last[:n]),
             waited=self.own.lag(),
+            missed=() if rows is None or not task.mission else missed(task, rows[:, 0], rows[:, 1 : 1 + n]),
             trace=rows,
         )
 

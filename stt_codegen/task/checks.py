@@ -206,6 +206,8 @@ def _outside_problem(task: TaskTables) -> str | None:
     if timed is not None or task.target_moves:
         field = "target_set" if timed is None else f"unsafe[{timed}]"
         return f'but {field} does not wait for a tube that stands; use "return" or "stop"'
+    if task.mission:
+        return 'but the times of the mission do not wait for a tube that stands; use "return" or "stop"'
     if task.order == 2:
         return 'but with inertia a tube that moves cannot stand at once; use "return" or "stop"'
     return None
