@@ -13,8 +13,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from mission_mutants import judged
+from test_peers import needs
 
 from stt_codegen.bench.scenarios import FAMILIES, random_mission
 from stt_codegen.certify import checker
@@ -22,7 +25,10 @@ from stt_codegen.certify.mission import SLICES, clock_error, held_of, spans_of
 from stt_codegen.certify.monitor import holds, satisfied
 from stt_codegen.certify.schedule import phases
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.loop.command import with_gain
+from stt_codegen.loop.simulate import Loop, Scenario
+from stt_codegen.pipeline import Controller, build, build_task
+from stt_codegen.plants import plant_of
 from stt_codegen.rows import mission_rows
 from stt_codegen.task import parse_task
 from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated, read
@@ -274,7 +280,10 @@ def kept_by(controller: Controller, t: float, x: np.ndarray[Any, Any]) -> dict[s
     for name, region in controller.task.regions.items():
         if hasattr(region, "any_of"):
             continue
-        if hasattr(region, "radius"):
+        if hasattr(region, "vertices"):
+            faces = [([float(c) for c in n], float(h)) for n, h in region.half_spaces()]
+            found[name] = all(float(np.dot(n, x)) <= h for n, h in faces)
+        elif hasattr(region, "radius"):
             found[name] = bool(np.hypot(*(x - [float(v) for v in region.centre])) <= float(region.radius))
         else:
             low, high = ([float(v) for v in e] for e in (region.lower, region.upper))  # type: ignore[union-attr]
@@ -508,3 +517,63 @@ def test_the_checker_and_the_tool_agree_on_another_mission(change: tuple[str, st
     answer = checked(dataclasses.replace(controller, files=files), harder, tmp_path)
     assert answer != 0 or certified
     assert "checker" in (capsys.readouterr().out)
+
+
+# --------------------------------------------------------------------------------------------------- runs
+
+
+def as_rtamt(formula: Formula, end: float) -> str:
+    """A formula in the language of rtamt (Nickovic and Yamaguchi, 2020), each region a signal that is 0 or more inside."""
+    match formula:
+        case State(inner):
+            return as_rtamt(inner, end)
+        case In(region, kept):
+            return f"({region} < 0)" if kept else f"({region} >= 0)"
+        case And(parts):
+            return f"({' and '.join(as_rtamt(p, end) for p in parts)})"
+        case Or(parts):
+            return f"({' or '.join(as_rtamt(p, end) for p in parts)})"
+    assert isinstance(formula, Always | Eventually | Until)
+    over = formula.over
+    window = f"[{float(over.begin)}:{end if over.end is None else float(over.end)}]"
+    if isinstance(formula, Until):
+        return f"({as_rtamt(formula.first, end)} until{window} {as_rtamt(formula.last, end)})"
+    word = "always" if isinstance(formula, Always) else "eventually"
+    return f"({word}{window} {as_rtamt(formula.part, end)})"
+
+
+@pytest.mark.parametrize("gain", ["1/2", "1/50", "1/1000"])
+@pytest.mark.parametrize("name", ["courier", "either", "waypoints"])
+def test_another_monitor_says_the_same_of_every_run(name: str, gain: str) -> None:
+    """rtamt in dense time, on the emitted C driving a plant; with a small gain the tube is left and entries are missed."""
+    needs("rtamt", "gcc")
+    import rtamt
+
+    controller = build(ROOT / "tasks" / f"{name}.toml")
+    controller = with_gain(controller, [float(Fraction(gain))] * 2)
+    task, end = controller.task, float(controller.task.prescribed_time)
+    run = Loop(controller, plant_of("integrator", 2, 1)).run(Scenario(rate=200.0), trace=True)
+    assert run.trace is not None
+    t, x = run.trace[:, 0], run.trace[:, 1:3]
+    told = []
+    for k, formula in enumerate(task.formulas, 1):
+        spec = rtamt.StlDenseTimeSpecification()
+        signals_ = []
+        for region in [r for r, shape in task.regions.items() if not hasattr(shape, "any_of")]:
+            spec.declare_var(region, "float")
+            inside = np.array([1.0 if kept_by(controller, 0.0, p)[region] else -1.0 for p in x])
+            later = [[end * (1 + s / 8), float(inside[-1])] for s in range(1, 17)]  # the state stands after the last sample
+            signals_.append([region, [[float(a), float(b)] for a, b in zip(t, inside, strict=True)] + later])
+        spec.spec = as_rtamt(formula, end)
+        spec.parse()
+        told += [] if spec.evaluate(*signals_)[0][1] > 0 else [k]
+    assert tuple(told) == run.missed
+    assert (gain == "1/1000") <= bool(told)
+
+
+def test_an_oracle_of_trajectories_finds_a_certificate_that_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of mutants none that is certified is broken; where the tool forgets to monitor, some are."""
+    numbers = range(80)
+    assert not [n for n in numbers if (found := judged(n)) and found[1] and found[2]]
+    monkeypatch.setattr("stt_codegen.certify.mission.holds", lambda *_: True)
+    assert [n for n in numbers if (found := judged(n)) and found[1] and found[2]]

@@ -79,7 +79,7 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
         doubt = f"{told}, whatever the clock is wrong by"
         return (Finding("P10", doubt, widest * slice_, clock_error(task), advice=late, in_time=True),), None
     if found is None or found < unit_error:
-        return (Finding("P10", told, Fraction(found or -1) * unit, unit_error * unit, advice=advice),), None
+        return (Finding("P10", told, Fraction(-1 if found is None else found) * unit, unit_error * unit, advice=advice),), None
     most = _last(range(needed, last + 1), lambda slices: shown(found, slices))
     assert most is not None
     seconds = spans_of(held, found, last, slice_)

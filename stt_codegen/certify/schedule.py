@@ -10,7 +10,7 @@ from fractions import Fraction
 from stt_codegen.certify.certificate import MissionProof
 from stt_codegen.certify.monitor import Witness
 from stt_codegen.task import Task
-from stt_codegen.task.formula import In, regions_of
+from stt_codegen.task.formula import regions_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def served(task: Task, shown: MissionProof) -> tuple[Served, ...]:
 
 def reached(witness: Witness) -> bool:
     """Whether a witness is about a region that the tube is in: keeping off is not served at a time."""
-    return not isinstance(witness.state.inner, In) or not witness.state.inner.kept
+    return any(not one.kept for one in regions_of(witness.state.inner))
 
 
 def _visits(found: tuple[Witness, ...]) -> Iterator[Visit]:
@@ -61,12 +61,12 @@ def _when(visit: Visit) -> str:
 
 
 def phases(task: Task, shown: MissionProof) -> list[tuple[Fraction, int]]:
-    """Until which time which entry, from 1, is being served: the one whose next visit ends first. Times that are for ever are
-    t_c."""
+    """Until which time which entry, from 1, is being served: the one whose next visit ends first, of several that end together
+    the first of the file. Times that are for ever are t_c."""
     ends: list[tuple[Fraction, int]] = []
     for k, found in enumerate(shown.witnesses, 1):
         for w in found:
-            if reached(w) and regions_of(w.state.inner):
+            if reached(w):
                 ends.append((task.prescribed_time if math.isinf(w.end) else Fraction(w.end), k))
     result: list[tuple[Fraction, int]] = []
     for end, k in sorted(ends):

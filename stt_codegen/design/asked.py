@@ -19,6 +19,7 @@ from stt_codegen.design.inner import inner_box
 from stt_codegen.design.movers import NEVER, Mover
 from stt_codegen.design.obstacles import Obstacles, obstacles_of
 from stt_codegen.design.skeleton import END, START, Skeleton, skeletons
+from stt_codegen.errors import NotCertified
 from stt_codegen.rows import Avoidance, Row, mission_rows
 from stt_codegen.task import Task
 from stt_codegen.task.formula import And, Formula, In, Or
@@ -27,6 +28,7 @@ from stt_codegen.task.shapes import Unsafe
 
 MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has room
 MOST_PIECES = 400
+LEAST = 1e-9  # what a box may lack for rounding
 NOWHERE = np.inf  # the bound of a half-space that does not count
 
 
@@ -69,6 +71,16 @@ class Asked:
             found.append(Mover(name, normal, (), {len(wanted): bounds}))
         return found
 
+    def of_box(self, box: Array) -> bool:
+        """Whether a box (2, n) satisfies it."""
+        for normal, bound in self.sets:
+            low = np.zeros(len(bound))
+            for i in range(normal.shape[1]):
+                low = low + np.maximum(normal[:, i], 0.0) * box[0, i] + np.minimum(normal[:, i], 0.0) * box[1, i]
+            if not (low >= bound - LEAST).any():
+                return False
+        return True
+
     def obstacles(self, reach: Array) -> Obstacles | None:
         """What blocks, grown for the centre of a tube."""
         return None if self.blocking is None else obstacles_of(self.blocking, reach)
@@ -97,8 +109,26 @@ class Mission:
         return tuple(state for state in self.states if held and all(state in one for one in held))
 
 
+def require_start(mission: Mission, start: Array) -> None:
+    """Raises `NotCertified` where gamma(0), the box `start` (2, n), breaks what every skeleton holds from the start on."""
+    held = [{h.state for h in one.holds if h.first == START and not h.at_once} for one in mission.skeletons]
+    for state in mission.states if held else ():
+        if all(state in one for one in held) and not mission.states[state].of_box(start):
+            what = (
+                f"is nearer to {str(state).removeprefix('not ')} than the clearance"
+                if _keeps_off(state)
+                else f"is not in {state}"
+            )
+            told = "from the start on it must " + ("keep off it" if _keeps_off(state) else "be there")
+            raise NotCertified(f"P10 mission at t = 0: the initial set {what}, and {told}; move or shrink one of them")
+
+
+def _keeps_off(state: State) -> bool:
+    return isinstance(state.inner, In) and state.inner.kept
+
+
 def margin_of(task: Task) -> float:
-    """By how much of t_c every window is narrower."""
+    """By how much of t_c every window is narrower: both ends of an interval lose the delay, and knots are whole."""
     return max(MARGIN, 4 * float(task.start_delay / task.prescribed_time))
 
 
@@ -108,8 +138,8 @@ def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Miss
     if formula is None:
         return None
     states = {state: _asked(task, arena, state) for state in states_of(formula)}
-    found = tuple(skeletons(formula, task.prescribed_time, margin_of(task)))
-    return Mission(found, states, float(task.start_delay / task.prescribed_time))
+    doubt = float(task.start_delay / task.prescribed_time)
+    return Mission(tuple(skeletons(formula, task.prescribed_time, margin_of(task), doubt)), states, doubt)
 
 
 def _asked(task: Task, arena: Arena, state: State) -> Asked:

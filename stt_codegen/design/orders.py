@@ -66,7 +66,7 @@ class Order:
         for d in s.differences:
             if d.least >= 0:
                 found[d.last] |= 1 << d.first
-            if d.most <= 0:
+            elif d.most <= 0:
                 found[d.first] |= 1 << d.last
         for hold in s.holds:
             if hold.first != hold.last:

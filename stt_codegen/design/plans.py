@@ -41,6 +41,8 @@ class Plan:
 def plan_of(arena: Arena, places: Places, skeleton: Skeleton) -> Plan | None:
     """The way of a skeleton that needs the least speed, of those that are found; None where none is."""
     order = Order(places, skeleton)
+    if not places.nodes.size:
+        return None
     if np.isfinite(arena.max_speed):
         return timed_plan(places, skeleton, order.shortest(arena.max_speed))
     if not skeleton.timed:
@@ -51,7 +53,7 @@ def plan_of(arena: Arena, places: Places, skeleton: Skeleton) -> Plan | None:
         found = timed_plan(places, skeleton, order.shortest(times * extent))
         if found is not None:
             break
-    for _ in range(TRIES if found else 0):
+    for _ in range(TRIES if found is not None and found.speed > TINY else 0):
         assert found is not None
         other = timed_plan(places, skeleton, order.shortest(SLOWER * found.speed))
         if other is None or other.speed > 0.999 * found.speed:
@@ -116,11 +118,12 @@ def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0) -> list[int] |
     program = LinearProgram(legs + 1)
     program.cost[legs] = -1.0
     program.lower[:legs], program.lower[legs] = [calm / segments if m else 0.0 for m in moving], 0.0
+    program.upper[legs] = 1 / TINY  # where nothing moves
     for k, length in enumerate(lengths):
         if moving[k]:
             program.rows([[k, legs]], [1.0, -length], 0.0, np.inf)
     for columns, least, most in windows:
-        program.rows([columns], np.ones(len(columns)), max(least, -np.inf), most)
+        program.rows([columns], np.ones(len(columns)), least, most)
     found = program.solve()
     if found is not None and lean:
         program.lower[legs] = found[legs] * HURRY

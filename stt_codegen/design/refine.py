@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
-from stt_codegen.design.asked import mission_of
+from stt_codegen.design.asked import mission_of, require_start
 from stt_codegen.design.filter import with_filter
 from stt_codegen.design.lattice import STEP_BITS, lattice_of
 from stt_codegen.design.refusal import refusal
@@ -79,6 +79,8 @@ def _designed(task: Task, arena: Arena) -> tuple[Search, Shape] | None:
     such bounds."""
     start, ladder = starting_box(arena), segments_tried(task, arena)
     mission = mission_of(task, arena)
+    if mission is not None:
+        require_start(mission, start)
     plain = search_of(arena, start, ladder, mission)
     shape = _chosen(task, plain)
     if shape is not None and plain.keeps(shape):

@@ -112,17 +112,25 @@ def closed(events: int, differences: tuple[Difference, ...]) -> Array | None:
     return None if (np.diag(bound) < -TINY).any() else bound
 
 
-def skeletons(formula: Formula, t_c: Fraction, margin: float) -> list[Skeleton]:
-    """Those whose times can be satisfied, with the fewest events first."""
-    found = itertools.islice(_Expansion(float(t_c), margin).at(formula, START, START, Skeleton()), MOST)
-    possible = [one for one in found if one.events <= MOST_EVENTS and one.zone is not None]
-    return sorted(possible, key=lambda one: one.events)  # stable: of equals the first
+def skeletons(formula: Formula, t_c: Fraction, margin: float, doubt: float = 0.0) -> list[Skeleton]:
+    """Those whose times can be satisfied, with the fewest events first; last those in which a hold of an event that may be chosen
+    goes on for ever, at t_c. doubt: by how much of t_c the clock may be late."""
+    found: list[Skeleton] = []
+    for late in (False, True):
+        every = itertools.islice(_Expansion(float(t_c), margin, doubt, late).at(formula, START, START, Skeleton()), MOST)
+        possible = [one for one in every if one.events <= MOST_EVENTS and one.zone is not None and one not in found]
+        found += sorted(possible, key=lambda one: one.events)  # stable: of equals the first
+    return found
 
 
 @dataclass(frozen=True)
 class _Expansion:
+    """late: whether holds may go on for ever at t_c, where the tube stands, in place of their length."""
+
     t_c: float
     margin: float
+    doubt: float
+    late: bool
 
     def at(self, formula: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
         """`to` with what it takes that the formula holds at all times from one event to another."""
@@ -130,36 +138,50 @@ class _Expansion:
             case State():
                 yield to.holding(Hold(formula, first, last))
             case And(parts):
-                yield from self._all(parts, first, last, to)
+                yield from self._all(tuple(dict.fromkeys(parts)), first, last, to)
             case Or(parts):
-                for part in parts:
-                    yield from self.at(part, first, last, to)
-                if first != last:
-                    for one, other in itertools.permutations(parts, 2):
-                        cut, change = to.event(first, 0.0, np.inf)
-                        cut = cut.differing(change, last, 0.0, np.inf)
-                        for early in self.at(one, first, change, cut):
-                            yield from self.at(other, change, last, early)
+                yield from self._or(parts, first, last, to)
             case Always(over, part):
-                begin, here = self._moved(to, first, over.begin, -1)
-                end, here = self._moved(here, last, over.end, 1)
-                yield from self.at(part, begin, end, here)
+                yield from self._always(over, part, first, last, to)
+            case Eventually(over, part) if over.begin == over.end:  # one moment: no choice
+                yield from self._always(over, part, first, last, to)
             case Eventually(over, part):
                 if first == last:
-                    for when, here in self._witness(to, first, over):
-                        yield from self.at(part, when, when, here)
+                    when, here = self._witness(to, first, over)
+                    yield from self.at(part, when, when, here)
                 else:
-                    yield from self._chains(over, part, first, last, to)
+                    for _, here in self._chains(over, part, first, last, to):
+                        yield here
             case Until(over, held, reached):
-                if first != last:  # enough: `held` from first to the last witness
-                    for here in self._chains(over, reached, first, last, to):
-                        for more in self.at(held, first, here.events - 1, here):
-                            yield more.lengthened(len(here.holds), here.events - 1)
-                    return
-                for when, here in self._witness(to, first, over):
-                    for there in self.at(reached, when, when, here):
-                        for more in self.at(held, first, when, there):
-                            yield more.lengthened(len(there.holds), when)
+                for when, here in self._reached(over, reached, first, last, to):
+                    for more in self.at(held, first, when, here):
+                        yield more.lengthened(len(here.holds), when)
+
+    def _or(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
+        if to.zone is None:  # no times: not worth a choice
+            return
+        for part in parts:
+            yield from self.at(part, first, last, to)
+        if first != last:
+            for one, other in itertools.permutations(parts, 2):
+                cut, change = to.event(first, 0.0, np.inf)
+                cut = cut.differing(change, last, 0.0, np.inf)
+                for early in self.at(one, first, change, cut):
+                    yield from self.at(other, change, last, early)
+
+    def _always(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
+        begin, here = self._begun(to, first, over.begin)
+        for end, longer in self._ended(here, last, over.end):
+            yield from self.at(part, begin, end, longer)
+
+    def _reached(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
+        """The last of the witnesses of an "until" at all times from one event to another; until then its first part is held."""
+        if first != last:
+            yield from self._chains(over, part, first, last, to)
+            return
+        when, here = self._witness(to, first, over)
+        for there in self.at(part, when, when, here):
+            yield when, there
 
     def _all(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
         if not parts:
@@ -168,34 +190,43 @@ class _Expansion:
         for here in self.at(parts[0], first, last, to):
             yield from self._all(parts[1:], first, last, here)
 
-    def _moved(self, to: Skeleton, event: int, by: Fraction | None, sign: int) -> tuple[int, Skeleton]:
-        """An event so many seconds after another: a little before that (sign -1) or after it, as the end of a hold that may only
-        be longer. From near t_c on that is t_c, for the tube stands from then on."""
-        off, room = math.inf if by is None else float(by) / self.t_c, self.margin
-        if event == END or (event == START and off >= 1 - 2 * room) or math.isinf(off):
-            return END, to
-        if not off and sign < 0:
-            return event, to
-        least, most = (max(off - SLACK, 0.0), off - room) if sign < 0 else (off + room, off + SLACK)
-        found, when = to.event(event, least, max(least, most))
+    def _begun(self, to: Skeleton, event: int, by: Fraction) -> tuple[int, Skeleton]:
+        """The begin of a hold, so many seconds after an event or a little before that: a hold may only be longer."""
+        off, room = float(by) / self.t_c, self.margin
+        if event == END or off <= room or (event == START and off >= 1):
+            return (END if event == START and off >= 1 else event), to
+        found, when = to.event(event, max(off - room - SLACK, 0.0), off - room)
         return when, found
 
-    def _witness(self, to: Skeleton, event: int, over: Interval) -> Iterator[tuple[int, Skeleton]]:
+    def _ended(self, to: Skeleton, event: int, by: Fraction | None) -> Iterator[tuple[int, Skeleton]]:
+        """The end of a hold, so many seconds after an event or a little after that. From near t_c on that is t_c, for the tube
+        stands from then on."""
+        off, room = math.inf if by is None else float(by) / self.t_c, self.margin
+        if event == END or (event == START and off >= 1 - 2 * room) or math.isinf(off):
+            yield END, to
+            return
+        found, when = to.event(event, off + room, off + room + SLACK)
+        yield when, found
+        if self.late and event != START:
+            yield END, to.differing(event, END, 0.0, off)
+
+    def _witness(self, to: Skeleton, event: int, over: Interval) -> tuple[int, Skeleton]:
         """A moment of the interval after an event."""
         least = float(over.begin) / self.t_c
         most = math.inf if over.end is None else float(over.end) / self.t_c
-        if most <= TINY or event == END:
-            yield event, to
-            return
-        if event == START and most >= 1:
-            most = math.inf  # what holds at t_c holds from then on
-        inset = min(self.margin, (most - least) / 2)
+        if event == END:
+            return event, to
+        if event == START and most >= 1:  # what holds at t_c holds from then on
+            inset = min(self.margin, max(1 - least, 0.0))
+            most = math.inf if not self.doubt or most > 1 + self.doubt else 1.0 - self.doubt
+        else:
+            inset = min(self.margin, (most - least) / 2)
         here, when = to.event(event, least + inset if least else 0.0, most - inset)
-        yield when, here
+        return when, here
 
-    def _chains(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
+    def _chains(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
         """Witnesses w_1, w_2, .. of which each moment from first to last has one in its interval: w covers [w - b, w - a]. Where
-        last is t_c, which stands for all times from then on, t_c is the last of them."""
+        last is t_c, which stands for all times from then on, t_c is the last of them. The last one, and the skeleton."""
         a, b = float(over.begin) / self.t_c, math.inf if over.end is None else float(over.end) / self.t_c
         gap, zone = b - a - 2 * self.margin, to.zone
         if gap <= 0 or zone is None:
@@ -211,7 +242,8 @@ class _Expansion:
                 whens.append(END)
             else:
                 here = here.differing(last, whens[-1], a + self.margin, np.inf)
-            yield from self._each(part, whens, here)
+            for there in self._each(part, whens, here):
+                yield whens[-1], there
 
     def _each(self, part: Formula, whens: list[int], to: Skeleton) -> Iterator[Skeleton]:
         if not whens:

@@ -29,18 +29,19 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     search = search_of(arena, start, segments_tried(task, arena), mission)
     places = Places(arena, mission, start, search.width(0.0))
     width = f"a tube of width {decimal(task.tube.min_width)}"
-    for state, at in places.allowed.items():
-        needed = [one for one in regions_of(state.inner) if not one.kept]
+    always = [{h.state for h in one.holds} for one in mission.skeletons]
+    for state, at in places.allowed.items() if len(places.nodes) else ():
+        needed = any(not one.kept for one in regions_of(state.inner)) and all(state in held for held in always)
         if needed and not at.any() and mission.states[state].pieces:
             told = f"P10 mission: no place was found in {state} for {width}, off the unsafe sets"
             return f"{told}; widen or move it, or lower tube.min_width"
     if not mission.skeletons:
-        told = "P10 mission: no times satisfy all entries at once"
+        told = "P10 mission: no times were found that satisfy all entries at once"
     elif isinstance(search, MissionSearch) and not search.leads():
         told = f"P10 mission: no order of the visits was found whose ways lead between the unsafe sets in time, for {width}"
     opens = [f"mission[{k}] ({task.mission[k].title()})" for k in range(len(task.mission)) if _without(task, k, is_found)]
     longer = list(_longer(task, is_found))
-    would = [*(f"without {one}" for one in opens[:3]), *(f"with {one}" for one in longer)]
+    would = [*(f"without {one}" for one in opens), *(f"with {one}" for one in longer)]
     if would:
         return f"{told}; {', or '.join(would)} there would be one"
     return f"{told}, and none without one of its entries; widen regions or windows, or lower tube.min_width or tube.clearance"

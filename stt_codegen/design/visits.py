@@ -21,7 +21,7 @@ from stt_codegen.design.places import Places
 from stt_codegen.design.plans import Plan, centre_of, demands_of, knots_of, plan_of, timed_plan
 from stt_codegen.design.shape import Shape, slowest_shape
 from stt_codegen.design.sides import limits_in_time
-from stt_codegen.design.skeleton import START, Skeleton
+from stt_codegen.design.skeleton import START, TINY, Skeleton
 from stt_codegen.design.spacetime import way_in_time
 from stt_codegen.design.timed import TimedSearch
 from stt_codegen.design.widest import QUICK, Search
@@ -51,7 +51,7 @@ class MissionSearch(TimedSearch):
             assert self.mission is not None
             places = Places(self.arena, self.mission, self.start, self.width(0.0))
             order = Order(places, wider.skeleton, (START, *(stop.event for stop in wider.stops)))
-            least = timed_plan(places, wider.skeleton, order.shortest(wider.speed))
+            least = timed_plan(places, wider.skeleton, order.shortest(max(wider.speed, TINY)))
             self.bounds[wider.skeleton] = wider.speed if least is None else min(wider.speed, least.speed)
         return self.bounds[wider.skeleton]
 
@@ -71,7 +71,7 @@ class MissionSearch(TimedSearch):
             found: list[Plan] = []
             for skeleton in self.mission.skeletons:
                 most = max((plan.skeleton.events for plan in found), default=skeleton.events)
-                if skeleton.events > most and any(plan.speed <= UNHURRIED * sum(plan.lengths) for plan in found):
+                if skeleton.events > most and any(plan.speed <= UNHURRIED * float(np.cumsum(plan.lengths)[-1]) for plan in found):
                     break
                 plan = plan_of(self.arena, places, skeleton)
                 found += [] if plan is None else [plan]
