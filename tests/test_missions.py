@@ -603,3 +603,24 @@ def test_an_oracle_of_trajectories_finds_a_certificate_that_is_false(monkeypatch
     monkeypatch.setattr(sys.modules["stt_codegen.certify.mission"], "holds", lambda *_: True)
     monkeypatch.setattr(sys.modules["stt_codegen.certify.mission"], "witnesses", lambda *_: ())
     assert [n for n in numbers if (found := judged(n)) and found[1] and found[2]]
+
+
+def test_a_step_with_eight_visits_is_that_of_one_target() -> None:
+    """The C but for names, numbers and the length of the table: not one instruction more."""
+
+    def plain(controller: Controller) -> str:
+        name = controller.task.name
+        text = (
+            re.sub(r"/\*.*?\*/", "", controller.files[f"{name}.c"].decode(), flags=re.S)
+            .replace(name, "p")
+            .replace(name.upper(), "P")
+        )
+        text = re.sub(r"(?<=coefficients\[)\d+|\{[-\d., F\n{}e]*\};", "N", text)
+        return re.sub(r"-?\b\d+\.?\d*(e-?\d+)?F?\b", "N", text)
+
+    (visits,) = (s for s in FAMILIES["own"]() if s.name == "eight visits, four windows")
+    controller = build_task(parse_task(visits.text))
+    one = build_task(
+        parse_task(visits.text[: visits.text.index("[[region]]")] + "[target_set]\nlower = [8.5, 8]\nupper = [9.5, 9]\n")
+    )
+    assert plain(controller) == plain(one)

@@ -24,7 +24,7 @@ Terms = list[tuple[int, float]]
 
 
 @dataclass
-class Program:
+class MixedProgram:
     """Rows and columns, as they come."""
 
     lower: list[float] = field(default_factory=list)
@@ -71,7 +71,7 @@ class Encoding:
     """A formula of boxes at samples."""
 
     def __init__(self, task: Task, logarithmic: bool) -> None:
-        self.task, self.logarithmic, self.program = task, logarithmic, Program()
+        self.task, self.logarithmic, self.program = task, logarithmic, MixedProgram()
         self.last = int(task.prescribed_time)
         n, space = task.dimension, task.state_space
         add = self.program.column
@@ -115,6 +115,8 @@ class Encoding:
                 self.choice([(last, k) for k in self.samples(at, over)], on, first, at)
 
     def samples(self, at: int, over: Interval) -> range:
+        if over.begin.denominator != 1 or (over.end or over.begin).denominator != 1:
+            raise ValueError(f"a window {over} that is not of whole seconds has no samples at its ends")
         end = self.last if over.end is None else min(at + int(over.end), self.last)
         return range(min(at + int(over.begin), self.last), end + 1)
 

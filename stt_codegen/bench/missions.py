@@ -29,6 +29,7 @@ PUBLISHED = (  # names of tasks, and seconds as the authors state them in their 
 )
 RANDOM = ((2, 10, 100), (2, 30, 100), (3, 10, 50))  # dimensions, unsafe sets, missions
 MOVING = ((2, 8, 40), (3, 10, 20))
+DEMAND = 0.98  # of random missions among sets that stand are carried out, or the command fails
 REPEATS = 5  # of each published task
 
 
@@ -81,7 +82,8 @@ def summary(title: str, runs: list[Run]) -> list[str]:
 
 
 def run_missions(count: int | None, limit: float, out: Path | None, as_json: bool, say: Callable[[str], None]) -> bool:
-    """`stt-codegen bench missions`. True where at least 98 of 100 random missions are carried out, and every scenario."""
+    """`stt-codegen bench missions`. True where DEMAND of the random missions among standing sets are carried out, and every
+    scenario."""
     measured("warm up", next(FAMILIES["stlpy"]()).text)
     scenarios = [(s, measured(s.name, s.text)) for family in FAMILIES.values() for s in family()]
     say(f"{len(scenarios)} scenarios")
@@ -108,7 +110,8 @@ def run_missions(count: int | None, limit: float, out: Path | None, as_json: boo
         if out is not None:
             record(out, "missions", text)
     good = all(run.certified != s.closed for s, run in scenarios)
-    return good and all(sum(r.certified for r in runs) >= 0.98 * len(runs) for title, runs in many if "move" not in title)
+    standing = many[: 1 + len(RANDOM)]
+    return good and all(sum(r.certified for r in runs) >= DEMAND * len(runs) for _, runs in standing)
 
 
 def _peers(text: str, limit: float) -> Iterator[str]:
@@ -154,6 +157,7 @@ def _told(scenarios: list[tuple[Scenario, Run]], peers: dict[str, list[str]], ma
         "The programs are those of stlpy (Kurtz and Lin, 2022) in HiGHS, one thread: a double integrator at samples a second "
         "apart, any solution. Their samples satisfy the formula; between samples the straight way may be in an unsafe set, or "
         "off every stone. Of the stepping stones of seed 1 no continuous solution exists: the stones are not connected. Ours are "
-        "tubes for plants that nobody knows, proved for all times."
+        "tubes for plants that nobody knows, proved for all times. Published seconds are the authors', for synthesis by an SMT "
+        'solver at sampled times on another machine; of "one of two waypoints" those of the faster choice.'
     )
     return f"## Missions\n\nMade by `{command()}`; {machine()}.\n\n{first}\n\n{note}\n\n{second}\n\n{third}"

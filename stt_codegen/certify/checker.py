@@ -1697,7 +1697,7 @@ class Mission:
             for hint in claim["hints"]:
                 need(isinstance(hint, list) and len(hint) == 3 and at == hint[0] <= hint[1], "the hints are in no order")
                 at = hint[1]
-                for a, b in aligned(hint[0], hint[1], cuts, whole=True):
+                for a, b in by_segment(hint[0], hint[1], cuts):
                     found.append((part_of(tube, a, b, cuts), hint[2], (a, b)))
             need(at == stop and bool(found), "the hints leave a gap in time")
             slack = min(apart(task, tube, unsafe, None, found, Fraction(1)))
@@ -1716,16 +1716,29 @@ class Mission:
         return bool(parts) and all(self.shown(p, shows, depth - 1) for p in parts)
 
 
-def aligned(begin: int, stop: int, cuts: int, whole: bool = False) -> Iterator[tuple[int, int]]:
-    """An interval in parts of a segment as intervals none of which crosses a multiple of its length, or of a segment alone."""
+def aligned(begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int]]:
+    """An interval, in parts of a segment, as the fewest stretches of which each is a power of two long, at most a segment, and
+    begins at a multiple of its length; a moment as it is."""
     at = begin
-    while at < stop or at == begin == stop:
-        size = cuts - at % cuts
-        size = min(size, stop - at) if whole else min(at & -at or cuts, size, cuts)
-        while at + size > stop and size > 1:
-            size = stop - at if whole else size // 2
-        yield at, min(at + size, stop)
-        at += max(size, 1)
+    while at < stop:
+        size = cuts
+        while at % size or at + size > stop:
+            size //= 2
+        yield at, at + size
+        at += size
+    if begin == stop:
+        yield begin, stop
+
+
+def by_segment(begin: int, stop: int, cuts: int) -> Iterator[tuple[int, int]]:
+    """An interval, in parts of a segment, segment by segment; a moment as it is."""
+    at = begin
+    while at < stop:
+        to = min(stop, (at // cuts + 1) * cuts)
+        yield at, to
+        at = to
+    if begin == stop:
+        yield begin, stop
 
 
 def part_of(tube: Tube, a: int, b: int, cuts: int) -> Piece:
@@ -2063,8 +2076,9 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     for key, value in told.items():
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
-    scalar, p, source = certificate["scalar"], task.name, Source(text, task, certificate["scalar"] == "float")
+    scalar, p = certificate["scalar"], task.name
     need(scalar in ("float", "double"), "the certificate's scalar is not known")
+    source = Source(text, task, scalar == "float")
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
     there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased}
     others = [name for name, wanted in there.items() if wanted]

@@ -92,7 +92,7 @@ def missions(
 ) -> None:
     """Missions: scenarios of stlpy beside its own programs, random ones, sets that move, published tasks.
 
-    Exit code 1 where less than 98 of 100 are carried out. About six minutes.
+    Exit code 1 where less than 98 of 100 among standing sets are carried out. About six minutes.
     """
     from stt_codegen.bench.missions import run_missions
 

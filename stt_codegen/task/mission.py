@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag
 
 from stt_codegen.task.formula import (
     ZERO,
@@ -43,9 +43,8 @@ from stt_codegen.task.shapes import (
     UnsafeSet,
     kind_of_set,
 )
-from stt_codegen.task.values import MAX_LABEL, NotNegative, Positive, Window, labels
+from stt_codegen.task.values import MAX_LABEL, Labels, NotNegative, Positive, Window
 
-Names = Annotated[tuple[str, ...], BeforeValidator(labels)]
 FORMS = {  # what tells the form of an entry, and what may stand beside it
     "visit": ("between", "stay", "then", "within"),
     "never": ("before",),
@@ -58,7 +57,7 @@ class Choice(Table):
     """A region that is others together: in it is what is in their union."""
 
     name: str = Field(default="", max_length=MAX_LABEL)
-    any_of: Names = Field(description="names of regions, of which one is enough")
+    any_of: Labels = Field(description="names of regions, of which one is enough")
 
 
 def _kind_of_region(value: Any) -> str:
@@ -82,13 +81,15 @@ class Entry(Table):
     """One thing that must hold: a visit, something never, a patrol, or a formula."""
 
     visit: str | None = Field(default=None, description="a region to be in, at some time")
-    between: Window | None = Field(default=None, description="[from, to], seconds: the visit begins then; absent: any time")
+    between: Window | None = Field(
+        default=None, description="[from, to], seconds: at some time of it the stay begins; absent: any time"
+    )
     stay: NotNegative | None = Field(default=None, description="seconds that the visit lasts at least; absent: 0")
     then: str | None = Field(default=None, description="a region to be in after the stay")
     within: Positive | None = Field(default=None, description="seconds from the end of the stay to `then`, at most")
     never: str | None = Field(default=None, description="a region to be out of")
     before: str | None = Field(default=None, description="a region: once in it, `never` ends; it must be visited")
-    patrol: Names | None = Field(default=None, description="regions to be in again and again")
+    patrol: Labels | None = Field(default=None, description="regions to be in again and again")
     every: Positive | None = Field(default=None, description="seconds between two visits of one of them, at most")
     until: Positive | None = Field(default=None, description="seconds: when the patrol may end; absent: t_c")
     formula: str | None = Field(default=None, description="a formula of signal temporal logic")
