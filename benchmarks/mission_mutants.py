@@ -40,7 +40,7 @@ from stt_codegen.task.mission import Choice, State
 Array = Any
 TASKS = Path(__file__).parent.parent / "tasks"
 RANDOM = 6  # random missions among the bases
-EACH = 12  # samples of a segment
+EACH = 24  # samples of a segment: where the tool cuts it, and between
 MOVED = ("window", "edge", "operator", "knot", "stretch", "shift")
 
 
@@ -201,7 +201,8 @@ def broken(task: Task, design: RefinedDesign, dice: Random) -> bool:
     formula = task.formula
     assert formula is not None
     t = np.linspace(0, float(task.prescribed_time), design.segments * EACH + 1)
-    near = [float(task.prescribed_time) * (k + s) / design.segments for k in range(design.segments) for s in (5e-4, 1 - 5e-4)]
+    parts = 8 * design.segments  # a state may hold next to a cut alone
+    near = [float(task.prescribed_time) * (k + s) / parts for k in range(parts) for s in (4e-3, 1 - 4e-3)]
     t = np.unique(np.concatenate([t, near]))
     atoms_named = set(regions_of_states(formula))
     for x in trajectories(design, dice, t):

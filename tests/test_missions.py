@@ -8,6 +8,7 @@ import re
 import sys
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import ROOT
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from mission_mutants import judged
 from test_peers import needs
@@ -23,7 +24,7 @@ from test_peers import needs
 from stt_codegen.bench.scenarios import FAMILIES, random_mission
 from stt_codegen.certify import checker
 from stt_codegen.certify.monitor import holds, satisfied
-from stt_codegen.certify.schedule import phases
+from stt_codegen.certify.schedule import phases, sentence, served
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
@@ -60,6 +61,11 @@ mission = [
   { never = "lab", before = "dock" },
 ]
 """
+
+
+@cache
+def the_courier() -> Controller:
+    return build_task(parse_task(COURIER))
 
 
 # --------------------------------------------------------------------------------------------------- formulas
@@ -292,7 +298,7 @@ def kept_by(controller: Controller, t: float, x: np.ndarray[Any, Any]) -> dict[s
 
 
 def test_a_courier_is_certified_checked_and_told_of(tmp_path: Path, capsys: Any) -> None:
-    controller = build_task(parse_task(COURIER))
+    controller = the_courier()
     assert checked(controller, COURIER, tmp_path) == 0
     assert "P10" in capsys.readouterr().out
     shown = controller.certificate.mission
@@ -315,8 +321,17 @@ def test_a_courier_is_certified_checked_and_told_of(tmp_path: Path, capsys: Any)
     assert (np.hypot(*(nearest - [2.5, 2.6]).T) >= 0.4).all()
 
 
+def test_the_page_shows_what_design_prints(tmp_path: Path) -> None:
+    controller = build(ROOT / "tasks" / "courier.toml")
+    shown = controller.certificate.mission
+    assert shown is not None
+    page = (ROOT / "docs" / "missions.md").read_text()
+    for one in served(controller.task, shown):
+        assert f"    mission {one.entry}, {sentence(one)}\n" in page
+
+
 def test_phases_follow_the_visits() -> None:
-    controller = build_task(parse_task(COURIER))
+    controller = the_courier()
     found = phases(controller.task, controller.certificate.mission)  # type: ignore[arg-type]
     assert [k for _, k in found] == [1]
     module: dict[str, Any] = {}
@@ -423,9 +438,24 @@ def test_a_capsule_can_be_kept_off_alone() -> None:
         parse_task(text.replace('visit = "dock"', 'visit = "lab"'))
 
 
+@given(data=st.data())
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_what_the_tool_certifies_the_checker_confirms(data: Any, tmp_path: Path) -> None:
+    """Random formulas about the courier's regions, of its tube: boxes, a ball, a choice, nested as it comes."""
+    courier = the_courier()
+    names = {"a": "exit", "b": "dock", "c": "lab"}
+    formula = re.sub(r"\b[abc]\b", lambda m: names[m.group()], str(data.draw(formulas(4))))
+    text = COURIER[: COURIER.index("mission = [")] + f'mission = [{{ formula = "{formula}" }}]\n'
+    controller = build_task(parse_task(text), True, courier.design)
+    answer = checked(controller, text, tmp_path)
+    assert (answer == 0) == controller.certificate.holds, formula
+
+
 @pytest.mark.parametrize(
     "entry",
     [
+        'formula = "eventually[3, 6] (home or dock or lab)"', 'formula = "eventually[3, 9] (lab or (left and eventually[0, 4] right) or right or left)"',
+        'visit = "exit", between = [3, 5.3999999999999995]', 'formula = "dock or not dock"', 'formula = "eventually[3, 5] not lab"',
         'visit = "home", between = [0, 3]', 'formula = "always[0, 5] home"', 'formula = "always not lab"', 'visit = "dock", between = [24, 24]',
         'visit = "dock", between = [22, 24], stay = 2', 'formula = "always[23.98, 24] dock"', 'formula = "always (not lab until[0, 14] dock)"',
         'formula = "eventually[2, 9] always[0.005, 3] dock"', 'formula = "always[0, 4] eventually[5, 5] dock"', 'formula = "eventually always dock"',
@@ -505,7 +535,7 @@ CHANGES = {  # how a certificate of the courier is changed; each must be found
 
 @pytest.mark.parametrize("name", CHANGES)
 def test_the_checker_finds_what_is_changed(name: str, tmp_path: Path, capsys: Any) -> None:
-    controller = build_task(parse_task(COURIER))
+    controller = the_courier()
     document = json.loads(controller.files["courier.certificate.json"])
     CHANGES[name](document)
     files = controller.files | {"courier.certificate.json": json.dumps(document).encode()}
@@ -523,7 +553,7 @@ def test_the_checker_finds_what_is_changed(name: str, tmp_path: Path, capsys: An
 def test_the_checker_and_the_tool_agree_on_another_mission(change: tuple[str, str], tmp_path: Path, capsys: Any) -> None:
     """The same tube for another mission, with a certificate that claims what the tool finds of its states, or what it found of the
     first: what the tool certifies the checker confirms, what it does not the checker refuses by P10."""
-    controller = build_task(parse_task(COURIER))
+    controller = the_courier()
     design = controller.design
     assert isinstance(design, RefinedDesign)
     other = COURIER.replace(*change)

@@ -1424,6 +1424,7 @@ def apart(
 
 Formula = Any  # ("in", region), ("out", region), ("and", f, ..), ("or", f, ..), (operator, (from, to), f, ..)
 PRECEDENCE = ("->", "or", "and", "until")
+WORDS = ("always", "eventually", "until", "and", "or", "not", "inf")
 
 
 def joined(sign: str, *parts: Formula) -> Formula:
@@ -1518,7 +1519,7 @@ def entry(table: Any, t_c: Fraction) -> Formula:
         )
     if forms == ["patrol"]:
         every, until = _number(table["every"]), _number(table["until"]) if "until" in table else t_c
-        if not 0 < every <= until:
+        if not 0 < every <= until or not isinstance(table["patrol"], list):
             raise Unusable("the task has a patrol that is shorter than its rounds")
         rounds = (("always", (zero, until - every), ("eventually", (zero, every), ("in", str(r)))) for r in table["patrol"])
         return joined("and", *rounds)
@@ -1528,7 +1529,7 @@ def entry(table: Any, t_c: Fraction) -> Formula:
     if "then" in table:
         gap = _number(table["within"]) if "within" in table else t_c
         here = joined("and", here, ("eventually", (stay, stay + gap), ("in", str(table["then"]))))
-    if stay < 0 or begin[0] > begin[1] or begin[0] < 0:
+    if stay < 0 or begin[0] > begin[1] or begin[0] < 0 or ("within" in table and not _number(table["within"]) > 0):
         raise Unusable("the task has a visit in no time")
     return ("eventually", begin, here)
 
@@ -1586,7 +1587,12 @@ class Mission:
         for table in document.get("region", []):
             if str(table["name"]) in self.regions:
                 raise Unusable("the task has two regions of one name")
-            if any(name not in self.regions for name in table.get("any_of", [])):
+            name, members = str(table["name"]), table.get("any_of")
+            form = " ".join(k for k in KNOWN["region"].split()[3:] if k in table)
+            known = form in FORMS if members is None else isinstance(members, list) and set(table) == {"name", "any_of"}
+            if not known or not re.fullmatch(r"[A-Za-z]\w*", name, re.ASCII) or name in WORDS:
+                raise Unusable("the task has a region that is said in no way that is known here")
+            if members is not None and (not members or any(one not in self.regions for one in members)):
                 raise Unusable("the task has a choice of regions that are not before it")
             self.regions[str(table["name"])] = table
         self.formula = joined("and", *(self.told(entry(table, t_c)) for table in document["mission"]))
@@ -2077,12 +2083,11 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
     scalar, p = certificate["scalar"], task.name
-    need(scalar in ("float", "double"), "the certificate's scalar is not known")
+    need(scalar in ("float", "double"), "the scalar is not known")
     source = Source(text, task, scalar == "float")
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
     there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased}
-    others = [name for name, wanted in there.items() if wanted]
-    names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name in others)]
+    names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name, wanted in there.items() if wanted)]
     need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     head = (folder / names[0]).read_bytes()

@@ -125,8 +125,8 @@ def held_of(design: RefinedDesign, sets: Sequence[Avoidance]) -> Held:
     kind: Any = np.int64 if design.significant < WIDE.bit_length() else object
     ends = np.arange(count + 1) * step
     places = np.concatenate([np.stack([ends[:-1], ends[1:]], axis=1), np.stack([ends, ends], axis=1)])
-    if any(not one.rows for one in sets):  # nowhere
-        return Held(places, np.full(len(places), NOWHERE))
+    if not sets or any(not one.rows for one in sets):  # everywhere, or nowhere
+        return Held(places, np.full(len(places), NOWHERE if sets else WIDE, dtype=object))
     pieces = _parts(bezier.astype(kind))
     points = np.concatenate([pieces[..., :1], pieces[-1:, ..., 3:]]).repeat(4, axis=-1)
     finer = PARTS**3
@@ -137,7 +137,7 @@ def held_of(design: RefinedDesign, sets: Sequence[Avoidance]) -> Held:
         cuts = [_slice(bezier, a, b) for a, b in thin]
         slack.append(np.array([math.floor(v) for v in RowBlock.choice(sets, design.unit).slack(np.stack(cuts))[0]]))
         places = np.concatenate([places, np.array(thin)])
-    return Held(places, np.concatenate([one.astype(object) for one in slack]))
+    return Held(places, np.concatenate([one.astype(object) for one in slack]) - 1)  # a reader rounds bounds to whole units
 
 
 def _parts(bezier: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -155,7 +155,7 @@ def _parts(bezier: npt.NDArray[Any]) -> npt.NDArray[Any]:
 
 def _slice(bezier: npt.NDArray[Any], a: int, b: int) -> npt.NDArray[Any]:
     """The coefficients from slice a to slice b of one segment, in fractions: (n, 2, 4)."""
-    first = a // SLICES
+    first = min(a // SLICES, len(bezier) - 1)
     return cut(bezier[first].astype(object), *(Fraction(v - first * SLICES, SLICES) for v in (a, b)))
 
 
@@ -182,24 +182,19 @@ def kept_off(design: RefinedDesign, block: RowBlock, span: tuple[int, int], marg
     (begin, end), step, bezier = span, SLICES // PARTS, design.bezier()
     found: list[tuple[Fraction, Fraction, int]] = []
     at = begin
-    while at < end or at == begin == end:
-        for size in (SLICES, step, 1, 0):
+    while at < end or (at == end == begin and not found):
+        for size in (SLICES, step, 1) if begin < end else (0,):
             if (size and at % size) or at + size > end:
                 continue
             piece = _slice(bezier, at, at + size) if at + size else bezier[0, ..., :1].repeat(4, axis=-1)
             slack = block.told(piece[None])[0]
             best = int(np.argmax(slack))
-            if slack[best] < margin and size:
-                continue
-            whole, (last, until, row) = size == SLICES, found[-1] if found else (Fraction(0), Fraction(0), -1)
-            if whole and row == best and until.denominator == last.denominator == 1:
-                found[-1] = (last, until + 1, row)
-            else:
-                found.append((Fraction(at, SLICES), Fraction(at + size, SLICES), best))
-            at += size
-            break
-        else:
-            break
-        if begin == end:
-            break
+            if slack[best] >= margin or size < step:
+                last, until, row = found[-1] if found else (Fraction(0), Fraction(0), -1)
+                if size == SLICES and row == best and until.denominator == last.denominator == 1:
+                    found[-1] = (last, until + 1, row)
+                else:
+                    found.append((Fraction(at, SLICES), Fraction(at + size, SLICES), best))
+                at += size
+                break
     return found

@@ -9,8 +9,11 @@ from fractions import Fraction
 
 from stt_codegen.certify.certificate import MissionProof
 from stt_codegen.certify.monitor import Witness
+from stt_codegen.decimals import above, below
 from stt_codegen.task import Task
-from stt_codegen.task.formula import regions_of
+from stt_codegen.task.formula import Formula, Or, regions_of
+
+SHORT = 0.01  # seconds: a visit that is told as a moment
 
 
 @dataclass(frozen=True)
@@ -44,20 +47,27 @@ def reached(witness: Witness) -> bool:
 
 
 def _visits(found: tuple[Witness, ...]) -> Iterator[Visit]:
-    for w in found:
+    for w in sorted(found, key=lambda w: w.begin):
         if reached(w):
-            yield Visit(str(w.state).strip("()"), *(None if math.isinf(v) else float(v) for v in (w.begin, w.end)))
+            yield Visit(_plain(w.state.inner), *(None if math.isinf(v) else float(v) for v in (w.begin, w.end)))
 
 
 def sentence(one: Served) -> str:
     """As a line: "visit dock then exit: dock from 4.1 to 6.4 s; left or right from 12 to 12.05 s"."""
     told = "; ".join(f"{v.state} {_when(v)}" for v in one.visits)
-    return f"{one.title}: {told or 'kept at all times'}"
+    return f"{one.title}: {told or 'holds, without a visit'}"
+
+
+def _plain(formula: Formula) -> str:
+    """A formula without the brackets around it."""
+    return " or ".join(map(str, formula.parts)) if isinstance(formula, Or) else str(formula)
 
 
 def _when(visit: Visit) -> str:
-    begin = "from the start" if visit.begin is None else f"from {visit.begin:.4g}"
-    return f"{begin} on" if visit.end is None else f"{begin} to {visit.end:.4g} s"
+    if visit.begin is not None and visit.end is not None and visit.end - visit.begin < SHORT:
+        return f"at {above(Fraction(visit.begin), 4):g} s"
+    begin = "from the start" if visit.begin is None else f"from {above(Fraction(visit.begin), 4):g}"
+    return f"{begin} on" if visit.end is None else f"{begin} to {below(Fraction(visit.end), 4):g} s"
 
 
 def phases(task: Task, shown: MissionProof) -> list[tuple[Fraction, int]]:

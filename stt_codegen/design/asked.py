@@ -87,10 +87,10 @@ class Asked:
 
     def allows(self, nodes: Array, inset: Array, reach: Array) -> npt.NDArray[np.bool_]:
         """At which nodes (P, n) the box of these half widths satisfies it."""
-        if self.pieces:
-            return np.asarray(np.any([piece.hold(nodes, inset) for piece in self.pieces], axis=0))
         grown = self.obstacles(reach)
-        return np.ones(len(nodes), dtype=bool) if grown is None else ~grown.inside(nodes)
+        if grown is not None:  # of a union: across two of its boxes too
+            return np.asarray(~grown.inside(nodes))
+        return np.asarray(np.any([piece.hold(nodes, inset) for piece in self.pieces], axis=0))
 
 
 @dataclass(frozen=True)

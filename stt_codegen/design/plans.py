@@ -38,19 +38,20 @@ class Plan:
     speed: float
 
 
-def plan_of(arena: Arena, places: Places, skeleton: Skeleton) -> Plan | None:
-    """The way of a skeleton that needs the least speed, of those that are found; None where none is."""
+def plan_of(arena: Arena, places: Places, skeleton: Skeleton, below: float = np.inf) -> Plan | None:
+    """The way of a skeleton that needs the least speed, of those that are found; None where none is, or none that is well below
+    a speed."""
     order = Order(places, skeleton)
     if not places.nodes.size:
         return None
     if np.isfinite(arena.max_speed):
-        return timed_plan(places, skeleton, order.shortest(arena.max_speed))
+        return timed_plan(places, skeleton, order.shortest(min(arena.max_speed, SLOWER * below)))
     if not skeleton.timed:
         return timed_plan(places, skeleton, order.shortest(np.inf))
     extent = float((arena.space[1] - arena.space[0]).max())
     found = None
-    for times in FASTEST:
-        found = timed_plan(places, skeleton, order.shortest(times * extent))
+    for speed in [SLOWER * below] if np.isfinite(below) else [times * extent for times in FASTEST]:
+        found = timed_plan(places, skeleton, order.shortest(speed))
         if found is not None:
             break
     for _ in range(TRIES if found is not None and found.speed > TINY else 0):
@@ -171,15 +172,18 @@ def centre_of(plan: Plan, knots: list[int], segments: int) -> Array:
     return found
 
 
-def demands_of(arena: Arena, mission: Mission, plan: Plan, knots: list[int], segments: int) -> tuple[Mover, ...]:
-    """What each state asks, where it is asked, as sets that are avoided."""
+def demands_of(
+    arena: Arena, mission: Mission, plan: Plan, knots: list[int], segments: int, lasting: bool = False
+) -> tuple[Mover, ...]:
+    """What each state asks, where it is asked, as sets that are avoided. lasting: what is asked for a moment alone for a segment
+    to either side of it."""
     when = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
     demands: list[Mover] = []
     for number, hold in enumerate(plan.skeleton.holds):
         wanted: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
         room = np.zeros((segments, 4))
         a, b = when[hold.first], when[hold.last]
-        around = int(np.ceil(mission.doubt * segments))  # segments that it lasts to either side of its moment
+        around = max(int(np.ceil(mission.doubt * segments)), int(lasting))  # segments that it lasts to either side of its moment
         if hold.at_once and not around:
             room_here = 2.0 * plan.speed / segments * AT_A_KNOT
             for k, c in ((a - 1, 3), (a, 0)):

@@ -9,7 +9,7 @@ from typing import Any
 
 from stt_codegen.decimals import above, decimal
 from stt_codegen.design.arena import Arena, starting_box
-from stt_codegen.design.asked import mission_of
+from stt_codegen.design.asked import Mission, mission_of
 from stt_codegen.design.places import Places
 from stt_codegen.design.visits import MissionSearch, search_of
 from stt_codegen.design.widest import segments_tried
@@ -27,7 +27,7 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     assert mission is not None
     start, told = starting_box(arena), "P10 mission: no tube was found"
     search = search_of(arena, start, segments_tried(task, arena), mission)
-    places = Places(arena, mission, start, search.width(0.0))
+    places = Places(arena, Mission((), mission.states), start, search.width(0.0))  # whatever else is asked at all times
     width = f"a tube of width {decimal(task.tube.min_width)}"
     always = [{h.state for h in one.holds} for one in mission.skeletons]
     for state, at in places.allowed.items() if len(places.nodes) else ():
@@ -43,7 +43,7 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     longer = list(_longer(task, is_found))
     would = [*(f"without {one}" for one in opens), *(f"with {one}" for one in longer)]
     if would:
-        return f"{told}; {', or '.join(would)} there would be one"
+        return f"{told}; {', or '.join(would)} one is found"
     return f"{told}, and none without one of its entries; widen regions or windows, or lower tube.min_width or tube.clearance"
 
 

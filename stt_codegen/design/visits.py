@@ -28,7 +28,9 @@ from stt_codegen.design.widest import QUICK, Search
 
 SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target, before the least width
 ORDERS = 4  # skeletons whose way is made a tube
-UNHURRIED = 1.5  # times its way in t_c is a speed that more events would hardly lower
+CLOSE_TO_PLAN = 1.3  # times the speed of its plan a tube is slow enough to try no others
+DEAR = 1.03  # times the speed is not too much for visits that last
+UNHURRIED = 1.15  # times its way in t_c is a speed that more events would hardly lower
 CALM = (0, 1, 2, 4)  # segments that every leg gets at least
 
 
@@ -73,22 +75,29 @@ class MissionSearch(TimedSearch):
                 most = max((plan.skeleton.events for plan in found), default=skeleton.events)
                 if skeleton.events > most and any(plan.speed <= UNHURRIED * float(np.cumsum(plan.lengths)[-1]) for plan in found):
                     break
-                plan = plan_of(self.arena, places, skeleton)
+                plan = plan_of(self.arena, places, skeleton, min((plan.speed for plan in found), default=np.inf))
                 found += [] if plan is None else [plan]
             self.plans[share] = sorted(found, key=lambda plan: plan.speed)
         return self.plans[share]
 
     def of_share(self, share: float) -> Shape | None:
         width, most = self.width(share), self.arena.max_speed
+        best: Shape | None = None
         for plan in self.planned(share)[:ORDERS]:
             if self.arena.order == 1 and plan.speed > most:
                 continue
-            for segments in self.ladder[:QUICK] if self.arena.movers and share else self.ladder:
+            for segments in self.ladder[:QUICK] if (self.arena.movers and share) or best is not None else self.ladder:
                 for knots in self.timings(plan, segments):
                     shape = self.within_plan(plan, knots, segments, width)
-                    if shape is not None and (self.arena.order == 2 or shape.speed <= self.most(segments)):
-                        return shape
-        return None
+                    if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
+                        continue
+                    lasting = self.within_plan(plan, knots, segments, width, True)
+                    cheap = lasting is not None and lasting.speed <= min(DEAR * shape.speed, self.most(segments))
+                    shape = lasting if cheap else shape
+                    best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
+                    if best is not None and (self.arena.order == 2 or best.speed <= CLOSE_TO_PLAN * plan.speed):
+                        return best
+        return best
 
     def timings(self, plan: Plan, segments: int) -> Iterator[list[int]]:
         """Knots to try, each once: with more and more time for every leg; where sets move with all events early or late too."""
@@ -99,10 +108,10 @@ class MissionSearch(TimedSearch):
                 tried.add(tuple(knots))
                 yield knots
 
-    def within_plan(self, plan: Plan, knots: list[int], segments: int, width: Array) -> Shape | None:
-        """The slowest tube whose events are at these knots."""
+    def within_plan(self, plan: Plan, knots: list[int], segments: int, width: Array, lasting: bool = False) -> Shape | None:
+        """The slowest tube whose events are at these knots; lasting: a segment to either side of them too."""
         assert self.mission is not None
-        demands = demands_of(self.arena, self.mission, plan, knots, segments)
+        demands = demands_of(self.arena, self.mission, plan, knots, segments, lasting)
         arena = replace(self.arena, movers=(*self.arena.movers, *demands))
         centre = centre_of(plan, knots, segments)
         if self.arena.movers:  # the plan knows nothing of them

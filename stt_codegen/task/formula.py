@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import decimal, exact_decimal
 
 ZERO = Fraction(0)
 WORDS = ("always", "eventually", "until", "and", "or", "not")
@@ -32,7 +32,11 @@ class Interval:
     end: Fraction | None = None
 
     def __str__(self) -> str:
-        return "" if self == Interval() else f"[{decimal(self.begin)}, {'inf' if self.end is None else decimal(self.end)}]"
+        return (
+            ""
+            if self == Interval()
+            else f"[{exact_decimal(self.begin)}, {'inf' if self.end is None else exact_decimal(self.end)}]"
+        )
 
 
 class Formula:

@@ -162,9 +162,9 @@ def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
         case And(parts):
             return And(tuple(with_states(p, boxes) for p in parts))
         case Or(parts):
-            plain = [p for p in parts if _is_of(p, boxes)]
-            others = [with_states(p, boxes) for p in parts if not _is_of(p, boxes)]
-            return either(*([State(either(*plain))] if plain else []), *others)
+            if _is_of(formula, boxes):
+                return State(formula)
+            return Or(tuple(with_states(p, boxes) for p in parts))
         case Always(over, part):
             return Always(over, with_states(part, boxes))
         case Eventually(over, part):

@@ -63,7 +63,7 @@ void either_transform(const either_real lower[EITHER_N], const either_real upper
                       either_real xi[EITHER_N]);
 
 /* In either_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
- * 1 visit T: T1 or T2 from 9 to 9 s
+ * 1 visit T: T1 or T2 at 9 s
  */
 int either_phase(either_real t);
 
