@@ -44,9 +44,11 @@ integration: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/python benchmarks/mutations.py --moving --count 500
 	$(BIN)/python benchmarks/moving.py --count 60
 	$(BIN)/python benchmarks/mutations.py --inertia --count 400
+	$(BIN)/python benchmarks/mission_mutants.py --count 1000
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
 	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
 	$(BIN)/stt-codegen bench loop --count 100
+	$(BIN)/stt-codegen bench missions --count 30 --limit 0
 
 # Everything in generated/: refined from every task file, in both precisions; the case study with the paper's functions, sound
 # (adaptive, certified) and as the paper has it (literal, which collides and says so).
