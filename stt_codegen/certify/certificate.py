@@ -26,6 +26,9 @@ TITLES = {
 }
 
 
+ROUNDED = ("P1", "P2", "P3", "P4", "P5", "P10")  # properties that must have room for the arithmetic
+
+
 @dataclass(frozen=True)
 class Finding:
     """One property. It holds when `margin` >= `required` (task's units; seconds for P9 and the second of P10, but a length where
@@ -134,6 +137,12 @@ class Certificate:
         """Whether P1 to P7 and P10 do, whatever becomes of P8 and P9."""
         return self.proves and all(f.holds for f in self.findings if f.code not in ("P8", "P9"))
 
+    @property
+    def lacks_rounding(self) -> bool:
+        """Whether the exact tube is sound, and only what the arithmetic takes is missing."""
+        short = [f for f in self.failures if f.code != "P7"]
+        return self.method == "exact" and bool(short) and all(f.margin >= 0 and f.code in ROUNDED for f in short)
+
     def refusal(self) -> str:
         """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where
         the exact tube itself is sound."""
@@ -143,7 +152,7 @@ class Certificate:
         faults: dict[str, list[str]] = {}
         seventh = next((f.advice for f in self.findings if f.code == "P7"), "")
         for f in broken or self.failures:  # what has a margin, but less than the arithmetic takes, no other set would mend
-            narrow = f.margin >= 0 and f.code in ("P1", "P2", "P3", "P4", "P5")
+            narrow = f.margin >= 0 and f.code in ROUNDED and not f.in_time
             faults.setdefault(seventh if narrow and seventh else f.advice, []).append(f.fault(self.axes))
         told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
         return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told

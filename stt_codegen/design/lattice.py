@@ -23,11 +23,12 @@ MOST = MOST_BITS - STEP_BITS - 1  # so many bits more than a float's 24 a double
 @dataclass(frozen=True)
 class Lattice:
     """Lengths are measured in units of 2**exponent; no coordinate is beyond 2**largest. origin: by dimension, where design counts
-    from, a multiple of 6 steps."""
+    from, a multiple of 6 steps. room: for tubes so fast that the rounding of time takes more."""
 
     exponent: int
     largest: int
     origin: tuple[Fraction, ...]
+    room: int = 1
 
     @property
     def bits(self) -> int:
@@ -41,7 +42,7 @@ class Lattice:
 
     @cached_property
     def allowance(self) -> Fraction:
-        """Room left at every bound: 32 steps.
+        """Room left at every bound: 32 steps, or `room` times that.
 
         It covers the rounding of the coefficients (3 steps) and the error of the emitted arithmetic, whose bound is derived for
         the finished tube and compared with the margins (property P7).

@@ -42,7 +42,7 @@ def plan_of(arena: Arena, places: Places, skeleton: Skeleton, below: float = np.
     """The way of a skeleton that needs the least speed, of those that are found; None where none is, or none that is well below
     a speed."""
     order = Order(places, skeleton)
-    if not places.nodes.size:
+    if not places.nodes.size or below <= TINY:  # nowhere to be, or nothing to gain
         return None
     if np.isfinite(arena.max_speed):
         return timed_plan(places, skeleton, order.shortest(min(arena.max_speed, SLOWER * below)))

@@ -36,9 +36,10 @@ CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one 
 AS_SLOW = 1.01  # times the slowest tube is as slow, where that is preferred: so much for width
 
 
-def refine(task: Task) -> RefinedDesign:
-    """Design a refined tube, the one that tube.prefer asks for. Raises `NotCertified` with the reason when none is found."""
-    arena = _arena(task)
+def refine(task: Task, room: int = 1) -> RefinedDesign:
+    """Design a refined tube, the one that tube.prefer asks for. room: times what is usually left at every bound for the
+    arithmetic. Raises `NotCertified` with the reason when none is found."""
+    arena = _arena(task, room)
     found = _designed(task, arena)
     if found is None:
         raise NotCertified(refusal(task, arena, _is_found))
@@ -62,8 +63,8 @@ def family(task: Task) -> list[RefinedDesign]:
     return [_finished(task, fresh, shape) for shape in _others(fresh)]
 
 
-def _arena(task: Task) -> Arena:
-    lattice = lattice_of(task)
+def _arena(task: Task, room: int = 1) -> Arena:
+    lattice = replace(lattice_of(task), room=room)
     return normalised(arena_of(task, lattice), lattice.exponent)
 
 

@@ -8,6 +8,7 @@ A formula is about a tube, the box gamma(t) of all states that it allows: `dock`
 
 from __future__ import annotations
 
+import difflib
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -222,6 +223,12 @@ class _Reader:
     def fail(self, wanted: str) -> ValueError:
         if self.at >= len(self.words):
             return ValueError(f"ends where {wanted} is needed")
+        before = self.words[self.at - 1][0] if self.at else ""
+        close = difflib.get_close_matches(before.lower(), ("always", "eventually", "until"), 1) if before not in WORDS else []
+        if self.word == "[" and before:
+            return ValueError(
+                f"has a window after {before!r}, which is no operator" + (f"; did you mean {close[0]!r}?" if close else "")
+            )
         return ValueError(f"has {self.word!r} at character {self.words[self.at][1] + 1}, where {wanted} is needed")
 
     def need(self, word: str) -> None:
