@@ -33,7 +33,8 @@ from stt_codegen.pipeline import Controller, build, build_task, certify, render_
 from stt_codegen.plants import plant_of
 from stt_codegen.rows import mission_rows
 from stt_codegen.task import parse_task
-from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated, read
+from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated
+from stt_codegen.task.grammar import read
 from stt_codegen.task.mission import State, states_of, with_states
 
 NAMES = ("a", "b", "c")
