@@ -1,5 +1,4 @@
-"""Missions as formulas: signal temporal logic over named regions, in negation normal form. grammar.py reads
-them.
+"""Missions as formulas: signal temporal logic over named regions, in negation normal form. grammar.py reads them.
 
     always[0, 16] (dock -> eventually[0, 4] left)        not lab until[0, 24] key        eventually[3, 5] always[0, 2] dock
 

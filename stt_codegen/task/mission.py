@@ -31,8 +31,8 @@ from stt_codegen.task.formula import (
     either,
     mapped,
     parts_of,
-    read,
 )
+from stt_codegen.task.grammar import read
 from stt_codegen.task.shapes import (
     Table,
     Unsafe,
