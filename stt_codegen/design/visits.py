@@ -95,7 +95,8 @@ class MissionSearch(TimedSearch):
                     cheap = lasting is not None and lasting.speed <= min(DEAR * shape.speed, self.most(segments))
                     shape = lasting if cheap else shape
                     best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
-                    if best is not None and (self.arena.order == 2 or best.speed <= CLOSE_TO_PLAN * plan.speed):
+                    near = best is not None and best.speed <= CLOSE_TO_PLAN * plan.speed
+                    if near or self.arena.order == 2 or self.arena.movers:  # a plan knows nothing of what moves
                         return best
         return best
 
