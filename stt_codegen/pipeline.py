@@ -133,7 +133,8 @@ def build_program(task: Task, design: Design) -> Program:
 
 
 def certify(task: Task, design: Design, program: Program) -> Certificate:
-    """P1 to P7, and P9 where there is a period, with their margins; the certificate may fail, `build` decides what that means."""
+    """P1 to P7, P8 and P9 where limits or a period ask for them, P10 where there is a mission, with margins; the certificate
+    may fail, `build` decides what that means."""
     if isinstance(design, RefinedDesign):
         from stt_codegen.certify.exact import certify_emitted
 

@@ -44,7 +44,9 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     would = [*(f"without {one}" for one in opens), *(f"with {one}" for one in longer)]
     if would:
         return f"{told}; {', or '.join(would)} one is found"
-    return f"{told}, and none without one of its entries; widen regions or windows, or lower tube.min_width or tube.clearance"
+    alone = len(task.mission) == 1 and task.target_set is None  # without its entry nothing would be asked
+    none = "" if alone else ", and none without one of its entries"
+    return f"{told}{none}; widen regions or windows, or lower tube.min_width or tube.clearance"
 
 
 def _without(task: Task, k: int, is_found: IsFound) -> bool:
