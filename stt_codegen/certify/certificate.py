@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.certify.monitor import Witness
+from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
 from stt_codegen.task.formula import Formula
 from stt_codegen.task.mission import State
@@ -88,13 +88,14 @@ class PeriodProof:
 @dataclass(frozen=True)
 class MissionProof:
     """What P10 shows. spans: where each state holds, in slices of a segment (certify/mission.py); margin: in units of the table,
-    on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds."""
+    on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds; cycle: what is repeated for ever."""
 
     formula: Formula
     spans: dict[State, tuple[tuple[int, int], ...]]
     margin: int
     time_margin: int
     witnesses: tuple[tuple[Witness, ...], ...]
+    cycle: Cycle | None = None
 
 
 @dataclass(frozen=True)

@@ -49,8 +49,8 @@ LAW = {
     "inline": {24: 2.0**-14, 53: 2.0**-14},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
-    "": "name axes units prescribed_time start_delay initial_state body state_space initial_set target_set unsafe region mission "
-        "tube control emit plant",
+    "": "name axes units prescribed_time repeat start_delay initial_state body state_space initial_set target_set unsafe region "
+        "mission tube control emit plant",
     "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share speed",
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
@@ -122,14 +122,14 @@ class Task:
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
         sets = enumerate(document.get("unsafe", []), 1)
         self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
-        if len({name for name, _ in self.unsafe}) < len(self.unsafe):
-            raise Unusable("the task has two unsafe sets of one name")
+        _differ([name for name, _ in self.unsafe])
         delay, timed, given = _number(document.get("start_delay", 0)), {"motion", "during", "spread"}, document.get("unsafe", [])
         self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for e in given]
         doubt = {name: str(_number(e["timing"])) for (name, _), e in zip(self.unsafe, given) if "timing" in e}
         moving = "motion" in target or any({"motion", "during"} & {*e} or e.get("spread") for e in given)
         self.clock = {"start_delay": str(delay), "timing": doubt} if moving else None
         self.mission = Mission(document, names, (lower, upper), body, self.t_c, delay) if "mission" in document else None
+        self.repeats = self._repeats(document, moving)
         tube = document.get("tube", {})
         self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
@@ -159,6 +159,13 @@ class Task:
         ]
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
+
+    def _repeats(self, document: dict[str, Any], moving: bool) -> bool:
+        """Whether the tube goes on for ever."""
+        told = document.get("repeat", False)
+        if type(told) is not bool or (told and (self.mission is None or moving or "target_set" in document)):
+            raise Unusable("the task has a `repeat` that is not known here, or for what has an end")
+        return told
 
     def _emitted(self, control: dict[str, Any], emit: dict[str, Any]) -> None:
         """How late u may be; what the C looks like, and has beside it."""
@@ -284,6 +291,11 @@ def _outside(control: dict[str, Any], goes_on: bool) -> str:
     if kind not in ("return", *GUARDS) or (kind == "hold" and goes_on):
         raise Unusable("the task has an `outside` that is not known here, or a tube that waits for what does not")
     return kind
+
+
+def _differ(names: list[str]) -> None:
+    if len({*names}) < len(names):
+        raise Unusable("the task has two unsafe sets of one name")
 
 
 def _told(value: Any) -> Any:
@@ -647,20 +659,37 @@ def guard(task: Task) -> tuple[list[str], list[str]]:
     return [*found[: found.index("{")], ";"], [f'#include "{task.name}.h"', *found]
 
 
-def header(source: Source, task: Task, hash_: str, phased: bool) -> list[str]:
+def wrap(task: Task) -> tuple[list[str], list[str]]:
+    """The tokens of the prototypes of what turns the clock back, and of its file; none where nothing is repeated."""
+    if not task.repeats:
+        return [], []
+    found, heads = [f'#include "{task.name}.h"'], list[str]()
+    for kind, name, end in (("P_real", "", "T_C"), ("uint32_t", "_tick", "TICKS"))[: 2 if task.tick else 1]:
+        turned, t = "CYCLE_TICKS" if name else "CYCLE", name[1:] or "t"
+        text = f"{kind} P_wrap{name}({kind} {t}) {{ return ({t} < M_{end}) ? {t} : ({t} - M_{turned}); }}"
+        text = re.sub(r"\bM_", f"{task.name.upper()}_", re.sub(r"\bP_", f"{task.name}_", text))
+        own = tokens(text.encode())
+        found, heads = found + own, [*heads, *own[: own.index("{")], ";"]
+    return heads, found
+
+
+def header(source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> list[str]:
     """The tokens that the header must have; * stands for a literal that is compared by its value. phased: it has a phase."""
     p, macro = source.p, source.p.upper()
-    last = -(-task.t_c // task.tick) if task.tick else 0
+    last, turn = -(-task.t_c // task.tick) if task.tick else 0, []
+    if task.repeats:
+        turn = [f"#define {macro}_CYCLE *", *([f"#define {macro}_CYCLE_TICKS {tube.cycle / task.tick}U"] if task.tick else [])]
     return [
         f"#ifndef {macro}_H", f"#define {macro}_H", *(["#include <stdint.h>"] if task.tick else []),
         "#ifdef __cplusplus", "extern", '"C"', "{", "#endif",
         *f"typedef {source.scalar} {p}_real ;".split(), f"#define {macro}_N {task.n}", f"#define {macro}_T_C *",
         *([f"#define {macro}_TICK_PERIOD *", f"#define {macro}_TICKS {last}U"] if task.tick else []),
-        *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []),
+        *turn, *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []),
         *([f"#define {macro}_PERIOD_SHORTEST *"] if task.apart is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
         *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
         *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
         *guard(task)[0], *(f"int {p}_phase ( {p}_real t ) ;".split() if phased else []),
+        *wrap(task)[0],
         *([f"#define {macro}_SELFTEST_{hash_}", *f"int {p}_selftest ( void ) ;".split()] if task.selftest else []),
         "#ifdef __cplusplus", "}", "#endif", "#endif",
     ]  # fmt: skip
@@ -1262,7 +1291,7 @@ Piece = list[tuple[Edge, Edge]]  # by dimension: lower and upper edge
 class Tube:
     """The tube of the C's table, in whole units of it: control points over 6."""
 
-    def __init__(self, source: Source, task: Task, bits: int) -> None:
+    def __init__(self, source: Source, task: Task, bits: int, seam: int | None = None) -> None:
         values = source.tables.get("coefficients", [])
         rows, rest = divmod(len(values), 2 * task.n)
         need(rows > 3 and not rest, f"the table has {len(values)} entries, no multiple of {2 * task.n}, or too few")
@@ -1272,6 +1301,11 @@ class Tube:
         self.table = [
             [(int(whole[j + 2 * i]), int(whole[j + 2 * i + 1])) for i in range(task.n)] for j in range(0, len(whole), 2 * task.n)
         ]
+        self.seam, self.cycle = seam, Fraction(0)
+        if seam is not None:
+            need(0 <= seam < self.segments, "what is repeated begins with no segment")
+            self.cycle = task.t_c * (self.segments - seam) / self.segments
+            need(not task.tick or (self.cycle / task.tick).denominator == 1, "a cycle is no whole number of ticks")
         self.pieces: list[Piece] = []
         for k in range(self.segments):
             q = [[[self.table[k + j][i][side] for j in range(4)] for side in (0, 1)] for i in range(task.n)]
@@ -1503,7 +1537,7 @@ def formula(text: Any) -> Formula:
     return found
 
 
-def entry(table: Any, t_c: Fraction) -> Formula:
+def entry(table: Any, t_c: Fraction, repeats: bool) -> Formula:
     """An entry of the mission as a formula."""
     zero = Fraction(0)
     forms = [k for k in ("visit", "never", "patrol", "formula") if k in table]
@@ -1521,7 +1555,8 @@ def entry(table: Any, t_c: Fraction) -> Formula:
         every, until = _number(table["every"]), _number(table["until"]) if "until" in table else t_c
         if not 0 < every <= until or not isinstance(table["patrol"], list):
             raise Unusable("the task has a patrol that is shorter than its rounds")
-        rounds = (("always", (zero, until - every), ("eventually", (zero, every), ("in", str(r)))) for r in table["patrol"])
+        over = (zero, math.inf if repeats and "until" not in table else until - every)
+        rounds = (("always", over, ("eventually", (zero, every), ("in", str(r)))) for r in table["patrol"])
         return joined("and", *rounds)
     stay, begin = _number(table.get("stay", 0)), tuple(_each(table["between"], 2)) if "between" in table else (zero, t_c)
     here: Formula = ("in", str(table["visit"]))
@@ -1555,26 +1590,56 @@ def ahead(t: Any, by: Any) -> Any:
     return t if math.isinf(t) else t - by
 
 
-def satisfied(f: Formula, known: dict[Formula, list[tuple[Any, Any]]]) -> list[tuple[Any, Any]]:
-    """When a formula holds, from when the parts hold that are known; all that is known is proved."""
+class Cycle:
+    """From `begin` to `end`, and again and again; every time may be wrong by the margin."""
+
+    def __init__(self, begin: Fraction, end: Fraction, margin: Fraction) -> None:
+        self.begin, self.end, self.length, self.margin = begin, end, end - begin, margin
+        need(margin <= self.length, "P10: the time margin is longer than the cycle")
+
+    def held(self, spans: list[tuple[Any, Any]], until: Fraction) -> list[tuple[Any, Any]]:
+        """What is known until `end`, told until a time, less the margin at both ends of every interval."""
+        found, by = list(spans), self.length
+        while self.end + by - self.length < until + self.margin:
+            found += [(max(u, self.begin) + by, v + by) for u, v in spans if v >= self.begin]
+            by += self.length
+        left = ((u + self.margin, min(v - self.margin, until)) for u, v in united(found))
+        return [(u, v) for u, v in left if u <= v]
+
+    def looked(self, over: Any, until: Fraction) -> Fraction:
+        """Until when a part must be known; what holds for ever holds for a cycle."""
+        a, b = over
+        far: Fraction = max(until, self.end) + a + self.length if math.isinf(b) else until + b
+        return far
+
+
+def satisfied(
+    f: Formula, known: dict[Formula, list[tuple[Any, Any]]], cycle: Cycle | None = None, until: Fraction = Fraction(0)
+) -> list[tuple[Any, Any]]:
+    """When a formula holds, from when the parts hold that are known; all that is known is proved. Of what is repeated all until a
+    time, and nothing after it."""
     if f in known:
-        return known[f]
+        return known[f] if cycle is None else cycle.held(known[f], until)
     kind, *rest = f
     if kind in ("in", "out"):  # nothing is claimed of it
         return []
     if kind in ("and", "or"):
-        found = [satisfied(p, known) for p in rest]
+        found = [satisfied(p, known, cycle, until) for p in rest]
         every = found[0]
         for one in found[1:]:
             every = met(every, one)
         return every if kind == "and" else united(span for one in found for span in one)
-    (a, b), first = rest[0], satisfied(rest[1], known)
+    a, b = rest[0]
+    far = until if cycle is None else cycle.looked((a, b), until)
+    first, *others = (satisfied(p, known, cycle, far) for p in rest[1:])
     if kind == "always":
-        return united((ahead(u, a), ahead(v, b)) for u, v in first if ahead(u, a) <= ahead(v, b))
-    if kind == "eventually":
-        return united((ahead(u, b), ahead(v, a)) for u, v in first)
-    last = satisfied(rest[2], known)
-    spans = [(max(u, ahead(c, b)), min(v, ahead(d, a))) for u, v in first for c, d in met([(u, v)], last)]
+        ever = far if cycle is not None and math.isinf(b) else None
+        spans = [(ahead(u, a), ahead(math.inf if v == ever else v, b)) for u, v in first]
+    elif kind == "eventually":
+        spans = [(ahead(u, b), ahead(v, a)) for u, v in first]
+    else:
+        spans = [(max(u, ahead(c, b)), min(v, ahead(d, a))) for u, v in first for c, d in met([(u, v)], others[0])]
+    spans = spans if cycle is None else [(u, min(v, until)) for u, v in spans]
     return united((u, v) for u, v in spans if u <= v)
 
 
@@ -1595,7 +1660,8 @@ class Mission:
             if members is not None and (not members or any(one not in self.regions for one in members)):
                 raise Unusable("the task has a choice of regions that are not before it")
             self.regions[str(table["name"])] = table
-        self.formula = joined("and", *(self.told(entry(table, t_c)) for table in document["mission"]))
+        repeats = document.get("repeat", False) is True
+        self.formula = joined("and", *(self.told(entry(table, t_c, repeats)) for table in document["mission"]))
 
     def told(self, f: Formula) -> Formula:
         """With every choice told by its members."""
@@ -1685,11 +1751,14 @@ class Mission:
             need(good and room >= error, f"P10: a claim has no interval, or less room than the arithmetic takes: {claim!s:.80}")
             state = self.told(formula(claim["set"]))
             self.state(state, claim, task, tube, cuts)
-            a, b = (-math.inf if on[0] == 0 else on[0] + margin), (math.inf if on[1] == end else on[1] - margin)
+            stands = tube.seam is None  # of what is repeated the margin is taken off once it is unrolled
+            off = margin if stands else 0
+            a, b = (-math.inf if on[0] == 0 else on[0] + off), (math.inf if on[1] == end and stands else on[1] - off)
             spans = known.setdefault(state, [])
             if a <= b:
                 spans.append((a * part, b * part))
-        found = satisfied(self.formula, {f: united(spans) for f, spans in known.items()})
+        cycle = None if tube.seam is None else Cycle(task.t_c - tube.cycle, task.t_c, margin * part)
+        found = satisfied(self.formula, {f: united(spans) for f, spans in known.items()}, cycle)
         need(any(a <= 0 <= b for a, b in found), "P10: the mission does not follow from what is claimed of its states")
 
     def state(self, f: Formula, claim: Any, task: Task, tube: Tube, cuts: int) -> None:
@@ -1869,7 +1938,10 @@ def prove(
     held: Piece = [([low[3]] * 4, [high[3]] * 4) for low, high in tube.pieces[-1]]
     if task.reaches:
         claim("P5", [end, end], min([box(last, *task.target), *behind(held, task.goals)]), error)
-    need(all(tube.table[-k] == tube.table[-3] for k in range(1, task.order + 1)), "P6: the tube has a kink at t_c")
+    if tube.seam is not None:
+        need(tube.table[-3:] == tube.table[tube.seam : tube.seam + 3], "P6: the tube has a kink where it begins again")
+    else:
+        need(all(tube.table[-k] == tube.table[-3] for k in range(1, task.order + 1)), "P6: the tube has a kink at t_c")
     for order, most in enumerate(task.limits, 1):
         scale = (task.t_c / tube.segments) ** order / unit
         room = None if most is None else min(math.floor(most[i] * scale) - tube.fastest(i, order) for i in dims)
@@ -1946,19 +2018,22 @@ Window = list[tuple[Fraction, Fraction, Fraction, Fraction, Fraction]]  # by com
 
 
 def windows(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Window]:
-    """Every segment, and the time from t_c on: the width of what is held, and what the tube's motion pushes it by at an edge,
-    while a sample ages, and from the middle. Of order 1 x is held, and all three are the speed of the faster edge."""
+    """Every segment, and the time from t_c on, where what is repeated begins again: the width of what is held, and what the
+    tube's motion pushes it by at an edge, while a sample ages, and from the middle. Of order 1 x is held, and all three are the
+    speed of the faster edge."""
     found: list[Window] = []
     if task.order == 1:
         for piece in tube.pieces:
             spans = [[h - v for v, h in zip(*edges)] for edges in piece]
             fast = [3 * max(abs(b - a) for e in edges for a, b in zip(e, e[1:])) * tube.segments / task.t_c for edges in piece]
             found.append([(min(s) * tube.unit, max(s) * tube.unit, *[f * tube.unit] * 3) for s, f in zip(spans, fast)])
+        if tube.seam is not None:
+            return [*found, found[tube.seam]]
         still = [(high[3] - low[3]) * tube.unit for low, high in tube.pieces[-1]]
         return [*found, [(s, s, *[Fraction(0)] * 3) for s in still]]
     second = (tube.segments / task.t_c) ** 2 * tube.unit
     edges, asked = derived(tube, task, filtered)
-    for k in range(tube.segments + 1):
+    for k in range(tube.segments + (tube.seam is None)):
         p, end = min(k, tube.segments - 1), k == tube.segments
         here: Window = []
         for i, s in enumerate(filtered):
@@ -1976,7 +2051,7 @@ def windows(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Window]:
                 max(abs(a + b) for a, b in zip(low, high)) / 2 + (held + square) / 2,
             ))  # fmt: skip
         found.append(here)
-    return found
+    return found if tube.seam is None else [*found, found[tube.seam]]
 
 
 def starting(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Fraction]:
@@ -2086,26 +2161,21 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(scalar in ("float", "double"), "the scalar is not known")
     source = Source(text, task, scalar == "float")
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
-    there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased}
+    there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased, "wrap": task.repeats}
     names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name, wanted in there.items() if wanted)]
     need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
+    _beside(task, certificate["sha256"], text, folder)
     head = (folder / names[0]).read_bytes()
-    for name in names:
-        data = text if name == f"{p}.c" else (folder / name).read_bytes() if (folder / name).exists() else None
-        same = data is None or certificate["sha256"][name] == hashlib.sha256(data).hexdigest()
-        if name.endswith("_guard.c"):
-            need(data is not None, f"{name} is not beside the C: what it does is not known")
-            need(tokens(data or b"") == guard(task)[1], "the guard does what it should not")
-        need(same, f"{'the C file' if name == f'{p}.c' else name} is not that of the certificate (SHA-256)")
 
     grid = certificate["grid"]
-    need(isinstance(grid, dict) and set(grid) == {"segments", "cuts", "unit_bits"}, "the certificate's grid is not known")
+    keys = {"segments", "cuts", "unit_bits", *(["seam"] if task.repeats else [])}
+    need(isinstance(grid, dict) and set(grid) == keys, "the certificate's grid is not known")
     need(
         all(type(v) is int for v in grid.values()) and abs(grid["unit_bits"]) < 200,
         "the certificate's grid is not of whole numbers",
     )
-    tube, cuts = Tube(source, task, grid["unit_bits"]), grid["cuts"]
+    tube, cuts = Tube(source, task, grid["unit_bits"], grid.get("seam")), grid["cuts"]
     need(grid["segments"] == tube.segments, "the certificate has another number of segments than the C")
     need(task.segments in (None, tube.segments), "the task asks for another number of segments than the C has")
     need(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
@@ -2129,10 +2199,23 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"))
     narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
     computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
-    _header(head, source, task, design_hash(task, tube, scalar, grid["unit_bits"], filtered), phased)
+    _header(head, source, task, tube, design_hash(task, tube, scalar, grid["unit_bits"], filtered), phased)
     if task.period is not None:
         _sampled(task, tube, certificate["sampled"], gain, source, error, filtered)
     return tube
+
+
+def _beside(task: Task, hashes: dict[str, str], text: bytes, folder: Path) -> None:
+    """The files beside the C are those of the certificate, and what small ones do is known. text: of the C."""
+    known = {"_guard.c": (guard(task)[1], "the guard does"), "_wrap.c": (wrap(task)[1], "the clock is turned back by")}
+    for name in (name for name in hashes if name != "task_data"):
+        data = text if name == f"{task.name}.c" else (folder / name).read_bytes() if (folder / name).exists() else None
+        wanted, what = known.get(name.removeprefix(task.name), ([], ""))
+        if wanted:
+            need(data is not None, f"{name} is not beside the C: what it does is not known")
+            need(tokens(data or b"") == wanted, f"{what} what it should not")
+        same = data is None or hashes[name] == hashlib.sha256(data).hexdigest()
+        need(same, f"{'the C file' if name == f'{task.name}.c' else name} is not that of the certificate (SHA-256)")
 
 
 def _law(task: Task, source: Source, control: Any) -> list[Fraction]:
@@ -2220,13 +2303,15 @@ def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequen
     """The 16 hex digits that name the design in the header."""
     design = {"prescribed_time": str(task.t_c), "segments": tube.segments, "bits": bits, "table": tube.table}
     design |= {"filter": [str(v) for v in filtered]} if filtered else {}
+    design |= {} if tube.seam is None else {"seam": tube.seam}
     data = {"task": task.digest, "scalar": scalar, "design": design}
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _header(text: bytes, source: Source, task: Task, hash_: str, phased: bool) -> None:
+def _header(text: bytes, source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> None:
     """The header: nothing but its types, constants and prototypes."""
     numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period, "PERIOD_SHORTEST": task.apart}
+    numbers["CYCLE"] = tube.cycle or None
     found = tokens(text)
     for k, token in enumerate(found):
         name, value = (token.split(" ") if token.startswith("#define ") and token.count(" ") == 2 else ["", "", ""])[1:3]
@@ -2235,7 +2320,7 @@ def _header(text: bytes, source: Source, task: Task, hash_: str, phased: bool) -
             toward = math.floor if name.endswith("PROVED") else math.ceil if name.endswith("SHORTEST") else round
             need(source.number(value) == ("real", rounded(wanted, source.bits, toward)), f"{name} of the header is wrong")
             found[k] = f"#define {name} *"
-    should = [*header(source, task, hash_, phased), "the end"]
+    should = [*header(source, task, tube, hash_, phased), "the end"]
     different = next((f"{a} where {b} is expected" for a, b in zip([*found, "the end"], should) if a != b), "")
     need(not different, f"the header has {different}")
 

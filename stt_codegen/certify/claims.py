@@ -90,8 +90,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
             found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
         return found
 
-    table = design.integers()
-    kink = int(np.abs(table[-task.order :] - table[-3]).max())
+    kink = int(design.kink(task.order).max())
 
     def within(order: int, rows: Sequence[Row]) -> int | None:
         """The least room of rates, or accelerations, in units of the table by one segment's time to that power."""

@@ -37,7 +37,7 @@ def inertial_components(design: RefinedDesign) -> Iterator[tuple[Component, ...]
     low, high = turn[:, :, LOWER], turn[:, :, UPPER]
     bend = design.unit * (Fraction(design.segments) / design.prescribed_time) ** 2
     found: list[tuple[Component, ...]] = []
-    for k in range(design.segments + 1):
+    for k in [*range(design.segments), design.segments if design.seam is None else design.seam]:
         last = k == design.segments
         at = slice(3, 4) if last else slice(0, 4)
         here = []

@@ -210,9 +210,13 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
     """P6: C2 inside (a uniform cubic B-spline is), C1 at t_c, for order 2 C2 there too, and within max_speed when the task bounds
     it."""
     at = (design.prescribed_time, design.prescribed_time)
-    table = design.integers()
-    kink = np.abs(table[-task.order :] - table[-3]).max(axis=(0, 2))
+    kink = design.kink(task.order)
     smooth = "gamma is C2, C1 at t_c" if task.order == 1 else "gamma is C2, at t_c too"
+    smooth = smooth if design.seam is None else "gamma is C2, also where it begins again"
+    if kink.any() and design.seam is not None:
+        i = int(kink.argmax())
+        advice = "the last three control points must be those with which the cycle begins"
+        return Finding("P6", smooth, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
     if kink.any():
         i = int(kink.argmax())
         told, advice = (
@@ -232,7 +236,8 @@ def _accelerated(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64
     """P6, second derivative: within max_acceleration before t_c, when the task bounds it; from t_c on gamma stands still."""
     second, unit = _derivative(design, bezier, 2)
     bound = ", ".join(f"{above(int(v) * unit, 4):g}" for v in np.abs(second).max(axis=(0, 2, 3)))
-    found = _limited(task, design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound} before t_c", "max_acceleration")
+    when = " before t_c" if design.seam is None else ""
+    found = _limited(task, design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound}{when}", "max_acceleration")
     return () if found is None else (found,)
 
 

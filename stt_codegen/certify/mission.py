@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Finding, MissionProof
-from stt_codegen.certify.monitor import Span, holds, witnesses
+from stt_codegen.certify.monitor import Cycle, Span, holds, witnesses
 from stt_codegen.certify.moving import cut
 from stt_codegen.certify.slack import CHUNK, RowBlock
 from stt_codegen.decimals import decimal
@@ -65,8 +65,13 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
     slice_, last = design.prescribed_time / design.segments / SLICES, design.segments * SLICES
     needed = math.ceil(clock_error(task) / slice_)
 
+    cycle = cycle_of(design)
+
+    def spans_of(least: int) -> dict[State, list[Span]]:
+        return {state: _timed(one.spans(least), last, slice_, cycle) for state, one in held.items()}
+
     def shown(least: int, slices: int) -> bool:
-        return holds(formula, spans_of(held, least, last, slice_), slices * slice_)
+        return holds(formula, spans_of(least), slices * slice_, cycle)
 
     told = f"the mission of {len(task.mission)} entr{'y' if len(task.mission) == 1 else 'ies'} is satisfied"
     levels = sorted({int(v) for one in held.values() for v in one.slack.tolist() if v > NOWHERE})
@@ -82,10 +87,12 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
         return (Finding("P10", told, Fraction(-1 if found is None else found) * unit, unit_error * unit, advice=advice),), None
     most = _last(range(needed, last + 1), lambda slices: shown(found, slices))
     assert most is not None
-    seconds = spans_of(held, found, last, slice_)
-    shows = tuple(tuple(dict.fromkeys(witnesses(one, seconds))) for one in task.formulas)
+    seconds = spans_of(found)
+    if cycle is not None:
+        seconds = {state: cycle.first(one) for state, one in seconds.items()}
+    shows = tuple(tuple(dict.fromkeys(witnesses(one, seconds, cycle))) for one in task.formulas)
     spans = {state: tuple(one.spans(found)) for state, one in held.items()}
-    proof = MissionProof(formula, spans, found, most, shows)
+    proof = MissionProof(formula, spans, found, most, shows, cycle)
     in_time = f"{told}, also with every time wrong by up to {decimal(_few(most * slice_))} s"
     return (
         Finding("P10", told, found * unit, unit_error * unit),
@@ -110,12 +117,15 @@ def _last(values: Sequence[int], good: Any) -> int | None:
     return values[low]
 
 
-def spans_of(held: dict[State, Held], least: int, last: int, slice_: Fraction) -> dict[State, list[Span]]:
-    """The intervals with that slack, in seconds; before 0 and after t_c, slice number `last`, the tube stands."""
-    return {
-        state: [(-math.inf if a == 0 else a * slice_, math.inf if b == last else b * slice_) for a, b in one.spans(least)]
-        for state, one in held.items()
-    }
+def cycle_of(design: RefinedDesign) -> Cycle | None:
+    """What a tube repeats for ever."""
+    return None if design.seam is None else Cycle(design.prescribed_time * design.seam / design.segments, design.prescribed_time)
+
+
+def _timed(slices: list[tuple[int, int]], last: int, slice_: Fraction, cycle: Cycle | None) -> list[Span]:
+    """Intervals in seconds. Before 0 the tube stands, and after t_c, slice number `last`, unless it repeats itself."""
+    ever = last if cycle is None else None
+    return [(-math.inf if a == 0 else a * slice_, math.inf if b == ever else b * slice_) for a, b in slices]
 
 
 def held_of(design: RefinedDesign, sets: Sequence[Avoidance]) -> Held:

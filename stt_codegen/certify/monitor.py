@@ -8,6 +8,10 @@
 Sound: a moment at which the tube does something is one at which each of its trajectories does. Exact for states, "and" and
 "always"; for the others each trajectory might have a moment of its own, which is not looked for (docs/missions.md says what is
 lost: nothing that has room to spare).
+
+Where a tube repeats itself (`Cycle`), a set is told on [0, end + length] and goes on from `end` with that period. An operator
+that looks b ahead needs it b longer; one that looks ahead for ever needs one whole cycle more, since what does not happen in a
+cycle never does.
 """
 
 from __future__ import annotations
@@ -50,31 +54,43 @@ def _less(a: Time, b: Time) -> Time:
     return a if math.isinf(a) else a - b
 
 
-def satisfied(formula: Formula, proved: Proved) -> list[Span]:
-    """The times at which the formula holds. proved: where each state is known to hold; ends may be infinite."""
+def satisfied(formula: Formula, proved: Proved, cycle: Cycle | None = None) -> list[Span]:
+    """The times at which the formula holds. proved: where each state is known to hold; ends may be infinite. cycle: of a tube
+    that repeats itself, until when these are told, and the answer."""
     match formula:
         case State():
             return list(proved[formula])
         case And(parts):
-            found = satisfied(parts[0], proved)
+            found = satisfied(parts[0], proved, cycle)
             for part in parts[1:]:
-                found = shared(found, satisfied(part, proved))
+                found = shared(found, satisfied(part, proved, cycle))
             return found
         case Or(parts):
-            return united([span for part in parts for span in satisfied(part, proved)])
+            return united([span for part in parts for span in satisfied(part, proved, cycle)])
         case Always(over, part):
             a, b = _ends(over)
-            spans = [(_less(u, a), _less(v, b)) for u, v in satisfied(part, proved)]
-            return united([(u, v) for u, v in spans if u <= v])
+            spans = [(_less(u, a), _less(v, b)) for u, v in _ahead(part, proved, cycle, over)]
         case Eventually(over, part):
             a, b = _ends(over)
-            return united([(_less(u, b), _less(v, a)) for u, v in satisfied(part, proved)])
+            spans = [(_less(u, b), _less(v, a)) for u, v in _ahead(part, proved, cycle, over)]
         case Until(over, first, last):
             a, b = _ends(over)
-            held, reached = satisfied(first, proved), satisfied(last, proved)
+            held, reached = (_ahead(one, proved, cycle, over) for one in (first, last))
             spans = [(max(u, _less(c, b)), min(v, _less(d, a))) for u, v in held for c, d in shared([(u, v)], reached)]
-            return united([(u, v) for u, v in spans if u <= v])
-    raise TypeError(formula)
+        case _:
+            raise TypeError(formula)
+    found = united([(u, v) for u, v in spans if u <= v])
+    return found if cycle is None else cycle.before(found, cycle.told)
+
+
+def _ahead(part: Formula, proved: Proved, cycle: Cycle | None, over: Interval) -> list[Span]:
+    """Where a part holds, as far as an operator with this interval looks."""
+    found = satisfied(part, proved, cycle)
+    if cycle is None:
+        return found
+    until = cycle.looked(over)
+    ever = until if over.end is None else None  # what lasts so long never ends
+    return [(u, math.inf if v == ever else v) for u, v in cycle.unrolled(found, until)]
 
 
 def eroded(spans: Sequence[Span], margin: Fraction) -> list[Span]:
@@ -82,9 +98,56 @@ def eroded(spans: Sequence[Span], margin: Fraction) -> list[Span]:
     return [(a + margin, b - margin) for a, b in spans if a + margin <= b - margin]
 
 
-def holds(formula: Formula, proved: Proved, margin: Fraction = Fraction(0)) -> bool:
-    """Whether the formula holds at time 0 whatever the clock is wrong by, up to `margin` seconds."""
-    return any(a <= 0 <= b for a, b in satisfied(formula, {state: eroded(spans, margin) for state, spans in proved.items()}))
+def holds(formula: Formula, proved: Proved, margin: Fraction = Fraction(0), cycle: Cycle | None = None) -> bool:
+    """Whether the formula holds at time 0 whatever the clock is wrong by, up to `margin` seconds. proved: of a tube that repeats
+    itself told until the end of its cycle."""
+    if cycle is None:
+        left = {state: eroded(spans, margin) for state, spans in proved.items()}
+    elif margin > cycle.length:  # no set is told so far that what is left of it would have this period
+        return False
+    else:
+        more = cycle.told + margin
+        wide = {state: cycle.unrolled(cycle.first(spans), more) for state, spans in proved.items()}
+        left = {state: cycle.before(eroded(spans, margin), cycle.told) for state, spans in wide.items()}
+    return any(a <= 0 <= b for a, b in satisfied(formula, left, cycle))
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """From `begin` to `end`, seconds, and then again and again."""
+
+    begin: Fraction
+    end: Fraction
+
+    @property
+    def length(self) -> Fraction:
+        return self.end - self.begin
+
+    @property
+    def told(self) -> Fraction:
+        """Until when sets are told; later times have what was a whole number of cycles before."""
+        return self.end + self.length
+
+    def looked(self, over: Interval) -> Fraction:
+        """Until when a set must be told for an operator that looks so far ahead."""
+        return self.told + (over.begin + self.length if over.end is None else over.end)
+
+    def first(self, spans: Sequence[Span]) -> list[Span]:
+        """From what holds before `end` what holds until `told`."""
+        again = [(max(u, self.begin) + self.length, v + self.length) for u, v in spans if v >= self.begin]
+        return united([*spans, *again])
+
+    def unrolled(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
+        """The same set until a time after `told`."""
+        found, k = list(spans), 1
+        while self.told + (k - 1) * self.length < until:
+            found += [(max(u, self.end) + k * self.length, v + k * self.length) for u, v in spans if v >= self.end]
+            k += 1
+        return self.before(united(found), until)
+
+    def before(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
+        """What of it is not after a time."""
+        return [(u, min(v, until)) for u, v in spans if u <= until]
 
 
 @dataclass(frozen=True)
@@ -96,33 +159,37 @@ class Witness:
     end: Time
 
 
-def witnesses(formula: Formula, proved: Proved, now: Time = Fraction(0)) -> Iterator[Witness]:
-    """What shows that the formula holds at a time at which it does: for each "eventually" the earliest moment that will do."""
+def witnesses(formula: Formula, proved: Proved, cycle: Cycle | None = None, now: Time = Fraction(0)) -> Iterator[Witness]:
+    """What shows that the formula holds at a time at which it does: for each "eventually" the earliest moment that will do.
+    proved: as for `satisfied`; times after the first cycle are told by those in it."""
+    if cycle is not None and now > cycle.end:
+        now = cycle.begin + (Fraction(now) - cycle.begin) % cycle.length
     match formula:
         case State():
             yield Witness(formula, *next((a, b) for a, b in proved[formula] if a <= now <= b))
         case And(parts):
             for part in parts:
-                yield from witnesses(part, proved, now)
+                yield from witnesses(part, proved, cycle, now)
         case Or(parts):
-            good = next(p for p in parts if any(a <= now <= b for a, b in satisfied(p, proved)))
-            yield from witnesses(good, proved, now)
+            good = next(p for p in parts if any(a <= now <= b for a, b in satisfied(p, proved, cycle)))
+            yield from witnesses(good, proved, cycle, now)
         case Always(over, part):
             if isinstance(part, State):
-                yield from witnesses(part, proved, now + over.begin)
-            else:  # again and again: all of them
+                yield from witnesses(part, proved, cycle, now + over.begin)
+            else:  # again and again: all of them, of a cycle those of the first
+                last = math.inf if cycle is None else cycle.end
                 for state in states_of(part):
-                    yield from (Witness(state, u, v) for u, v in proved[state] if v >= now + over.begin)
+                    yield from (Witness(state, u, v) for u, v in proved[state] if v >= now + over.begin and u < last)
         case Eventually(over, part):
             a, b = _ends(over)
-            for u, v in satisfied(part, proved):
+            for u, v in _ahead(part, proved, cycle, over):
                 if u <= now + b and v >= now + a:
-                    yield from witnesses(part, proved, max(u, now + a))
+                    yield from witnesses(part, proved, cycle, max(u, now + a))
                     return
         case Until(over, first, last):
             a, b = _ends(over)
-            for u, v in satisfied(first, proved):
-                for c, d in shared([(u, v)], satisfied(last, proved)):
+            for u, v in _ahead(first, proved, cycle, over):
+                for c, d in shared([(u, v)], _ahead(last, proved, cycle, over)):
                     if u <= now <= v and max(c, now + a) <= min(d, now + b):
-                        yield from witnesses(last, proved, max(c, now + a))
+                        yield from witnesses(last, proved, cycle, max(c, now + a))
                         return

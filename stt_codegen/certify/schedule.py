@@ -72,12 +72,16 @@ def _when(visit: Visit) -> str:
 
 def phases(task: Task, shown: MissionProof) -> list[tuple[Fraction, int]]:
     """Until which time which entry, from 1, is being served: the one whose next visit ends first, of several that end together
-    the first of the file. Times that are for ever are t_c."""
+    the first of the file. Times that are for ever are t_c; a tube that repeats itself is told until then."""
     ends: list[tuple[Fraction, int]] = []
     for k, found in enumerate(shown.witnesses, 1):
         for w in found:
             if reached(w):
                 ends.append((task.prescribed_time if math.isinf(w.end) else Fraction(w.end), k))
+    cycle, t_c = shown.cycle, task.prescribed_time
+    if cycle is not None and ends:  # after the last of a cycle comes the first of the next one
+        _, first = min(((end, k) for end, k in ends if end > cycle.begin), default=(t_c, 0))
+        ends = [*((min(end, t_c), k) for end, k in ends), (t_c, first)]
     result: list[tuple[Fraction, int]] = []
     for end, k in sorted(ends):
         if result and result[-1][1] == k:

@@ -45,6 +45,9 @@ def show_design(report: DesignReport) -> None:
         f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.least_width:.4g}; "
         f"speed of an edge at most {speed}" + ("" if named else " by dimension")
     )
+    if report.cycle is not None:
+        begin, end = report.cycle
+        console.print(f"  for ever: after {begin:g} s it repeats itself every {end - begin:g} s, C2 also where it begins again")
     if report.method == "sampled":
         console.print(
             "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "

@@ -36,7 +36,7 @@ class Arena:
     bound. allowance: what rounding of the coefficients and of the emitted arithmetic may move an edge by, see
     `Lattice.allowance`. length_unit, time_unit: what lengths and times here must be multiplied by to be the task's; origin:
     where in the task 0 is, by dimension. order: of the plant; where it is 2 edges are to be as little accelerated as they can be.
-    """
+    seam: as of a design."""
 
     names: tuple[str, ...]
     axes: tuple[str, ...]
@@ -59,6 +59,7 @@ class Arena:
     origin: tuple[Fraction, ...]
     movers: tuple[Mover, ...] = ()
     order: int = 1
+    seam: int | None = None
     length_unit: float = 1.0
     time_unit: float = 1.0
 

@@ -7,19 +7,23 @@ and as convex pieces, in one of which it is enough to be. Lengths and times are 
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.decimals import decimal
 from stt_codegen.design.arena import Arena
+from stt_codegen.design.expansion import cyclic, skeletons
 from stt_codegen.design.faces import Array, Cuts, Faces
 from stt_codegen.design.inner import inner_box
 from stt_codegen.design.movers import NEVER, Mover
 from stt_codegen.design.obstacles import Obstacles, obstacles_of
-from stt_codegen.design.skeleton import END, START, Skeleton, skeletons
-from stt_codegen.errors import NotCertified
+from stt_codegen.design.skeleton import END, START, Skeleton
+from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.rows import Avoidance, Row, mission_rows
 from stt_codegen.task import Task
 from stt_codegen.task.formula import And, Formula, In, Or
@@ -29,6 +33,9 @@ from stt_codegen.task.shapes import Unsafe
 MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has room
 MOST_PIECES = 400
 LEAST = 1e-9  # what a box may lack for rounding
+LEADS = (Fraction(1, 4), Fraction(1, 8), Fraction(1, 2))  # of t_c: how long the lead-in of a tube that repeats itself may be,
+CLOSE = Fraction(19, 20)  # of a round that a cycle takes
+SEAM_KNOTS = 32  # at a knot of so many segments: all numbers of them that are tried are multiples
 NOWHERE = np.inf  # the bound of a half-space that does not count
 
 
@@ -96,22 +103,28 @@ class Asked:
 @dataclass(frozen=True)
 class Mission:
     """All that is asked: skeletons, of which one is enough, and what their states ask. doubt: by how much of t_c the clock may be
-    late."""
+    late. others: skeletons that are tried where none of the first does."""
 
     skeletons: tuple[Skeleton, ...]
     states: dict[State, Asked]
     doubt: float = 0.0
+    others: tuple[Skeleton, ...] = ()
+
+    @property
+    def every(self) -> tuple[Skeleton, ...]:
+        """All skeletons, in the order in which they are tried."""
+        return (*self.skeletons, *self.others)
 
     @cached_property
     def permanent(self) -> tuple[State, ...]:
         """The states that hold at all times, whatever the skeleton."""
-        held = [{h.state for h in one.holds if (h.first, h.last) == (START, END)} for one in self.skeletons]
+        held = [{h.state for h in one.holds if (h.first, h.last) == (START, END)} for one in self.every]
         return tuple(state for state in self.states if held and all(state in one for one in held))
 
 
 def require_start(mission: Mission, start: Array) -> None:
     """Raises `NotCertified` where gamma(0), the box `start` (2, n), breaks what every skeleton holds from the start on."""
-    held = [{h.state for h in one.holds if h.first == START and not h.at_once} for one in mission.skeletons]
+    held = [{h.state for h in one.holds if h.first == START and not h.at_once} for one in mission.every]
     for state in mission.states if held else ():
         if all(state in one for one in held) and not mission.states[state].of_box(start):
             what = (
@@ -139,7 +152,26 @@ def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Miss
         return None
     states = {state: _asked(task, arena, state) for state in states_of(formula)}
     doubt = float(task.start_delay / task.prescribed_time)
-    return Mission(tuple(skeletons(formula, task.prescribed_time, margin_of(task), doubt)), states, doubt)
+    t_c, margin = task.prescribed_time, margin_of(task)
+    if task.repeat:
+        first, others = cyclic(formula, t_c, margin, seams_of(task))
+        return Mission(tuple(first) or tuple(others), states, doubt, tuple(others) if first else ())
+    return Mission(tuple(skeletons(formula, t_c, margin, doubt)), states, doubt)
+
+
+def seams_of(task: Task) -> list[float]:
+    """When the cycle of a task that repeats itself may begin, in parts of t_c: at a knot, and so that it lasts whole ticks; also
+    so that it is as short as a round of a patrol. Raises `BadInput` where there is no such time."""
+    knots, tick = task.tube.segments or SEAM_KNOTS, task.emit.tick_period
+    rounds = {entry.every / task.prescribed_time for entry in task.mission if entry.every is not None and entry.until is None}
+    leads = (*LEADS, *(1 - Fraction(math.floor(share * knots * CLOSE), knots) for share in sorted(rounds)))
+    near = (Fraction(min(max(round(share * knots), 1), knots - 3), knots) for share in leads)
+    found = [s for s in near if tick is None or ((1 - s) * task.prescribed_time / tick).denominator == 1]
+    if not found:
+        told = f"is {decimal(tick or Fraction(0))} s, and with repeat = true no cycle would last whole ticks"
+        eighth = float(task.prescribed_time / 8)
+        raise BadInput(f"emit.tick_period: {told}; use one that divides prescribed_time / 8 = {eighth:g} s")
+    return [float(s) for s in dict.fromkeys(found)]
 
 
 def _asked(task: Task, arena: Arena, state: State) -> Asked:

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.faces import Array
 from stt_codegen.design.places import Flags, Places
-from stt_codegen.design.skeleton import END, START, TINY, Skeleton
+from stt_codegen.design.skeleton import END, SEAM, START, TINY, Skeleton
 
 BEAM = 3
 LATE = 1e-7  # what a time may lack for rounding
@@ -38,7 +38,8 @@ class Stop:
 @dataclass(frozen=True)
 class _Label:
     """A beginning of a way: its length and the earliest time at its end, which events are done, a bit each, and where it is. The
-    last leg came from label `parent` and ended with `event`; zone: of all times, where there are any."""
+    last leg came from label `parent` and ended with `event`; zone: of all times, where there are any; home: where the cycle of a
+    tube that repeats itself begins, once it has, and ends."""
 
     length: float
     time: float
@@ -47,6 +48,7 @@ class _Label:
     parent: int
     event: int
     zone: Array | None
+    home: int = -1
 
 
 @dataclass
@@ -155,7 +157,8 @@ class Order:
         if not nodes or not self.possible.any(axis=1).all() or not self.possible[START, 0]:
             return None
         labels = [_Label(0.0, 0.0, 1, 0, -1, START, self.skeleton.zone if self.skeleton.timed else None)]
-        fronts: dict[tuple[int, int], list[tuple[float, float]]] = {}
+        fronts: dict[tuple[int, int, int], list[tuple[float, float]]] = {}
+        repeats = self.skeleton.seam is not None
         ahead: dict[int, Array] = {}
         best: dict[int, Array] = {}  # where only the order counts, the length to every node
         queue, popped = [(0.0, 0)], 0
@@ -181,11 +184,11 @@ class Order:
                         heapq.heappush(queue, (label.length + leg + float(ahead[done][place]), len(labels) - 1))
                     continue
                 for place, leg, time in zip(places.tolist(), lengths.tolist(), times.tolist(), strict=True):
-                    length = label.length + leg
-                    if _improves(fronts.setdefault((done, place), []), length, time):
+                    length, home = label.length + leg, place if repeats and event == SEAM else label.home
+                    if _improves(fronts.setdefault((done, place, home), []), length, time):
                         zone = _after(label.zone, label.event, event, leg / speed)
                         if not (np.diag(zone) < -LATE).any():
-                            labels.append(_Label(length, time, done, place, k, event, zone))
+                            labels.append(_Label(length, time, done, place, k, event, zone, home))
                             heapq.heappush(queue, (length + float(ahead[done][place]), len(labels) - 1))
         return None
 
@@ -199,6 +202,8 @@ class Order:
         """Where an event may happen in time, how far that is, and the earliest time: three times (M,)."""
         lengths, _ = self.places.legs(self.open_after(label.done), label.place)
         good, when, zone = self.possible[event] & np.isfinite(lengths), np.zeros(len(lengths)), label.zone
+        if event == END and self.skeleton.seam is not None:
+            good &= np.arange(len(good)) == label.home
         if zone is not None:
             when = np.maximum(lengths / speed - zone[label.event, START], -zone[event, START])
             good &= lengths <= zone[label.event, event] * speed + LATE

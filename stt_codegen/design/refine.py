@@ -151,6 +151,9 @@ def round_design(task: Task, shape: Shape) -> RefinedDesign:
     lattice = lattice_of(task)
     integers = np.rint(np.ldexp(shape.points / 6, STEP_BITS)).astype(np.int64)
     integers += np.array(lattice.offsets, dtype=np.int64)[:, None]
-    integers[:, :, -task.order :] = integers[:, :, -3:-2]
+    if shape.seam is None:
+        integers[:, :, -task.order :] = integers[:, :, -3:-2]
+    else:
+        integers[:, :, -3:] = integers[:, :, shape.seam : shape.seam + 3]
     table = tuple(tuple((low, high) for low, high in row) for row in integers.transpose(2, 1, 0).tolist())
-    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table)
+    return RefinedDesign(task.prescribed_time, integers.shape[2] - 3, lattice.bits, table, seam=shape.seam)

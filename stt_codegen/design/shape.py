@@ -36,7 +36,7 @@ BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 /
 class Shape:
     """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
     moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within;
-    demands: what a mission asks of it there, beside the arena's movers."""
+    demands: what a mission asks of it there, beside the arena's movers; seam: as of a design."""
 
     points: Array
     paces: Array
@@ -44,6 +44,7 @@ class Shape:
     width: Array
     order: int = 1
     demands: tuple[Mover, ...] = ()
+    seam: int | None = None
 
     @property
     def pace(self) -> float:
@@ -106,12 +107,12 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
         if found is None:
             return None
         points[:, members], paces[members] = found
-    return Shape(points, paces, limits, width, arena.order)
+    return Shape(points, paces, limits, width, arena.order, seam=arena.seam)
 
 
 def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
     """The calmest tube of the same width within the same limits, no dimension faster than it is: the one that bends least."""
-    points, arena = shape.points.copy(), replace(arena, movers=(*arena.movers, *shape.demands))
+    points, arena = shape.points.copy(), replace(arena, movers=(*arena.movers, *shape.demands), seam=shape.seam)
     for members in _groups(arena, shape.limits):
         found = _group(arena, start, shape.limits, shape.width, members, None, float(shape.paces[members[0]]))
         if found is not None:
@@ -133,6 +134,11 @@ class _Coupling:
     def first(self) -> int:
         """The first dimension that it is about."""
         return next(i for i, c in enumerate(self.normal) if c)
+
+
+def widened_points(segments: int, seam: int | None) -> int:
+    """On how many control points the tube may be wider than asked: none that comes again."""
+    return min(WIDENED, segments if seam is None else seam)
 
 
 def _couplings(arena: Arena, limits: Limits) -> list[_Coupling]:
@@ -178,7 +184,8 @@ def _group(
     segments, told = len(limits.edges), pace is not None
     bent = told or (arena.order == 1 and arena.max_acceleration is not None)
     steps = arena.order == 2 and bool(np.isfinite(arena.max_speeds).any())
-    template = template_of(segments, min(WIDENED, segments), bent, told, arena.order, steps)
+    widened = widened_points(segments, arena.seam)
+    template = template_of(segments, widened, bent, told, arena.order, steps, arena.seam)
     each = template.columns - 1
     last = each * len(members)
     parts, bounds, edges = [], [], limits.coefficients(arena)
@@ -188,7 +195,7 @@ def _group(
         bounds.append(_bounds(arena, start[:, i], edges[..., i], float(width[i]), template, i))
     couplings = [c for c in _couplings(arena, limits) if c.first in members]
     if couplings:
-        rows, low = _coupled(couplings, width, members, each, template)
+        rows, low = _coupled(couplings, width, members, each, template, arena.seam)
         parts.append(rows)
         bounds.append((low, np.full(len(low), np.inf)))
     lower, upper, cost = np.full(last + 1, -np.inf), np.full(last + 1, np.inf), np.zeros(last + 1)
@@ -197,7 +204,6 @@ def _group(
         upper[last] = pace + SPARE
     elif arena.order == 2:
         upper[last] = min(_bend(arena, segments, i) for i in members)
-    widened = min(WIDENED, segments)
     for k, i in enumerate(members):
         z = slice(k * each + template.points, k * each + template.points + widened)
         bends = slice(z.stop, (k + 1) * each)
@@ -209,7 +215,7 @@ def _group(
     if couplings or solvers is None:
         solution = least(cost, lower, upper, rows, row_lower, row_upper)
     else:
-        solution = solvers.solve((segments, *members), cost, lower, upper, rows, row_lower, row_upper)
+        solution = solvers.solve((segments, arena.seam or 0, *members), cost, lower, upper, rows, row_lower, row_upper)
     if solution is None:
         return None
     points = np.empty((2, len(members), segments + 3))
@@ -233,7 +239,7 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     """What the template's rows of dimension i are between. start (2,); edges (K, 4, 2): for every Bezier coefficient on L from
     below, on U from above."""
     place, count, segments = template.place, template.rows.count, len(edges)
-    widened = min(WIDENED, segments)
+    widened = widened_points(segments, arena.seam)
     lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
 
     def put(name: str, low: Array, high: Array) -> None:
@@ -268,11 +274,13 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     return lower, upper
 
 
-def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each: int, template: Template) -> tuple[Rows, Array]:
+def _coupled(
+    couplings: list[_Coupling], width: Array, members: list[int], each: int, template: Template, seam: int | None
+) -> tuple[Rows, Array]:
     """The rows of couplings, and what they are at least."""
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
     bound: list[float] = []
-    widened = min(WIDENED, len(template.column) - 3)
+    widened = widened_points(len(template.column) - 3, seam)
     place = {i: k for k, i in enumerate(members)}
     for one in couplings:
         constant = sum(c * float(width[i]) for i, c in enumerate(one.normal) if c < 0)

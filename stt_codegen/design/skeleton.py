@@ -1,35 +1,26 @@
-"""What a formula asks of an order of events: skeletons, of which each is enough for it.
+"""An order of events: when they may happen and what is held between them. A mission is carried out by the times of any one
+skeleton (expansion.py makes them of its formula).
 
-    events       0 is the start, 1 is t_c, all others are moments that may be chosen
+    events       0 is the start, 1 is t_c, all others are moments that may be chosen; where a tube repeats itself 2 is when the
+                 cycle begins that ends at t_c
     differences  least <= t_j - t_i <= most
     holds        a state from event i to event j, or at one moment (i = j)
 
-"always" makes a hold, "eventually" an event, again and again a chain of events, "or" in time a choice: one skeleton for each.
-What they do not cover is more witnesses in a chain than MORE above the fewest, and more than one change of mind in an "or" over
-an interval. Times are in parts of t_c; every bound is moved in by `margin`, so that the clock has room. The certificate knows
-nothing of all this: it looks at the tube (certify/mission.py).
+Times are in parts of t_c.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from fractions import Fraction
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from stt_codegen.design.faces import Array
-from stt_codegen.task.formula import Always, And, Eventually, Formula, Interval, Or, Until
 from stt_codegen.task.mission import State
 
-START, END = 0, 1
-MORE = 2  # witnesses of "again and again" beyond the fewest that can do
-MOST = 400  # skeletons that are looked at
-MOST_EVENTS = 40
-SLACK = 0.05  # of t_c that a hold may be longer than asked
+START, END, SEAM = 0, 1, 2
 TINY = 1e-9
 
 
@@ -65,24 +56,32 @@ class Skeleton:
     events: int = 2
     differences: tuple[Difference, ...] = (Difference(START, END, 1.0, 1.0),)
     holds: tuple[Hold, ...] = ()
+    seam: float | None = None
+
+    @classmethod
+    def begun(cls, seam: float | None) -> Skeleton:
+        """One that asks nothing yet. seam: when the cycle begins."""
+        if seam is None:
+            return cls()
+        return cls(3, (Difference(START, END, 1.0, 1.0), Difference(START, SEAM, seam, seam)), (), seam)
 
     def event(self, first: int, least: float, most: float) -> tuple[Skeleton, int]:
         """With one event more, so long after another."""
         more = (*self.differences, Difference(first, self.events, least, most))
-        return Skeleton(self.events + 1, more, self.holds), self.events
+        return replace(self, events=self.events + 1, differences=more), self.events
 
     def differing(self, first: int, last: int, least: float, most: float) -> Skeleton:
         """With one difference more."""
-        return Skeleton(self.events, (*self.differences, Difference(first, last, least, most)), self.holds)
+        return replace(self, differences=(*self.differences, Difference(first, last, least, most)))
 
     def holding(self, hold: Hold) -> Skeleton:
         """With one hold more."""
-        return Skeleton(self.events, self.differences, (*self.holds, hold))
+        return replace(self, holds=(*self.holds, hold))
 
     def lengthened(self, count: int, last: int) -> Skeleton:
         """With all holds but the first `count` that end at an event a little longer."""
         more = (Hold(h.state, h.first, h.last, True) if h.last == last != END else h for h in self.holds[count:])
-        return Skeleton(self.events, self.differences, (*self.holds[:count], *more))
+        return replace(self, holds=(*self.holds[:count], *more))
 
     @cached_property
     def zone(self) -> Array | None:
@@ -110,144 +109,3 @@ def closed(events: int, differences: tuple[Difference, ...]) -> Array | None:
     for k in range(events):
         bound = np.minimum(bound, bound[:, k, None] + bound[None, k])
     return None if (np.diag(bound) < -TINY).any() else bound
-
-
-def skeletons(formula: Formula, t_c: Fraction, margin: float, doubt: float = 0.0) -> list[Skeleton]:
-    """Those whose times can be satisfied, with the fewest events first; last those in which a hold of an event that may be chosen
-    goes on for ever, at t_c. doubt: by how much of t_c the clock may be late."""
-    found: list[Skeleton] = []
-    for late in (False, True):
-        every = itertools.islice(_Expansion(float(t_c), margin, doubt, late).at(formula, START, START, Skeleton()), MOST)
-        possible = [one for one in every if one.events <= MOST_EVENTS and one.zone is not None and one not in found]
-        found += sorted(possible, key=lambda one: one.events)  # stable: of equals the first
-    return found
-
-
-@dataclass(frozen=True)
-class _Expansion:
-    """late: whether holds may go on for ever at t_c, where the tube stands, in place of their length."""
-
-    t_c: float
-    margin: float
-    doubt: float
-    late: bool
-
-    def at(self, formula: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        """`to` with what it takes that the formula holds at all times from one event to another."""
-        match formula:
-            case State():
-                yield to.holding(Hold(formula, first, last))
-            case And(parts):
-                yield from self._all(tuple(dict.fromkeys(parts)), first, last, to)
-            case Or(parts):
-                yield from self._or(parts, first, last, to)
-            case Always(over, part):
-                yield from self._always(over, part, first, last, to)
-            case Eventually(over, part) if over.begin == over.end:  # one moment: no choice
-                yield from self._always(over, part, first, last, to)
-            case Eventually(over, part):
-                if first == last:
-                    when, here = self._witness(to, first, over)
-                    yield from self.at(part, when, when, here)
-                else:
-                    for _, here in self._chains(over, part, first, last, to):
-                        yield here
-            case Until(over, held, reached):
-                for when, here in self._reached(over, reached, first, last, to):
-                    for more in self.at(held, first, when, here):
-                        yield more.lengthened(len(here.holds), when)
-
-    def _or(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        if to.zone is None:  # no times: not worth a choice
-            return
-        for part in parts:
-            yield from self.at(part, first, last, to)
-        if first != last:
-            for one, other in itertools.permutations(parts, 2):
-                cut, change = to.event(first, 0.0, np.inf)
-                cut = cut.differing(change, last, 0.0, np.inf)
-                for early in self.at(one, first, change, cut):
-                    yield from self.at(other, change, last, early)
-
-    def _always(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        begin, here = self._begun(to, first, over.begin)
-        for end, longer in self._ended(here, last, over.end):
-            yield from self.at(part, begin, end, longer)
-
-    def _reached(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
-        """The last of the witnesses of an "until" at all times from one event to another; until then its first part is held."""
-        if first != last:
-            yield from self._chains(over, part, first, last, to)
-            return
-        when, here = self._witness(to, first, over)
-        for there in self.at(part, when, when, here):
-            yield when, there
-
-    def _all(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        if not parts:
-            yield to
-            return
-        for here in self.at(parts[0], first, last, to):
-            yield from self._all(parts[1:], first, last, here)
-
-    def _begun(self, to: Skeleton, event: int, by: Fraction) -> tuple[int, Skeleton]:
-        """The begin of a hold, so many seconds after an event or a little before that: a hold may only be longer."""
-        off, room = float(by) / self.t_c, self.margin
-        if event == END or off <= room or (event == START and off >= 1):
-            return (END if event == START and off >= 1 else event), to
-        found, when = to.event(event, max(off - room - SLACK, 0.0), off - room)
-        return when, found
-
-    def _ended(self, to: Skeleton, event: int, by: Fraction | None) -> Iterator[tuple[int, Skeleton]]:
-        """The end of a hold, so many seconds after an event or a little after that. From near t_c on that is t_c, for the tube
-        stands from then on."""
-        off, room = math.inf if by is None else float(by) / self.t_c, self.margin
-        if event == END or (event == START and off >= 1 - 2 * room) or math.isinf(off):
-            yield END, to
-            return
-        found, when = to.event(event, off + room, off + room + SLACK)
-        yield when, found
-        if self.late and event != START:
-            yield END, to.differing(event, END, 0.0, off)
-
-    def _witness(self, to: Skeleton, event: int, over: Interval) -> tuple[int, Skeleton]:
-        """A moment of the interval after an event."""
-        least = float(over.begin) / self.t_c
-        most = math.inf if over.end is None else float(over.end) / self.t_c
-        if event == END:
-            return event, to
-        if event == START and most >= 1:  # what holds at t_c holds from then on
-            inset = min(self.margin, max(1 - least, 0.0))
-            most = math.inf if not self.doubt or most > 1 + self.doubt else 1.0 - self.doubt
-        else:
-            inset = min(self.margin, (most - least) / 2)
-        here, when = to.event(event, least + inset if least else 0.0, most - inset)
-        return when, here
-
-    def _chains(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
-        """Witnesses w_1, w_2, .. of which each moment from first to last has one in its interval: w covers [w - b, w - a]. Where
-        last is t_c, which stands for all times from then on, t_c is the last of them. The last one, and the skeleton."""
-        a, b = float(over.begin) / self.t_c, math.inf if over.end is None else float(over.end) / self.t_c
-        gap, zone = b - a - 2 * self.margin, to.zone
-        if gap <= 0 or zone is None:
-            return
-        fewest = max(1, math.ceil(-zone[last, first] / gap - TINY)) - (last == END)
-        for count in range(fewest, fewest + MORE + 1):
-            here, whens = to, list[int]()
-            for k in range(count):
-                here, when = here.event(whens[-1] if k else first, 0.0 if k else a, gap if k else b - self.margin)
-                whens.append(when)
-            if last == END:
-                here = here.differing(whens[-1] if whens else first, END, 0.0, gap if whens else b)
-                whens.append(END)
-            else:
-                here = here.differing(last, whens[-1], a + self.margin, np.inf)
-            for there in self._each(part, whens, here):
-                yield whens[-1], there
-
-    def _each(self, part: Formula, whens: list[int], to: Skeleton) -> Iterator[Skeleton]:
-        if not whens:
-            yield to
-            return
-        for here in self.at(part, whens[0], whens[0], to):
-            yield from self._each(part, whens[1:], here)

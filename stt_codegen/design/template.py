@@ -16,9 +16,9 @@ BEND = (1.0, -2.0, 1.0)  # a second difference
 @dataclass(frozen=True)
 class Template:
     """The rows of one dimension for K segments, m widened points. Columns are L's control points, K + 2 (point K + 2 is point K)
-    or K + 1 for order 2 (the last three are one), then z's m, then where bends are told how much each is, up and down, then the
-    pace: what an edge moves at most in one segment's time, for order 2 by how much two such moves differ. place: which rows are
-    which."""
+    or K + 1 for order 2 (the last three are one), or K where the last three are those from the seam on, then z's m, then where
+    bends are told how much each is, up and down, then the pace: what an edge moves at most in one segment's time, for order 2 by
+    how much two such moves differ. place: which rows are which."""
 
     rows: Rows
     place: dict[str, slice]
@@ -33,11 +33,13 @@ class Template:
 
 
 @cache
-def template_of(segments: int, widened: int, bends: bool, told: bool, order: int = 1, steps: bool = False) -> Template:
+def template_of(
+    segments: int, widened: int, bends: bool, told: bool, order: int = 1, steps: bool = False, seam: int | None = None
+) -> Template:
     """bends: with rows of second differences; told: in columns of their own, for a cost; steps: for order 2, with rows of the
-    differences of neighbours too."""
-    points = segments + 3 - order
-    column = [*range(points), *[segments] * order]
+    differences of neighbours too. seam: the segment from which on a tube repeats itself; no point from there on is widened."""
+    points = segments + 3 - order if seam is None else segments
+    column = [*range(points), *([segments] * order if seam is None else range(seam, seam + 3))]
     early_bends = min(widened, segments + 1)  # second differences in which z counts
     pace = points + widened + (2 * (segments + 1 + early_bends) if told else 0)
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
@@ -67,7 +69,7 @@ def template_of(segments: int, widened: int, bends: bool, told: bool, order: int
         add(f"inner {k}, wider", [upper((s + 1, s + 2), weights) for s in early])
     add("joint", [lower((s + 1, s + 2, s + 3), JOINT) for s in range(segments - 1)])
     add("joint, wider", [upper((s + 1, s + 2, s + 3), JOINT) for s in early if s < segments - 1])
-    add("end", [lower((segments, segments + 1), END)])
+    add("end", [lower((segments, segments + 1), END) if seam is None else lower((segments, segments + 1, segments + 2), JOINT)])
     add("start", [lower((0, 1, 2), JOINT)])
     add("start, wider", [upper((0, 1, 2), JOINT)])
     # |gammadot| by the Bezier coefficients of the derivative: differences of control points, and their mean at 0

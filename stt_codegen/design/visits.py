@@ -71,7 +71,13 @@ class MissionSearch(TimedSearch):
             assert self.mission is not None
             places = Places(self.arena, self.mission, self.start, self.width(share))
             found: list[Plan] = []
-            for skeleton in self.mission.skeletons:
+            for skeleton in self.mission.every:
+                if skeleton.seam is not None and any(
+                    plan.skeleton.seam == skeleton.seam and plan.skeleton.events < skeleton.events for plan in found
+                ):
+                    continue
+                if found and skeleton in self.mission.others:
+                    break
                 most = max((plan.skeleton.events for plan in found), default=skeleton.events)
                 if skeleton.events > most and any(plan.speed <= UNHURRIED * float(np.cumsum(plan.lengths)[-1]) for plan in found):
                     break
@@ -113,7 +119,8 @@ class MissionSearch(TimedSearch):
         """The slowest tube whose events are at these knots; lasting: a segment to either side of them too."""
         assert self.mission is not None
         demands = demands_of(self.arena, self.mission, plan, knots, segments, lasting)
-        arena = replace(self.arena, movers=(*self.arena.movers, *demands))
+        seam = None if plan.skeleton.seam is None else round(plan.skeleton.seam * segments)
+        arena = replace(self.arena, movers=(*self.arena.movers, *demands), seam=seam)
         centre = centre_of(plan, knots, segments)
         if self.arena.movers:  # the plan knows nothing of them
             way = way_in_time(arena, self.centre, width, segments)

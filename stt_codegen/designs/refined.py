@@ -27,7 +27,9 @@ class RefinedDesign:
 
     table: control points over 6 in units of 2**-bits, `table[j][i]` = (lower, upper) for control point j = 0..K+2 and
     dimension i. prescribed_time: t_c in seconds. filter: lambda by component, for a plant of order 2 whose v + lambda x is held
-    in the tube (L' + lambda L, R' + lambda R); empty for order 1.
+    in the tube (L' + lambda L, R' + lambda R); empty for order 1. seam: the segment with which the part begins that is repeated
+    for ever, to t_c; its first three control points are the last three once more, so that the tube is C2 there too. None for a
+    tube that stands from t_c on.
     """
 
     prescribed_time: Fraction
@@ -35,6 +37,7 @@ class RefinedDesign:
     bits: int
     table: tuple[tuple[tuple[int, int], ...], ...]
     filter: tuple[Fraction, ...] = ()
+    seam: int | None = None
 
     kind = "refined"
     stateful = False  # the tube is a function of time alone
@@ -82,3 +85,18 @@ class RefinedDesign:
         q = self.integers()
         q0, q1, q2, q3 = q[:-3], q[1:-2], q[2:-1], q[3:]
         return np.stack([q0 + 4 * q1 + q2, 4 * q1 + 2 * q2, 2 * q1 + 4 * q2, q1 + 4 * q2 + q3], axis=-1)
+
+    def windows(self) -> npt.NDArray[np.int64]:
+        """The same, and last the time from t_c on: shape (K + 1, n, 2, 4). There the tube stands, or what is repeated begins
+        again."""
+        found = self.bezier()
+        after = np.repeat(found[-1:, ..., 3:], 4, axis=-1) if self.seam is None else found[self.seam : self.seam + 1]
+        return np.concatenate([found, after])
+
+    def kink(self, order: int = 1) -> npt.NDArray[np.int64]:
+        """By dimension how much the control points that must agree differ: the last three and those that they repeat, or, of a
+        tube that stands from t_c on, for order 1 the last and the last but two, for order 2 all of the last three."""
+        q = self.integers()
+        wanted = q[-3:-2] if self.seam is None else q[self.seam : self.seam + 3]
+        last = q[-order:] if self.seam is None else q[-3:]
+        return np.asarray(np.abs(last - wanted).max(axis=(0, 2)))

@@ -67,7 +67,12 @@ def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Cer
     cuts = cuts_of(claims)
     rates = 3 * abs(bezier[..., 1:] - bezier[..., :-1]).max(axis=(0, 2, 3))
     return {
-        "grid": {"segments": design.segments, "cuts": cuts, "unit_bits": design.bits},
+        "grid": {
+            "segments": design.segments,
+            "cuts": cuts,
+            "unit_bits": design.bits,
+            **({} if design.seam is None else {"seam": design.seam}),
+        },
         "edge_error": [math.ceil(v / design.unit) for v in certificate.edge_error],
         **({} if task.order == 1 else _filter(design, certificate)),
         "speed": [int(v) for v in rates],

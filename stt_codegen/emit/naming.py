@@ -35,10 +35,15 @@ def phase_name(prefix: str) -> str:
     return f"{prefix}_phase.c"
 
 
+def wrap_name(prefix: str) -> str:
+    """The file that `repeat` adds."""
+    return f"{prefix}_wrap.c"
+
+
 def check_names(program: Program) -> None:
     """Raise ValueError when two externals collide, a local is assigned twice, or a name is a word of C, C++ or <math.h>."""
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
-    external += ["real", "status", "selftest", "guard", "phase", "exponent", "mantissa"]
+    external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "exponent", "mantissa"]
     _unique(external, "the file")
     for kernel in program.kernels:
         _unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)

@@ -14,13 +14,15 @@ from typing import Any
 import jinja2
 
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.certify.mission import cycle_of
+from stt_codegen.certify.monitor import Cycle
 from stt_codegen.certify.schedule import phases, sentence, served
-from stt_codegen.decimals import below, by_component, decimal
+from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
-from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, selftest_name
+from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, selftest_name, wrap_name
 from stt_codegen.program import Const, Program, Status
-from stt_codegen.program.number import round_down, round_to, round_up
+from stt_codegen.program.number import FORMATS, round_down, round_to, round_up
 from stt_codegen.program.print.c import CPrinter
 from stt_codegen.program.print.python import PythonPrinter
 from stt_codegen.task import Task
@@ -63,6 +65,9 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
         common["last_tick"] = math.ceil(task.prescribed_time / period)
+    cycle = cycle_of(design) if isinstance(design, RefinedDesign) else None
+    if cycle is not None:
+        common |= _cycle(task, cycle, program.scalar)
     shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
     files = {
         header: template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
@@ -79,6 +84,8 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         files[guard_name(task.name)] = template("guard.c.j2").render(**common)
     if common["phases"]:
         files[phase_name(task.name)] = template("phase.c.j2").render(**common, c=printer)
+    if cycle is not None:
+        files[wrap_name(task.name)] = template("wrap.c.j2").render(**common)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     if task.written is not None:
@@ -90,8 +97,9 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
 def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
     numbers = dataclasses.asdict(design)
-    if not numbers.get("filter"):  # of order 2 alone
-        numbers.pop("filter", None)
+    for name in ("filter", "seam"):  # of order 2 alone, and of what is repeated
+        if not numbers.get(name):
+            numbers.pop(name, None)
     data = {"task": task.digest, "scalar": task.emit.scalar, "design": numbers}
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
@@ -102,7 +110,7 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
         lines = [
             f"Certified ({task.name}.certificate.json): for every t the tube keeps {decimal(task.tube.clearance)} from every",
             f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and "
-            + ("ends in the target set." if task.target_set is not None else "carries out the mission."),
+            + (_ends(task) if task.target_set is None else "ends in the target set."),
         ]
         lines += _mission(task, certificate)
         lines += _stated(task)
@@ -147,6 +155,10 @@ def _notice(task: Task, certificate: Certificate) -> list[str]:
     ]
 
 
+def _ends(task: Task) -> str:
+    return "repeats itself for ever." if task.repeat else "carries out the mission."
+
+
 def _mission(task: Task, certificate: Certificate) -> list[str]:
     """What is shown of the mission."""
     shown = certificate.mission
@@ -171,6 +183,18 @@ def _phases(task: Task, program: Program, certificate: Certificate) -> list[tupl
     if certificate.mission is None:
         return []
     return [(Const(round_to(until, program.scalar)), entry) for until, entry in phases(task, certificate.mission)]
+
+
+def _cycle(task: Task, cycle: Cycle, scalar: str) -> dict[str, Any]:
+    """What is said of a tube that repeats itself: its cycle in seconds and ticks, when it begins, and by how much a turn of the
+    clock in seconds may be off: the cycle and the difference are rounded."""
+    length, unit = round_to(cycle.length, scalar), FORMATS[scalar].roundoff
+    wrong = abs(length - cycle.length) + unit * task.prescribed_time
+    found = {"cycle": Const(length), "cycle_begins": decimal(cycle.begin), "cycle_length": decimal(cycle.length)}
+    found["turn_error"] = f"{above(wrong, 2):g}"
+    if task.emit.tick_period is not None:
+        found["cycle_ticks"] = cycle.length / task.emit.tick_period
+    return found
 
 
 def _clock(task: Task) -> str:

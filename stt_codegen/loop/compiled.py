@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.compare.toolchain import find_compiler, run_compiler
-from stt_codegen.emit.naming import guard_name
+from stt_codegen.emit.naming import guard_name, wrap_name
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
@@ -144,12 +144,13 @@ def own(controller: Controller) -> Own:
     longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
     task, outside = controller.task, controller.task.control.outside
     words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": task.order}
-    words |= {"outside": outside, "differs": task.differs}
+    words |= {"outside": outside, "differs": task.differs, "repeats": task.repeat}
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
         Path(folder, "adapter.c").write_text(template("loop/adapter.c.j2").render(**words))
         names = ["adapter.c", f"{prefix}.c", *([guard_name(prefix)] if outside != "return" else [])]
+        names += [wrap_name(prefix)] if task.repeat else []
         sources = [f"{folder}/{name}" for name in names]
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/own.so")

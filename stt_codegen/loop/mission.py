@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.monitor import Span, holds
+from stt_codegen.certify.monitor import Cycle, Span, Time, holds
 from stt_codegen.task import Task
 from stt_codegen.task.formula import And, Formula, In, Or
 from stt_codegen.task.mission import states_of
@@ -18,11 +19,14 @@ Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 
-def missed(task: Task, t: Array, x: Array) -> tuple[int, ...]:
+def missed(task: Task, t: Array, x: Array, cycle: Cycle | None = None) -> tuple[int, ...]:
     """The entries of the mission, from 1, that a trajectory does not satisfy: at times t (T,), states x (T, n). Between two
-    samples at which a state holds it is taken to hold; after the last one x stands."""
-    spans = {state: _spans(t, _holds(task, state.inner, x)) for f in task.formulas for state in states_of(f)}
-    return tuple(k for k, f in enumerate(task.formulas, 1) if not holds(f, spans))
+    samples at which a state holds it is taken to hold; after the last one x stands, or, with a cycle, does again and again what
+    it did in the last one of that length."""
+    spans = {state: _spans(t, _holds(task, state.inner, x), cycle is None) for f in task.formulas for state in states_of(f)}
+    end = Fraction(float(t[-1]))
+    last = None if cycle is None else Cycle(end - cycle.length, end)
+    return tuple(k for k, f in enumerate(task.formulas, 1) if not holds(f, spans, cycle=last))
 
 
 def _holds(task: Task, formula: Formula, x: Array) -> Flags:
@@ -56,8 +60,14 @@ def _inside(task: Task, name: str, x: Array, grown: bool = False) -> Flags:
     return found
 
 
-def _spans(t: Array, held: Flags) -> list[Span]:
-    """The times from first to last sample of every run of samples at which a state holds."""
+def _spans(t: Array, held: Flags, stands: bool) -> list[Span]:
+    """The times from first to last sample of every run of samples at which a state holds; of the last sample for ever where it
+    stands there."""
     edges: Any = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
     pairs = zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True)
-    return [(-math.inf if a == 0 else float(t[a]), math.inf if b == len(t) - 1 else float(t[b])) for a, b in pairs]
+    ever = len(t) - 1 if stands else None
+
+    def at(k: int) -> Time:
+        return float(t[k]) if stands else Fraction(float(t[k]))
+
+    return [(-math.inf if a == 0 else at(a), math.inf if b == ever else at(b)) for a, b in pairs]

@@ -19,6 +19,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.certify.mission import cycle_of
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant, own
 from stt_codegen.loop.mission import missed
@@ -45,6 +47,7 @@ PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
 MOST_FACES = 1024  # of an unsafe set, as in loop.h
 WAITS = 8  # of a tube that waits, after which a run is not made longer
+CYCLES = 2  # more than the first, of a tube that repeats itself
 WAITING = 100  # inputs on their way, less than in loop.h
 
 
@@ -145,6 +148,8 @@ class Loop:
         self.own = step or own(controller)
         self.field = _Field(controller.task)
         self.constant = is_constant(plant, controller.task.dimension, controller.task.order)
+        design = controller.design
+        self.cycle = cycle_of(design) if isinstance(design, RefinedDesign) else None
         self.filter = np.array([float(v) for v in getattr(controller.design, "filter", ())])
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:
@@ -163,6 +168,8 @@ class Loop:
             raise BadInput("--start: every number must be finite")
         constants = _constants(self.plant, scenario.seed)
         t_c = float(task.prescribed_time)
+        if self.cycle is not None:
+            t_c += CYCLES * float(self.cycle.length)
         end, run = t_c, self._until(t_c, scenario, start, constants, trace)
         for _ in range(WAITS):  # a tube that waits is late by as much
             if t_c + run.waited <= end:
@@ -248,7 +255,7 @@ class Loop:
             u=tuple(r.u[:n]),
             last=tuple(r.last[:n]),
             waited=self.own.lag(),
-            missed=() if rows is None or not task.mission else missed(task, rows[:, 0], rows[:, 1 : 1 + n]),
+            missed=() if rows is None or not task.mission else missed(task, rows[:, 0], rows[:, 1 : 1 + n], self.cycle),
             trace=rows,
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 
-from stt_codegen.emit.naming import file_names, guard_name, phase_name, selftest_name
+from stt_codegen.emit.naming import file_names, guard_name, phase_name, selftest_name, wrap_name
 from stt_codegen.emit.render import Files, design_hash, template
 from stt_codegen.pipeline import Controller
 from stt_codegen.report.design import input_report
@@ -52,6 +52,7 @@ def package(controller: Controller, kind: str) -> Files:
         "order": controller.task.order,
         "outside": controller.task.control.outside,
         "differs": controller.task.differs,
+        "repeats": controller.task.repeat,
         "period_us": int(period * 10**6),
         "period_ms": f"{float(period * 1000):g}",
         "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
@@ -63,7 +64,7 @@ def package(controller: Controller, kind: str) -> Files:
     }[kind]
     sources = [
         name
-        for name in (header, source, guard_name(prefix), phase_name(prefix), selftest_name(prefix))
+        for name in (header, source, guard_name(prefix), phase_name(prefix), wrap_name(prefix), selftest_name(prefix))
         if name in controller.files
     ]
     files = {f"src/{name}": controller.files[name] for name in sources}

@@ -58,7 +58,7 @@ class Cost:
 @dataclass(frozen=True)
 class DesignReport:
     """The figures of one design in the task's units; seconds: how long the design took; picture: where it was drawn;
-    mission: when each of its entries is served."""
+    mission: when each of its entries is served; cycle: when, in seconds, what is repeated for ever begins and ends."""
 
     task: str
     design: str
@@ -78,6 +78,7 @@ class DesignReport:
     cost: Cost
     picture: str | None = None
     mission: tuple[Served, ...] = ()
+    cycle: tuple[float, float] | None = None
 
     def drawn(self, path: Path) -> DesignReport:
         """The same report, naming the picture that was drawn."""
@@ -88,12 +89,13 @@ class DesignReport:
         data = asdict(self)
         sampling = self.input.sampling
         data["input"]["sampling"] = None if sampling is None else sampling.document()
-        return {k: v for k, v in data.items() if (k != "picture" or v is not None) and (k != "mission" or v)}
+        return {k: v for k, v in data.items() if v or k not in ("picture", "mission", "cycle")}
 
 
 def design_report(controller: Controller, seconds: float) -> DesignReport:
     """The figures of one design."""
     task, certificate, design = controller.task, controller.certificate, controller.design
+    cycle = None if certificate.mission is None else certificate.mission.cycle
     properties = tuple(
         Property(f.code, f.title, f.statement, f.holds, float(f.margin), f.place(certificate.axes)) for f in certificate.findings
     )
@@ -102,6 +104,7 @@ def design_report(controller: Controller, seconds: float) -> DesignReport:
         design.size, certificate.method, float(certificate.least_width), tuple(float(v) for v in certificate.speed),
         certificate.whole_start, task.axis_names, task.units or ("",) * task.dimension, properties, input_report(controller),
         cost_report(controller), None, () if certificate.mission is None else served(task, certificate.mission),
+        None if cycle is None else (float(cycle.begin), float(cycle.end)),
     )  # fmt: skip
 
 

@@ -63,7 +63,7 @@ def extent(design: RefinedDesign) -> Extent:
         return np.asarray(found)
 
     def held(values: Array, last: Array) -> Array:
-        return np.concatenate([values, last[None]])
+        return np.concatenate([values, last[None] if design.seam is None else values[design.seam : design.seam + 1]])
 
     low, high = turn[:, :, LOWER], turn[:, :, UPPER]
     four = [up(np.maximum(v.max(axis=-1), 0), bend_unit) for v in (low, -low, high, -high)]

@@ -56,8 +56,7 @@ class Extremes:
 
 def extremes(design: RefinedDesign) -> Extremes:
     """The extremes of every segment, int64: 6 times a table of less than 2^50, so that doubles hold them too."""
-    bezier = design.bezier()  # (K, n, 2, 4)
-    bezier = np.concatenate([bezier, np.repeat(bezier[-1:, ..., 3:], 4, axis=-1)])
+    bezier = design.windows()
     width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
     return Extremes(
         width.min(axis=-1),

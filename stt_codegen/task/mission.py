@@ -6,6 +6,7 @@ the simple forms, which are short for one:
     never = "lab"                                        always not lab
     never = "lab", before = "key"                        not lab until[0, t_c] key
     patrol = ["dock", "left"], every = 8, until = 24     always[0, 16] eventually[0, 8] dock, and the same of left
+      .. without until, where the task repeats itself    always eventually[0, 8] dock
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ class Entry(Table):
     before: str | None = Field(default=None, description="a region: once in it, `never` ends; it must be visited")
     patrol: Labels | None = Field(default=None, description="regions to be in again and again")
     every: Positive | None = Field(default=None, description="seconds between two visits of one of them, at most")
-    until: Positive | None = Field(default=None, description="seconds: when the patrol may end; absent: t_c")
+    until: Positive | None = Field(default=None, description="seconds: when the patrol may end; absent: t_c, with `repeat` never")
     formula: str | None = Field(default=None, description="a formula of signal temporal logic")
 
     @property
@@ -100,7 +101,7 @@ class Entry(Table):
         given = [name for name in FORMS if getattr(self, name) is not None]
         return given[0] if len(given) == 1 else None
 
-    def meaning(self, t_c: Fraction) -> Formula:
+    def meaning(self, t_c: Fraction, repeats: bool = False) -> Formula:
         """The entry as a formula, about regions by name. Raises `ValueError` where its text is none."""
         if self.formula is not None:
             return read(self.formula)
@@ -118,6 +119,8 @@ class Entry(Table):
         assert self.patrol is not None
         assert self.every is not None
         rounds, each = Interval(ZERO, (self.until or t_c) - self.every), Interval(ZERO, self.every)
+        if repeats and self.until is None:
+            rounds = Interval()
         return both(*(Always(rounds, Eventually(each, In(name))) for name in self.patrol))
 
     def title(self) -> str:

@@ -23,6 +23,8 @@ def mission_problem(task: TaskTables) -> str | None:
         return f"{field}: has {len(getattr(task, field))} entries; at most {most} are taken"
     if task.region and not task.mission:
         return "region: is only read by a mission; add [[mission]], or leave the regions out"
+    if task.repeat and (problem := _repeat_problem(task)):
+        return problem
     if task.mission and task.tube.design != "refined":
         return f"mission: is for the refined design; the {task.tube.design} one knows one target alone, leave the mission out"
     known: dict[str, Unsafe | Choice] = {}
@@ -31,6 +33,19 @@ def mission_problem(task: TaskTables) -> str | None:
             return f"region[{j}].{problem}"
         known[one.name] = one
     return next((f"mission[{k}]{p}" for k, e in enumerate(task.mission) if (p := _entry_problem(task, e, known))), None)
+
+
+def _repeat_problem(task: TaskTables) -> str | None:
+    """What does not go with a tube that never ends."""
+    if not task.mission:
+        return "repeat: is for missions; say by [[mission]] what is done for ever, as a patrol, or leave repeat out"
+    if task.target_set is not None:
+        return "target_set: is where a tube ends, and with repeat = true it does not; leave it out, or visit it as a region"
+    for j, one in enumerate(task.unsafe):
+        for field in ("motion", "during", "timing", "spread"):
+            if getattr(one, field) is not None:
+                return f"unsafe[{j}].{field}: with repeat = true unsafe sets stand still and are always there; leave it out"
+    return None
 
 
 def _region_problem(task: TaskTables, one: Unsafe | Choice, known: dict[str, Unsafe | Choice]) -> str | None:
@@ -73,7 +88,7 @@ def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Cho
     if problem := _times_problem(task, entry):
         return problem
     try:
-        meaning = entry.meaning(task.prescribed_time)
+        meaning = entry.meaning(task.prescribed_time, task.repeat)
     except ValueError as error:
         return f".formula: {error}"
     for one in regions_of(meaning):

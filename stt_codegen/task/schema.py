@@ -186,6 +186,9 @@ class TaskTables(Table):
     axes: Labels | None = Field(default=None, description="names of the dimensions in messages, pictures and comments: x1, ..")
     units: Labels | None = Field(default=None, description="unit of each dimension there; an empty text for none")
     prescribed_time: Positive = Field(description="t_c, seconds")
+    repeat: StrictBool = Field(
+        default=False, description="for ever: after a lead-in the tube is periodic, and t_c is the end of its first cycle"
+    )
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
     state_space: Annotated[Region, BeforeValidator(_from_box)]
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
@@ -401,7 +404,8 @@ class TaskTables(Table):
         """Every entry of the mission as a formula about states."""
         regions = self.regions
         boxes = frozenset(name for name, one in regions.items() if isinstance(one, UnsafeSet))
-        return tuple(with_states(expanded(e.meaning(self.prescribed_time), regions), boxes) for e in self.mission)
+        meanings = (e.meaning(self.prescribed_time, self.repeat) for e in self.mission)
+        return tuple(with_states(expanded(one, regions), boxes) for one in meanings)
 
     @property
     def formula(self) -> Formula | None:
