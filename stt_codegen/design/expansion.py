@@ -22,6 +22,7 @@ from stt_codegen.task.mission import State
 
 MORE = 2  # witnesses of "again and again" beyond the fewest that can do
 MOST = 400  # skeletons that are looked at
+MOST_OTHERS = 16  # of those that are tried last, for a tube that repeats itself: each may take some tenths of a second
 MOST_EVENTS = 40
 SLACK = 0.05  # of t_c that a hold may be longer than asked
 
@@ -46,7 +47,7 @@ def cyclic(formula: Formula, t_c: Fraction, margin: float, seams: Sequence[float
         one = next(every, None)
         for other in _possible(itertools.chain([] if one is None else [one], every)):
             (first if one is not None and other.events <= one.events else others).append(other)
-    return first, others
+    return first, sorted(others, key=lambda other: other.events)[:MOST_OTHERS]
 
 
 def _possible(found: Iterator[Skeleton]) -> list[Skeleton]:

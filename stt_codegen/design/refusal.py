@@ -14,7 +14,7 @@ from stt_codegen.design.arena import Arena, starting_box
 from stt_codegen.design.closed import why_closed
 from stt_codegen.design.route import shortest_route
 from stt_codegen.design.shape import Shape
-from stt_codegen.design.unmet import why_unmet
+from stt_codegen.design.unmet import times_that_do, why_late, why_unmet
 from stt_codegen.design.visits import search_of
 from stt_codegen.design.widest import ROUNDED, SEGMENTS, segments_for, segments_tried
 from stt_codegen.errors import BadInput, NotCertified
@@ -33,7 +33,7 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     limits["control.u_max"] = task.control.u_max if task.limits_are_demanded else None
     limits = {name: given for name, given in limits.items() if given is not None}
     if limits and is_found(_with(task, dict.fromkeys(limits))):
-        return _limits_bind(task, limits, is_found, _needed(task, arena))
+        return _limits_bind(task, arena, limits, is_found)
     if task.mission:
         return why_unmet(task, arena, is_found)
     if arena.movers:
@@ -67,9 +67,9 @@ def _needed(task: Task, arena: Arena) -> float:
     return float((speeds / arena.max_speeds).max())
 
 
-def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess: float) -> str:
+def _limits_bind(task: Task, arena: Arena, limits: dict[str, Given], is_found: IsFound) -> str:
     """The refusal where it is the limits that leave no tube. Every value that is named was tried, as it is printed."""
-    told = []
+    told, guess = [], _needed(task, arena)
     for name, given in limits.items():
         factor = _least(lambda f, name=name, given=given: is_found(_with(task, {name: _times(given, f)})), guess)  # type: ignore[misc]
         if factor is not None:
@@ -86,10 +86,12 @@ def _limits_bind(task: Task, limits: dict[str, Given], is_found: IsFound, guess:
             told.append(f"lower {' and '.join(f'{k} to {_shown(_times(v, 1 / less))}' for k, v in pushes.items())}")
     words = {"tube.max_speed": "P6 speed", "tube.max_acceleration": "P6 acceleration", "control.u_max": "P8 limits"}
     bounds = " and ".join(f"{name} {_shown(value)}" for name, value in limits.items())
+    told += [f"set {one}" for one in times_that_do(task, is_found)]
     found = ", or ".join(told) or "no value of one alone would do; leave both out"
     more = "; whether control.period is proved then shows in the next run" if told and task.control.period is not None else ""
     what = " and ".join(words[name] for name in limits).replace(" and P6", " and")
-    return f"{what}: no tube was found within {bounds}; {found}{more}"
+    late = why_late(task, arena)
+    return f"{what}: no tube was found within {bounds}{late}; {found}{more}"
 
 
 def _least(holds: Callable[[float], bool], guess: float) -> float | None:

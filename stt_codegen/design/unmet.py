@@ -7,18 +7,22 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.decimals import above, decimal
+import numpy as np
+
+from stt_codegen.decimals import above, below, decimal
 from stt_codegen.design.arena import Arena, starting_box
-from stt_codegen.design.asked import Mission, mission_of
+from stt_codegen.design.asked import Mission, margin_of, mission_of
+from stt_codegen.design.clash import clash
 from stt_codegen.design.places import Places
 from stt_codegen.design.visits import MissionSearch, search_of
-from stt_codegen.design.widest import segments_tried
+from stt_codegen.design.widest import Search, segments_tried
 from stt_codegen.task import Task
 from stt_codegen.task.formula import regions_of
 from stt_codegen.task.mission import Entry
 
 HALVINGS = 4  # to find a time that would do
 IsFound = Callable[[Task], bool]
+Told = Callable[[Fraction], Fraction | tuple[Fraction, Fraction]]
 
 
 def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
@@ -39,14 +43,30 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
         told = "P10 mission: no times were found that satisfy all entries at once"
     elif isinstance(search, MissionSearch) and not search.leads():
         told = f"P10 mission: no order of the visits was found whose ways lead between the unsafe sets in time, for {width}"
+    told += _clash(task, arena, mission, search)
     opens = [f"mission[{k}] ({task.mission[k].title()})" for k in range(len(task.mission)) if _without(task, k, is_found)]
-    longer = list(_longer(task, is_found))
+    longer = list(times_that_do(task, is_found))
     would = [*(f"without {one}" for one in opens), *(f"with {one}" for one in longer)]
     if would:
         return f"{told}; {', or '.join(would)} one is found"
     alone = len(task.mission) == 1 and task.target_set is None  # without its entry nothing would be asked
     none = "" if alone else ", and none without one of its entries"
     return f"{told}{none}; widen regions or windows, or lower tube.min_width or tube.clearance"
+
+
+def _clash(task: Task, arena: Arena, mission: Mission, search: Search) -> str:
+    """What is in conflict in time, as a part of a sentence; empty where nothing is found."""
+    places = Places(arena, mission, search.start, search.width(0.0))
+    found = clash(arena, places, mission, margin_of(task)) if len(places.nodes) else None
+    return "" if found is None else f"; {found}"
+
+
+def why_late(task: Task, arena: Arena) -> str:
+    """The same for a mission that a bound on speed leaves no time for."""
+    mission = mission_of(task, arena)
+    if mission is None or not np.isfinite(arena.max_speed):
+        return ""
+    return _clash(task, arena, mission, search_of(arena, starting_box(arena), segments_tried(task, arena), mission))
 
 
 def _without(task: Task, k: int, is_found: IsFound) -> bool:
@@ -61,27 +81,41 @@ def _given(entry: Entry) -> dict[str, Any]:
     return {name: getattr(entry, name) for name in entry.model_fields_set}
 
 
-def _longer(task: Task, is_found: IsFound) -> Iterator[str]:
-    """Times that would do alone, each near the least one."""
-    t_c = task.prescribed_time
+def times_that_do(task: Task, is_found: IsFound) -> Iterator[str]:
+    """Times that would do alone, each near the one that is: windows that end later or begin earlier, a shorter stay."""
     for k, entry in enumerate(task.mission):
-        ends = {"between": entry.between[1] if entry.between else None, "within": entry.within, "every": entry.every}
-        for name, end in ends.items():
-            if end is None or end >= t_c:
-                continue
+        for name, given, most, told in _times(entry, task.prescribed_time):
 
-            def changed(to: Fraction, k: int = k, entry: Entry = entry, name: str = name) -> Task:
-                value = (entry.between[0], to) if name == "between" and entry.between else to
-                entries = [_given(e) | ({name: value} if j == k else {}) for j, e in enumerate(task.mission)]
+            def changed(to: Fraction, k: int = k, name: str = name, told: Told = told) -> Task:
+                entries = [_given(e) | ({name: told(to)} if j == k else {}) for j, e in enumerate(task.mission)]
                 return task.changed(mission=entries)
 
-            low, high = end, min(t_c, entry.until or t_c)
-            if high <= low or not is_found(changed(high)):
+            bad, good, rounded = given, most, above if most > given else below
+            if good == bad or not is_found(changed(good)):
                 continue
             for _ in range(HALVINGS):
-                middle = Fraction(str(above((low + high) / 2, 3)))
-                if not low < middle < high:
+                middle = Fraction(str(rounded((bad + good) / 2, 3)))
+                if not min(bad, good) < middle < max(bad, good):
                     break
-                low, high = (low, middle) if is_found(changed(middle)) else (middle, high)
-            shown = f"[{decimal(entry.between[0])}, {decimal(high)}]" if name == "between" and entry.between else decimal(high)
+                bad, good = (bad, middle) if is_found(changed(middle)) else (middle, good)
+            value = told(good)
+            shown = f"[{', '.join(map(decimal, value))}]" if isinstance(value, tuple) else decimal(value)
             yield f"mission[{k}].{name} = {shown}"
+
+
+def _times(entry: Entry, t_c: Fraction) -> Iterator[tuple[str, Fraction, Fraction, Told]]:
+    """The times of an entry that might give way: the field, its value, the one that asks for least, and the field for a value."""
+
+    def plain(value: Fraction) -> Fraction:
+        return value
+
+    if entry.between is not None:
+        first, last = entry.between
+        yield "between", last, max(last, t_c - (entry.stay or 0)), lambda v: (first, v)
+        yield "between", first, Fraction(0), lambda v: (v, last)
+    if entry.stay:
+        yield "stay", entry.stay, Fraction(0), plain
+    if entry.within is not None:
+        yield "within", entry.within, max(entry.within, t_c), plain
+    if entry.every is not None:
+        yield "every", entry.every, max(entry.every, entry.until or t_c), plain

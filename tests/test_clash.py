@@ -1,0 +1,86 @@
+"""What is told of a mission that has no time: the bounds in conflict, and times that would do."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stt_codegen.design.clash import _Arc, _negative
+from stt_codegen.design.skeleton import END, START, Difference, closed
+from stt_codegen.errors import NotCertified
+from stt_codegen.pipeline import design_tube
+from stt_codegen.task import parse_task
+
+TASK = """
+name = "late"
+prescribed_time = 24
+initial_state = [0.5, 0.5]
+state_space = { lower = [0, 0], upper = [8, 6] }
+initial_set = { lower = [0.1, 0.1], upper = [0.9, 0.9] }
+unsafe = [{ name = "shelf", lower = [3, 1], upper = [4, 4] }]
+region = [
+  { name = "dock", lower = [1, 4.5], upper = [2.2, 5.7] },
+  { name = "left", lower = [6.5, 0.3], upper = [7.5, 1.3] },
+]
+"""
+SLOW = 'mission = [\n  { visit = "dock", between = [4, 9], stay = 6, then = "left", within = 5 },\n  { visit = "left", between = [0, 14] },\n]\n[tube]\nmax_speed = 1.0\n'
+TWICE = 'mission = [\n  { visit = "dock", between = [9, 9], stay = 6 },\n  { visit = "left", between = [10, 14] },\n]\n'
+ROUND = 'repeat = true\nmission = [{ patrol = ["dock", "left"], every = 6 }]\n[tube]\nmax_speed = 1.5\n'
+
+
+def refused(text: str) -> str:
+    with pytest.raises(NotCertified) as error:
+        design_tube(parse_task(text))
+    return str(error.value)
+
+
+@given(st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4), st.integers(-3, 3), st.integers(-3, 6)), max_size=8))
+@settings(max_examples=200, deadline=None)
+def test_a_cycle_is_found_exactly_where_no_times_satisfy_the_bounds(drawn: list[tuple[int, int, int, int]]) -> None:
+    """It closes, its bounds add to less than 0, and the closure of all bounds says so too."""
+    bounds = [Difference(a, b, low / 8, max(low, high) / 8) for a, b, low, high in drawn if a != b]
+    arcs = [_Arc(d.first, d.last, d.most, "at most", False) for d in bounds]
+    arcs += [_Arc(d.last, d.first, -d.least, "at least", True) for d in bounds]
+    arcs += [_Arc(k, START, 0.0, "after the start", False) for k in range(5)] + [
+        _Arc(END, k, 0.0, "by t_c", False) for k in range(5)
+    ]
+    cycle = _negative(5, arcs)
+    zone = closed(5, tuple(bounds))
+    assert bool(cycle) == (zone is None)
+    if cycle:
+        assert sum(arc.bound for arc in cycle) < 0
+        heads, tails = sorted(arc.last for arc in cycle), sorted(arc.first for arc in cycle)
+        assert heads == tails
+
+
+@pytest.mark.parametrize(
+    "text", [TASK + SLOW, TASK + TWICE, ROUND.replace("mission", TASK + "mission", 1)], ids=["slow", "twice", "round"]
+)
+def test_every_time_that_is_named_does(text: str) -> None:
+    """A refusal tells the bounds in conflict, and for each time that it names a tube is found when it is put in alone."""
+    told = refused(text)
+    assert re.search(r"the order that is nearest \(.*\) lacks [\d.e+-]+ s: ", told), told
+    named = re.findall(r"mission\[(\d)\]\.(\w+) = (\[[^]]*\]|[\d.]+)", told)
+    assert named, told
+    for k, field, value in named:
+        document = tomllib.loads(text)
+        task = parse_task(text)
+        entries: list[dict[str, Any]] = document["mission"]
+        entries[int(k)][field] = tomllib.loads(f"v = {value}")["v"]
+        design_tube(task.changed(mission=entries))  # raises where there is none
+
+
+def test_the_lack_is_what_the_ways_take_more_than_the_window_leaves() -> None:
+    """Start to dock, six seconds there, dock to left by 14 s, at 1 m/s: summed by hand from the places that are told."""
+    told = refused(TASK + SLOW)
+    lack = float(re.search(r"lacks ([\d.]+) s", told)[1])  # type: ignore[index]
+    legs = [float(v) for v in re.findall(r"([\d.]+) s from", told)]
+    assert len(legs) == 2
+    assert lack == pytest.approx(sum(legs) + 6 - 14, abs=0.03)  # windows are moved in by 0.0005 t_c at either end
+    assert np.isclose(legs[0], 4.0, atol=0.05)  # from (0.5, 0.5) to the lower edge of the dock, less half the least width
