@@ -12,7 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stt_codegen.design.clash import _Arc, _negative
-from stt_codegen.design.skeleton import END, START, Difference, closed
+from stt_codegen.design.orders import Stop
+from stt_codegen.design.plans import Plan, knots_of
+from stt_codegen.design.skeleton import END, START, Difference, Skeleton, closed
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import design_tube
 from stt_codegen.task import parse_task
@@ -84,3 +86,12 @@ def test_the_lack_is_what_the_ways_take_more_than_the_window_leaves() -> None:
     assert len(legs) == 2
     assert lack == pytest.approx(sum(legs) + 6 - 14, abs=0.03)  # windows are moved in by 0.0005 t_c at either end
     assert np.isclose(legs[0], 4.0, atol=0.05)  # from (0.5, 0.5) to the lower edge of the dock, less half the least width
+
+
+def test_times_are_shared_for_speed_or_for_acceleration() -> None:
+    """Two legs of lengths 1 and 9: at one speed they take times as 1 to 9; at one acceleration, from rest to rest, as 1 to 3."""
+    skeleton, event = Skeleton().event(START, 0.0, np.inf)
+    far = np.array([[1.0, 0.0]]), np.array([[10.0, 0.0]])
+    plan = Plan(skeleton, np.zeros(2), (Stop(event, far[0]), Stop(END, far[1])), (1.0, 9.0), 10.0)
+    assert knots_of(plan, 40, 0) == [0, 4, 40]
+    assert knots_of(plan, 40, 0, bent=True) == [0, 10, 40]

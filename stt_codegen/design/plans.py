@@ -3,6 +3,7 @@ asks from knot to knot."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -106,11 +107,12 @@ def _windows(skeleton: Skeleton, stops: list[Stop] | tuple[Stop, ...]) -> Iterat
             yield list(range(a, b)), least, most
 
 
-def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0) -> list[int] | None:
+def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0, bent: bool = False) -> list[int] | None:
     """The knot of each stop, the start's first: times at the least speed rounded to whole segments within all windows, each leg
     that goes anywhere at least `calm` long; None where windows are too narrow for so few segments. lean: 1 for events as early
-    as half of that pace allows, -1 for as late."""
-    legs, lengths = len(plan.stops), plan.lengths
+    as half of that pace allows, -1 for as late. bent: at the least acceleration instead, for which a leg from rest to rest takes
+    2 sqrt(length / acceleration)."""
+    legs, lengths = len(plan.stops), [math.sqrt(length) if bent else length for length in plan.lengths]
     windows = list(_windows(plan.skeleton, plan.stops))
     moving = [length > TINY for length in lengths]
     if calm * sum(moving) > segments:

@@ -93,7 +93,7 @@ class MissionSearch(TimedSearch):
             if self.arena.order == 1 and plan.speed > most:
                 continue
             for segments in self.ladder[:QUICK] if (self.arena.movers and share) or best is not None else self.ladder:
-                for knots in self.timings(plan, segments):
+                for number, knots in enumerate(self.timings(plan, segments)):
                     shape = self.within_plan(plan, knots, segments, width)
                     if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
                         continue
@@ -102,15 +102,20 @@ class MissionSearch(TimedSearch):
                     shape = lasting if cheap else shape
                     best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
                     near = best is not None and best.speed <= CLOSE_TO_PLAN * plan.speed
-                    if near or self.arena.order == 2 or self.arena.movers:  # a plan knows nothing of what moves
+                    enough = self.arena.order == 2 and number > 0
+                    if near or enough or self.arena.movers:  # a plan knows nothing of what moves
                         return best
         return best
 
     def timings(self, plan: Plan, segments: int) -> Iterator[list[int]]:
-        """Knots to try, each once: with more and more time for every leg; where sets move with all events early or late too."""
+        """Knots to try, each once: with more and more time for every leg; where sets move with all events early or late too;
+        where accelerations count first at the least of them, as if every leg began and ended at rest."""
         tried: set[tuple[int, ...]] = set()
-        for calm, lean in ((0, 0), (0, 1), (0, -1), (2, 0)) if self.arena.movers else ((calm, 0) for calm in CALM):
-            knots = knots_of(plan, segments, calm, lean)
+        bent = self.arena.order == 2 or self.arena.max_acceleration is not None
+        early = [(0, 0, True)] if bent else []
+        later = ((0, 0), (0, 1), (0, -1), (2, 0)) if self.arena.movers else tuple((calm, 0) for calm in CALM)
+        for calm, lean, at_rest in (*early, *((calm, lean, False) for calm, lean in later)):
+            knots = knots_of(plan, segments, calm, lean, at_rest)
             if knots is not None and tuple(knots) not in tried:
                 tried.add(tuple(knots))
                 yield knots

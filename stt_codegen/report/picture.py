@@ -92,7 +92,12 @@ def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
         draw_arena(axis, controller, low, high, plane)
     for i in range(n):
         draw_dimension(over[i], controller, i, t, low, high)
-    over[-1].set_xlabel("t [s]")
+    shown_of = controller.certificate.mission
+    cycle = None if shown_of is None else shown_of.cycle
+    if cycle is not None:
+        for axis in over:
+            axis.axvline(float(cycle.begin), color="0.35", linestyle=":", linewidth=1.1)
+    over[-1].set_xlabel("t [s]" if cycle is None else f"t [s], from {float(cycle.begin):g} s on again and again")
     certified = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     figure.suptitle(f"{task.name}: {controller.design.kind} tube, {certified}")
     place_labels(figure)
