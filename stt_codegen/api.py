@@ -193,8 +193,6 @@ def certify_tube(
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
     task = _task(task)
-    if task.repeat:
-        raise BadInput("certify_tube: takes tubes that end; leave repeat out of the task")
     if task.tube.design != "refined":
         raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
     own = spline_tube(task, points) if samples is None else fitted_tube(task, *samples)

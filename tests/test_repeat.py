@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import dataclasses
+import hashlib
 import json
 import subprocess
 from collections.abc import Mapping
@@ -20,15 +21,18 @@ from hypothesis import strategies as st
 from test_missions import NAMES, checked, formulas
 
 from stt_codegen.certify import checker
+from stt_codegen.certify.components import inertial_components
 from stt_codegen.certify.mission import cycle_of
 from stt_codegen.certify.monitor import Cycle, holds
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
 from stt_codegen.loop.simulate import CYCLES, Loop, Scenario
-from stt_codegen.pipeline import Controller, build_task, certify, render_files
+from stt_codegen.pipeline import Controller, build_program, build_task, certify, render_files
 from stt_codegen.plants import plant_of
+from stt_codegen.record.package import package
 from stt_codegen.sampling import extremes
+from stt_codegen.sampling.inertia import extent
 from stt_codegen.task import parse_task
 from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until
 from stt_codegen.task.mission import State, states_of, with_states
@@ -36,7 +40,9 @@ from stt_codegen.task.mission import State, states_of, with_states
 BEGIN, END = 3, 8  # seconds: what happens from the one to the other happens again and again
 PLACES = 2 * END  # half seconds from 0 on, END excluded: there it is as at BEGIN
 WATCHMAN = (ROOT / "tasks" / "watchman.toml").read_text()
-SECOND = WATCHMAN.replace("[emit]", "[plant]\norder = 2\nf_max = 0.3\n[control]\nu_max = 20\nperiod = 0.005\n[emit]")
+SECOND = WATCHMAN.replace("0.02", "0.005").replace(
+    "[emit]", "[plant]\norder = 2\nf_max = 0.3\n[control]\nu_max = 20\nperiod = 0.005\n[emit]"
+)
 
 
 @cache
@@ -247,6 +253,13 @@ def test_the_tube_is_c2_where_it_begins_again(text: str) -> None:
     for name in ("narrow", "wide", "step", "width_step", "low", "high"):
         values = getattr(found, name)
         assert (values[-1] == values[design.seam]).all()
+    if design.filter:
+        every = extent(design)
+        for values in (every.narrow, every.wide, every.width, every.middle, every.rate, *every.bends, *every.press):
+            assert (values[-1] == values[design.seam]).all()
+        windows = list(inertial_components(design))
+        assert len(windows) == design.segments + 1
+        assert windows[-1][0].narrow == windows[design.seam][0].narrow
 
 
 def test_ticks_are_turned_back_exactly_for_ever(tmp_path: Path) -> None:
@@ -265,9 +278,7 @@ def test_ticks_are_turned_back_exactly_for_ever(tmp_path: Path) -> None:
 
 
 def test_a_turn_in_seconds_moves_the_clock_by_no_more_than_the_header_says(tmp_path: Path) -> None:
-    controller = the_watchman(
-        WATCHMAN.replace("prescribed_time = 16", "prescribed_time = 15.7").replace("0.005", "0.00245312500")
-    )
+    controller = the_watchman(WATCHMAN.replace("prescribed_time = 16", "prescribed_time = 15.7").replace("0.02", "0.00245312500"))
     wrap, _ = compiled(controller, tmp_path)
     cycle, p = cycle_of(controller.design), controller.task.name  # type: ignore[arg-type]
     assert cycle is not None
@@ -312,7 +323,7 @@ def claim_of(document: dict[str, Any], state: str) -> dict[str, Any]:
         ("watchman_wrap.c", "t < WATCHMAN_T_C", "t <= WATCHMAN_T_C"),
         ("watchman_wrap.c", "tick - WATCHMAN_CYCLE_TICKS", "0U"),
         ("watchman.h", "CYCLE 14.0F", "CYCLE 14.25F"),
-        ("watchman.h", "CYCLE_TICKS 2800U", "CYCLE_TICKS 2799U"),
+        ("watchman.h", "CYCLE_TICKS 700U", "CYCLE_TICKS 699U"),
         ("watchman.certificate.json", '"seam": 8', '"seam": 9'),
         ("watchman.certificate.json", '"seam": 8', '"seam": 0'),
         ("watchman.certificate.json", ', "seam": 8', ""),
@@ -322,8 +333,6 @@ def test_the_checker_finds_a_clock_that_is_turned_back_otherwise(
     file: str, old: str, new: str, tmp_path: Path, capsys: Any
 ) -> None:
     """Also where the certificate has the hash of what was changed."""
-    import hashlib
-
     controller = the_watchman()
     text = controller.files[file].decode()
     assert old in text
@@ -348,8 +357,6 @@ def test_a_kink_where_it_begins_again_is_refused_by_certificate_and_checker(plac
     certified = certify(controller.task, bent, controller.program)
     assert [f.code for f in certified.findings if not f.holds] == ["P6"]
     forged = dataclasses.replace(certified, findings=controller.certificate.findings)
-    from stt_codegen.pipeline import build_program
-
     files = render_files(controller.task, bent, build_program(controller.task, bent), forged)
     assert checked(dataclasses.replace(controller, files=files), WATCHMAN, tmp_path) == 1
     assert "P6" in capsys.readouterr().out
@@ -385,7 +392,7 @@ def test_another_mission_for_the_same_cycle_is_judged_alike(change: tuple[str, s
         (("upper = [3.6, 2.4]", "upper = [3.6, 2.4]\nduring = [1, 2]"), "unsafe[0].during: with repeat = true"),
         (("repeat = true", "repeat = 1"), "repeat"),
         (("every = 14", "every = 17"), "mission[0].every: is 17"),
-        (("0.005", "0.0037"), "emit.tick_period: is 0.0037 s, and with repeat = true no cycle would last whole ticks"),
+        (("0.02", "0.0037"), "emit.tick_period: is 0.0037 s, and with repeat = true no cycle would last whole ticks"),
     ],
 )  # fmt: skip
 def test_what_does_not_go_with_a_tube_without_end_is_one_message(change: tuple[str, str], told: str) -> None:
@@ -400,3 +407,53 @@ def test_repeat_without_a_mission_is_told() -> None:
     text = WATCHMAN[: WATCHMAN.index("[[region]]")] + "[target_set]\nlower = [5, 3]\nupper = [6, 4]\n"
     with pytest.raises(BadInput, match="repeat: is for missions"):
         parse_task(text)
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        'formula = "always eventually gate"',
+        'formula = "always (gate -> eventually[0, 8] office) and always eventually[0, 14] gate"',
+        'formula = "always[0, 20] not lab and eventually[0, 20] store"',
+        'formula = "eventually always gate"',
+        'patrol = ["gate"]\nevery = 5\n[[mission]]\nvisit = "store"\nbetween = [2, 12]',
+    ],
+)
+def test_windows_without_end_and_past_the_first_cycle_have_a_tube(entry: str, tmp_path: Path) -> None:
+    text = WATCHMAN.replace('patrol = ["gate", "office", "store"]\nevery = 14', entry)
+    controller = build_task(parse_task(text))
+    assert checked(controller, text, tmp_path) == 0
+    if "eventually always" in entry:
+        shown = controller.certificate.mission
+        assert shown is not None
+        assert any(w.end == float("inf") for w in shown.witnesses[0])
+
+
+def test_a_round_that_has_no_time_is_refused_and_how_fast_would_do() -> None:
+    """Also where what is tried makes rounds by the hundred."""
+    with pytest.raises(NotCertified, match=r"tube.max_speed 0.5.*raise tube.max_speed to 0\.\d+"):
+        build_task(parse_task(WATCHMAN.replace("[emit]", "[tube]\nmax_speed = 0.5\n[emit]")))
+
+
+def test_a_period_that_a_clock_in_seconds_would_lose_is_refused() -> None:
+    slow = WATCHMAN.replace("prescribed_time = 16", "prescribed_time = 4000").replace("every = 14", "every = 3500")
+    fast = "[control]\nperiod = 0.0001\n[plant]\nf_max = 0.01\n[emit]\n"
+    with pytest.raises(BadInput, match=r"control.period: 0.0001 s is lost where a float adds it .* give emit.tick_period"):
+        parse_task(slow.replace("[emit]\ntick_period = 0.02", fast))
+    parse_task(slow.replace("[emit]\ntick_period = 0.02", fast + 'scalar = "double"\n'))
+
+
+@pytest.mark.parametrize("tick", [True, False])
+@pytest.mark.parametrize("outside", ["return", "stop"])
+def test_packages_turn_the_clock_back_and_have_every_source(tick: bool, outside: str, tool: Any, tmp_path: Path) -> None:
+    text = WATCHMAN if tick else WATCHMAN.replace("[emit]\ntick_period = 0.02", "")
+    text += f'\n[control]\noutside = "{outside}"\n'
+    controller = the_watchman(text)
+    sketch = package(controller, "arduino")["watchman/examples/watchman_loop/watchman_loop.ino"].decode()
+    assert ("watchman_wrap_tick(ticks + 1)" if tick else "watchman_wrap(t + ") in sketch
+    assert "< WATCHMAN_T_C" not in sketch
+    assert ("static uint32_t ticks" in sketch) == tick
+    files = package(controller, "cmake")
+    library = files["watchman/CMakeLists.txt"].decode()
+    for name in (n for n in files if n.endswith(".c")):
+        assert name.removeprefix("watchman/") in library

@@ -137,6 +137,10 @@ class Cycle:
         again = [(max(u, self.begin) + self.length, v + self.length) for u, v in spans if v >= self.begin]
         return united([*spans, *again])
 
+    def endless(self, spans: Sequence[Span]) -> list[Span]:
+        """The same where what lasts the whole of the last cycle that is told is for ever."""
+        return [(u, math.inf if v == self.told and u <= self.end else v) for u, v in spans]
+
     def unrolled(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
         """The same set until a time after `told`."""
         found, k = list(spans), 1

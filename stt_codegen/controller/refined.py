@@ -214,7 +214,7 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
         True,
         (
             law_doc(task, law),
-            _time_doc(task) if when.type is TICK else "t: seconds since the start (held within [0, t_c]); x: state; u: input.",
+            _time_doc(task, when.type is TICK),
             *axes_doc(task),
             "OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward"
             + inward_doc(task),
@@ -223,7 +223,12 @@ def _control(task: Task, spline: SplineKernels, law: Law, n: int, guarded: bool)
     )
 
 
-def _time_doc(task: Task) -> str:
+def _time_doc(task: Task, ticks: bool) -> str:
+    if not ticks:
+        since = f"seconds, as {task.name}_wrap turns them back" if task.repeat else "seconds since the start"
+        return f"t: {since} (held within [0, t_c]); x: state; u: input."
     assert task.emit.tick_period is not None
     period = decimal(task.emit.tick_period)
+    if task.repeat:
+        return f"tick: periods of {period} s, as {task.name}_wrap_tick turns them back; x: state; u: input."
     return f"tick: periods of {period} s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input."

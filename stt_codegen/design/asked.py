@@ -33,6 +33,7 @@ from stt_codegen.task.shapes import Unsafe
 MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has room
 MOST_PIECES = 400
 LEAST = 1e-9  # what a box may lack for rounding
+LABELS = 30_000  # what is found is found with some hundreds, for rounds of many visits with some thousands
 LEADS = (Fraction(1, 4), Fraction(1, 8), Fraction(1, 2))  # of t_c: how long the lead-in of a tube that repeats itself may be,
 CLOSE = Fraction(19, 20)  # of a round that a cycle takes
 SEAM_KNOTS = 32  # at a knot of so many segments: all numbers of them that are tried are multiples
@@ -103,12 +104,13 @@ class Asked:
 @dataclass(frozen=True)
 class Mission:
     """All that is asked: skeletons, of which one is enough, and what their states ask. doubt: by how much of t_c the clock may be
-    late. others: skeletons that are tried where none of the first does."""
+    late. others: skeletons that are tried where none of the first does; effort: how many labels are looked at for each width."""
 
     skeletons: tuple[Skeleton, ...]
     states: dict[State, Asked]
     doubt: float = 0.0
     others: tuple[Skeleton, ...] = ()
+    effort: int = LABELS
 
     @property
     def every(self) -> tuple[Skeleton, ...]:
@@ -169,8 +171,10 @@ def seams_of(task: Task) -> list[float]:
     found = [s for s in near if tick is None or ((1 - s) * task.prescribed_time / tick).denominator == 1]
     if not found:
         told = f"is {decimal(tick or Fraction(0))} s, and with repeat = true no cycle would last whole ticks"
-        eighth = float(task.prescribed_time / 8)
-        raise BadInput(f"emit.tick_period: {told}; use one that divides prescribed_time / 8 = {eighth:g} s")
+        parts = 8 if knots == SEAM_KNOTS else knots  # of those leads are multiples
+        more = ", or leave tube.segments out" if task.tube.segments else ""
+        length = float(task.prescribed_time / parts)
+        raise BadInput(f"emit.tick_period: {told}; use one that divides prescribed_time / {parts} = {length:.9g} s{more}")
     return [float(s) for s in dict.fromkeys(found)]
 
 

@@ -1,5 +1,5 @@
 """Which windows and ways are in conflict, where no order of the visits is in time: the cycle of bounds on times whose sum is
-negative, in the order that needs the windows wider by the least.
+negative, in the order of those looked at that needs all windows wider by the least.
 
     t_j - t_i <= most        -(t_j - t_i) <= -least        and for each leg -(t_j - t_i) <= -length / speed
 
@@ -31,32 +31,36 @@ WIDEST = 1.0  # of t_c by which windows are made wider at most
 
 @dataclass(frozen=True)
 class _Arc:
-    """t_last - t_first <= bound, in parts of t_c, and what says so; `needs`: it is time that must pass, else time that may."""
+    """t_last - t_first <= bound, in parts of t_c, and what says so; `needs`: it is time that must pass, else time that may;
+    asked: it is worth telling."""
 
     first: int
     last: int
     bound: float
     told: str
     needs: bool
+    asked: bool = True
 
 
-def clash(arena: Arena, places: Places, mission: Mission, margin: float) -> str | None:
-    """What lacks how many seconds; None where nothing of that kind is found. margin: by which every bound is moved in."""
+def clash(arena: Arena, places: Places, mission: Mission) -> str | None:
+    """What lacks how many seconds; None where nothing of that kind is found."""
     best: tuple[float, Skeleton, list[Stop]] | None = None
     for skeleton in mission.every[:LOOKED]:
         found = _nearest(arena, places, skeleton, WIDEST if best is None else best[0])
+        if found is not None and not found[0]:  # an order is in time: it is something else that is in the way
+            return None
         best = best if found is None or (best is not None and found[0] >= best[0]) else (found[0], skeleton, found[1])
-    if best is None or not best[0]:
+    if best is None:
         return None
     _, skeleton, stops = best
-    cycle = _negative(skeleton.events, list(_arcs(arena, places, skeleton, stops, margin)))
+    cycle = _negative(skeleton.events, list(_arcs(arena, places, skeleton, stops)))
     if not cycle:
         return None
-    told = [arc.told for arc in cycle if arc.told and (arc.bound or not arc.needs)]
+    told = [arc.told for arc in cycle if arc.asked]
     lack = above(Fraction(-sum(arc.bound for arc in cycle) * arena.time_unit), 3)
     names = _names(skeleton)
     order = ", ".join(name for name, _ in groupby(names[stop.event] for stop in stops[:-1]))
-    return f"the order that is nearest ({order}) lacks {lack:g} s: {', '.join(told)}"
+    return f"of the orders looked at the nearest ({order}) lacks at least {lack:g} s: {', '.join(told)}"
 
 
 def _nearest(arena: Arena, places: Places, skeleton: Skeleton, most: float) -> tuple[float, list[Stop]] | None:
@@ -70,6 +74,9 @@ def _nearest(arena: Arena, places: Places, skeleton: Skeleton, most: float) -> t
         wider = replace(skeleton, differences=tuple(_wider(d, by, skeleton) for d in skeleton.differences))
         return None if wider.zone is None else Order(places, wider).shortest(speed)
 
+    in_time = stops(0.0)
+    if in_time is not None:
+        return 0.0, in_time
     found = stops(most)
     if found is None:
         return None
@@ -97,7 +104,7 @@ def _names(skeleton: Skeleton) -> dict[int, str]:
     return {k: found.get(k, "a moment") for k in range(skeleton.events)}
 
 
-def _arcs(arena: Arena, places: Places, skeleton: Skeleton, stops: list[Stop], margin: float) -> Iterator[_Arc]:
+def _arcs(arena: Arena, places: Places, skeleton: Skeleton, stops: list[Stop]) -> Iterator[_Arc]:
     """All bounds on times, those of the legs too."""
     names, unit = _names(skeleton), arena.time_unit
 
@@ -105,33 +112,28 @@ def _arcs(arena: Arena, places: Places, skeleton: Skeleton, stops: list[Stop], m
         return f"{round(value * unit, 3):g} s"
 
     for d in skeleton.differences:
-        since = "" if d.first == START else f" after {names[d.first]}"
+        asked = skeleton.seam is None or (d.first, d.last) != (START, SEAM)  # when the cycle begins is chosen here
+        here, since = names[d.last], "" if d.first == START else f" after {names[d.first]}"
         if d.most < 1 - TINY or (d.first, d.last) == (START, END):
-            inset = 0.0 if d.least == d.most else margin
-            told = (
-                f"{names[d.last]} at most {seconds(d.most + inset)}{since}"
-                if since
-                else f"{names[d.last]} by {seconds(d.most + inset)}"
-            )
-            yield _Arc(d.first, d.last, d.most, told, False)
+            most = seconds(d.most + d.inset)
+            yield _Arc(d.first, d.last, d.most, f"{here} at most {most}{since}" if since else f"{here} by {most}", False, asked)
         if d.least > TINY:
-            inset = 0.0 if d.least == d.most else margin
-            since = f" after {names[d.first]}" if since else " at the earliest"
-            yield _Arc(d.last, d.first, -d.least, f"{names[d.last]} {seconds(d.least - inset)}{since}", True)
-    here, length = places.nodes[0], 0.0
-    for before, stop in pairwise([Stop(START, np.empty((0, len(here)))), *stops]):
-        points = np.concatenate([here[None], stop.way])
+            least = seconds(d.least - d.inset)
+            yield _Arc(d.last, d.first, -d.least, f"{here} {least}{since or ' at the earliest'}", True, asked)
+    at = places.nodes[0]
+    for before, stop in pairwise([Stop(START, np.empty((0, len(at)))), *stops]):
+        points = np.concatenate([at[None], stop.way])
         steps = arena.distance(points[1:] - points[:-1])
         length = float(np.cumsum([0.0, *steps])[-1])
-        here = points[-1]
+        at = points[-1]
         took = length / arena.max_speed if np.isfinite(arena.max_speed) else 0.0
-        told = f"{seconds(took)} from {names[before.event]} to {names[stop.event]} at full speed" if took else ""
-        yield _Arc(stop.event, before.event, -took, told, True)
+        told = f"{seconds(took)} from {names[before.event]} to {names[stop.event]} at full speed"
+        yield _Arc(stop.event, before.event, -took, told, True, bool(took))
 
 
 def _negative(events: int, arcs: list[_Arc]) -> list[_Arc]:
-    """A cycle of least sum below 0 of the shortest, in the order of time from the start on where that is on it; empty where there
-    is none. Bellman and Ford, from everywhere at once."""
+    """A cycle with a sum below 0, in the order of time from the start on where that is on it; empty where there is none. Bellman
+    and Ford, from everywhere at once."""
     bound, came = np.zeros(events), dict[int, _Arc]()
     last: int | None = None
     for _ in range(events + 1):

@@ -2,8 +2,8 @@
 
 "always" makes a hold, "eventually" an event, again and again a chain of events, "or" in time a choice: one skeleton for each.
 What they do not cover is more witnesses in a chain than MORE above the fewest, and more than one change of mind in an "or" over
-an interval. Every bound is moved in by `margin`, so that the clock has room. The certificate knows nothing of all this: it looks
-at the tube (certify/mission.py).
+an interval, in a tube that repeats itself more than one there and back. Every bound is moved in by `margin`, so that the clock
+has room. The certificate knows nothing of all this: it looks at the tube (certify/mission.py).
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from stt_codegen.task.mission import State
 
 MORE = 2  # witnesses of "again and again" beyond the fewest that can do
 MOST = 400  # skeletons that are looked at
-MOST_OTHERS = 16  # of those that are tried last, for a tube that repeats itself: each may take some tenths of a second
+MOST_CYCLIC = 1_200  # of a tube that repeats itself, for each time at which the cycle may begin
+MOST_OTHERS = 100  # of those that are tried last, for a tube that repeats itself: each may take some tenths of a second
 MOST_EVENTS = 40
 SLACK = 0.05  # of t_c that a hold may be longer than asked
 
@@ -45,15 +46,15 @@ def cyclic(formula: Formula, t_c: Fraction, margin: float, seams: Sequence[float
     for seam in seams:
         every = _Expansion(float(t_c), margin, 0.0, False).at(formula, START, START, Skeleton.begun(seam))
         one = next(every, None)
-        for other in _possible(itertools.chain([] if one is None else [one], every)):
+        for other in _possible(itertools.chain([] if one is None else [one], every), MOST_CYCLIC):
             (first if one is not None and other.events <= one.events else others).append(other)
     return first, sorted(others, key=lambda other: other.events)[:MOST_OTHERS]
 
 
-def _possible(found: Iterator[Skeleton]) -> list[Skeleton]:
-    """Of the first MOST those that have times, with the fewest events first; of equals the first."""
-    possible = [one for one in itertools.islice(found, MOST) if one.events <= MOST_EVENTS and one.zone is not None]
-    return sorted(dict.fromkeys(possible), key=lambda one: one.events)
+def _possible(found: Iterator[Skeleton], most: int = MOST) -> list[Skeleton]:
+    """Of the first so many those that have times, with the fewest events first; of equals the first."""
+    possible = [one for one in itertools.islice(found, most) if one.events <= MOST_EVENTS and one.zone is not None]
+    return sorted((one for one in dict.fromkeys(possible) if not one.contradicts), key=lambda one: one.events)
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,12 @@ class _Expansion:
                 cut = cut.differing(change, last, 0.0, np.inf)
                 for early in self.at(one, first, change, cut):
                     yield from self.at(other, change, last, early)
+                if to.seam is not None:  # what is repeated ends as it begins
+                    again, back = cut.event(change, 0.0, np.inf)
+                    again = again.differing(back, last, 0.0, np.inf)
+                    for early in self.at(one, first, change, again):
+                        for late in self.at(other, change, back, early):
+                            yield from self.at(one, back, last, late)
 
     def _always(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
         begin, here = self._begun(to, first, over.begin)
@@ -130,7 +137,7 @@ class _Expansion:
         off, room = float(by) / self.t_c, self.margin
         if event == END or off <= room or (event == START and off >= 1):
             return (END if event == START and off >= 1 else event), to
-        found, when = to.event(event, max(off - room - SLACK, 0.0), off - room)
+        found, when = to.event(event, max(off - room - SLACK, 0.0), off - room, room)
         return when, found
 
     def _ended(self, to: Skeleton, event: int, by: Fraction | None) -> Iterator[tuple[int, Skeleton]]:
@@ -140,7 +147,7 @@ class _Expansion:
         if event == END or (event == START and off >= 1 - 2 * room) or math.isinf(off):
             yield END, to
             return
-        found, when = to.event(event, off + room, off + room + SLACK)
+        found, when = to.event(event, off + room, off + room + SLACK, room)
         yield when, found
         if self.late and event != START:
             yield END, to.differing(event, END, 0.0, off)
@@ -156,7 +163,7 @@ class _Expansion:
             most = math.inf if not self.doubt or most > 1 + self.doubt else 1.0 - self.doubt
         else:
             inset = min(self.margin, (most - least) / 2)
-        here, when = to.event(event, least + inset if least else 0.0, most - inset)
+        here, when = to.event(event, least + inset if least else 0.0, most - inset, inset)
         return when, here
 
     def _chains(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
@@ -170,16 +177,17 @@ class _Expansion:
             yield from self._rounds(part, first, to, (a, b - self.margin, gap))
             return
         fewest = max(1, math.ceil(-zone[last, first] / gap - TINY)) - (last == END)
-        for count in range(fewest, fewest + MORE + 1):
+        for count in range(fewest, min(fewest + MORE, MOST_EVENTS - to.events) + 1):
             here, whens = to, list[int]()
             for k in range(count):
-                here, when = here.event(whens[-1] if k else first, 0.0 if k else a, gap if k else b - self.margin)
+                inset = (2 if k else 1) * self.margin
+                here, when = here.event(whens[-1] if k else first, 0.0 if k else a, gap if k else b - self.margin, inset)
                 whens.append(when)
             if last == END:
-                here = here.differing(whens[-1] if whens else first, END, 0.0, gap if whens else b)
+                here = here.differing(whens[-1] if whens else first, END, 0.0, gap if whens else b, 2 * self.margin)
                 whens.append(END)
             else:
-                here = here.differing(last, whens[-1], a + self.margin, np.inf)
+                here = here.differing(last, whens[-1], a + self.margin, np.inf, self.margin)
             for there in self._each(part, whens, here):
                 yield whens[-1], there
 
@@ -192,14 +200,20 @@ class _Expansion:
         assert to.zone is not None
         (least, most, gap), length = times, 1 - to.seam
         rounds = max(1, math.ceil(length / gap - TINY))
-        early = max(0, math.ceil((to.seam + to.zone[first, START] - most) / gap - TINY))
-        near = max(early, round(to.seam / most))  # so many have time
+        early = near = 0  # of what need only be there at some time one in the cycle is enough
+        if math.isfinite(gap):
+            early = max(0, math.ceil((to.seam + to.zone[first, START] - most) / gap - TINY))
+            near = max(early, round(to.seam / most))  # so many have time
         for before, count in ((near, rounds), (early if near > early else near + 1, rounds), (near, rounds + 1)):
+            if to.events + before + count > MOST_EVENTS:
+                continue
             here, whens = to, list[int]()
             for k in range(before + count):
-                here, when = here.event(whens[-1] if k else first, 0.0 if k else least, gap if k else most)
+                inset = (2 if k else 1) * self.margin
+                here, when = here.event(whens[-1] if k else first, 0.0 if k else least, gap if k else most, inset)
                 whens.append(when)
-            here = here.differing(SEAM, whens[before], 0.0, np.inf).differing(whens[before], whens[-1], length - gap, np.inf)
+            here = here.differing(SEAM, whens[before], 0.0, np.inf)
+            here = here.differing(whens[before], whens[-1], length - gap, np.inf, 2 * self.margin)
             for there in self._each(part, whens, here):
                 yield whens[-1], there
 

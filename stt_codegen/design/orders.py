@@ -22,7 +22,7 @@ from stt_codegen.design.skeleton import END, SEAM, START, TINY, Skeleton
 
 BEAM = 3
 LATE = 1e-7  # what a time may lack for rounding
-MOST_LABELS = 60_000
+MOST_LABELS = 10_000  # of one search
 MOST_TOURED = 9  # places of events whose shortest tour is a bound
 NEAREST = 24  # places at which an event happens that may be anywhere
 
@@ -162,12 +162,14 @@ class Order:
         ahead: dict[int, Array] = {}
         best: dict[int, Array] = {}  # where only the order counts, the length to every node
         queue, popped = [(0.0, 0)], 0
-        while queue and popped < MOST_LABELS:
+        most = min(MOST_LABELS, self.places.left)
+        while queue and popped < most:
             _, k = heapq.heappop(queue)
             label = labels[k]
             if label.done in best and label.length > best[label.done][label.place] + TINY:
                 continue
             popped += 1
+            self.places.left -= 1
             if label.done == (1 << self.skeleton.events) - 1:
                 return self._way(labels, k)
             for event, done in self._next(label):

@@ -24,12 +24,14 @@ USUAL_SEGMENTS = 32
 def spline_tube(task: Task, points: Any) -> RefinedDesign:
     """The tube of uniform cubic B-splines with these control points, (K + 3, n, 2) for K segments over [0, t_c]: (lower, upper).
 
-    Raises `BadInput` for another shape, and where the edges do not come to rest at t_c, after which the tube is constant.
+    Raises `BadInput` for another shape, and where the edges do not come to rest at t_c, after which the tube is constant, or,
+    where the task repeats itself, the last three points are none with which a cycle could begin.
     """
     c = _numbers("control points", points)
     if c.ndim != 3 or c.shape[0] < 4 or c.shape[1:] != (task.dimension, 2):
         raise BadInput(f"control points: have the shape {c.shape}; (K + 3, {task.dimension}, 2) is needed, for K segments")
-    if (c[-task.order :] != c[-3]).any():
+    seam = _seam(task, c) if task.repeat else None
+    if seam is None and (c[-task.order :] != c[-3]).any():
         told = "make the last equal to the last but two" if task.order == 1 else "for order 2 make the last three equal"
         raise BadInput(f"control points: the tube moves at t_c, where it must rest; {told}")
     lattice = lattice_of(task)
@@ -38,7 +40,18 @@ def spline_tube(task: Task, points: Any) -> RefinedDesign:
         raise BadInput("control points: one is further out than the state space is large; nothing there can be certified")
     table = np.stack([np.ceil(scaled[..., 0]), np.floor(scaled[..., 1])], axis=-1).astype(np.int64)
     rows = tuple(tuple((low, high) for low, high in row) for row in table.tolist())
-    return with_filter(task, RefinedDesign(task.prescribed_time, len(rows) - 3, lattice.bits, rows))
+    return with_filter(task, RefinedDesign(task.prescribed_time, len(rows) - 3, lattice.bits, rows, seam=seam))
+
+
+def _seam(task: Task, points: Array) -> int:
+    """The first segment with whose control points the last three agree, if from there to t_c are whole ticks."""
+    segments, tick = len(points) - 3, task.emit.tick_period
+    for k in range(1, segments):
+        cycle = task.prescribed_time * (segments - k) / segments
+        if (points[k : k + 3] == points[-3:]).all() and (tick is None or (cycle / tick).denominator == 1):
+            return k
+    ticks = " a whole number of ticks before t_c" if tick is not None else ""
+    raise BadInput(f"control points: with repeat = true make the last three equal to three with which a cycle begins{ticks}")
 
 
 def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:
@@ -48,6 +61,8 @@ def fitted_tube(task: Task, t: Any, lower: Any, upper: Any) -> RefinedDesign:
     """
     times, low, high = _numbers("t", t), _numbers("lower", lower), _numbers("upper", upper)
     t_c, n = float(task.prescribed_time), task.dimension
+    if task.repeat:
+        raise BadInput("samples: are fitted by a tube that ends; with repeat = true give control points")
     if times.ndim != 1 or low.shape != (len(times), n) or high.shape != low.shape:
         shapes = f"{times.shape}, {low.shape} and {high.shape}"
         raise BadInput(f"samples: t, lower and upper have the shapes {shapes}; (M,), (M, {n}) and (M, {n}) are needed")

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
-from stt_codegen.design.asked import Mission
+from stt_codegen.design.asked import LABELS, Mission
 from stt_codegen.design.faces import Array
 from stt_codegen.design.obstacles import obstacles_of
 from stt_codegen.design.route import STRAIGHT, route_nodes
@@ -26,12 +26,14 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass
 class Places:
-    """Where the centre of a tube of some width may be: nodes (N, n), the first that of the start, and which see each other."""
+    """Where the centre of a tube of some width may be: nodes (N, n), the first that of the start, and which see each other. left:
+    how many labels may still be looked at in searches for an order of the visits among them."""
 
     arena: Arena
     mission: Mission
     start: Array
     width: Array
+    left: int = LABELS
     _sights: dict[State, Flags] = field(default_factory=dict)
     _graphs: dict[int, Array] = field(default_factory=dict)
     _legs: dict[tuple[int, int], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)

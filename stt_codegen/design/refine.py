@@ -33,6 +33,7 @@ from stt_codegen.sampling.loops import loop_of, statements_of
 from stt_codegen.task import Task
 
 CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
+LITTLE = 3_000  # labels of a search for an order, where it is only asked what would do: that is asked some dozens of times
 AS_SLOW = 1.01  # times the slowest tube is as slow, where that is preferred: so much for width
 
 
@@ -70,16 +71,18 @@ def _arena(task: Task, room: int = 1) -> Arena:
 
 def _is_found(task: Task) -> bool:
     with suppress(NotCertified):
-        return _designed(task, _arena(task)) is not None
+        return _designed(task, _arena(task), LITTLE) is not None
     return False
 
 
-def _designed(task: Task, arena: Arena) -> tuple[Search, Shape] | None:
+def _designed(task: Task, arena: Arena, effort: int | None = None) -> tuple[Search, Shape] | None:
     """The tube that is preferred, within its limits; None where none is found. A bound on a component's speed is no reason to
     use it up: first it is only asked whether it is kept, then no component may be faster than a few times what it takes without
-    such bounds."""
+    such bounds. effort: labels that are looked at for an order of the visits."""
     start, ladder = starting_box(arena), segments_tried(task, arena)
     mission = mission_of(task, arena)
+    if mission is not None and effort is not None:
+        mission = replace(mission, effort=effort)
     if mission is not None:
         require_start(mission, start)
     plain = search_of(arena, start, ladder, mission)

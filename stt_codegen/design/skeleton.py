@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from stt_codegen.design.faces import Array
+from stt_codegen.task.formula import In
 from stt_codegen.task.mission import State
 
 START, END, SEAM = 0, 1, 2
@@ -26,12 +27,13 @@ TINY = 1e-9
 
 @dataclass(frozen=True)
 class Difference:
-    """least <= t_last - t_first <= most."""
+    """least <= t_last - t_first <= most; `inset`: by how much both are narrower than what the mission asks."""
 
     first: int
     last: int
     least: float
     most: float
+    inset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -65,14 +67,14 @@ class Skeleton:
             return cls()
         return cls(3, (Difference(START, END, 1.0, 1.0), Difference(START, SEAM, seam, seam)), (), seam)
 
-    def event(self, first: int, least: float, most: float) -> tuple[Skeleton, int]:
+    def event(self, first: int, least: float, most: float, inset: float = 0.0) -> tuple[Skeleton, int]:
         """With one event more, so long after another."""
-        more = (*self.differences, Difference(first, self.events, least, most))
+        more = (*self.differences, Difference(first, self.events, least, most, inset))
         return replace(self, events=self.events + 1, differences=more), self.events
 
-    def differing(self, first: int, last: int, least: float, most: float) -> Skeleton:
+    def differing(self, first: int, last: int, least: float, most: float, inset: float = 0.0) -> Skeleton:
         """With one difference more."""
-        return replace(self, differences=(*self.differences, Difference(first, last, least, most)))
+        return replace(self, differences=(*self.differences, Difference(first, last, least, most, inset)))
 
     def holding(self, hold: Hold) -> Skeleton:
         """With one hold more."""
@@ -87,6 +89,19 @@ class Skeleton:
     def zone(self) -> Array | None:
         """The largest t_j - t_i by i and j, all consequences drawn; None where no times satisfy the differences."""
         return closed(self.events, self.differences)
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether a region is to be kept off at a moment at which it must be visited, whatever the times."""
+        zone = self.zone
+        assert zone is not None
+        regions = [(h.state.inner, h) for h in self.holds if isinstance(h.state.inner, In)]
+        for off, kept in regions:
+            for on, h in regions if off.kept else ():
+                within = zone[h.first, kept.first] <= TINY and zone[kept.last, h.first] <= TINY
+                if on.region == off.region and not on.kept and within:
+                    return True
+        return False
 
     @property
     def timed(self) -> bool:

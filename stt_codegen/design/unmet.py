@@ -11,7 +11,7 @@ import numpy as np
 
 from stt_codegen.decimals import above, below, decimal
 from stt_codegen.design.arena import Arena, starting_box
-from stt_codegen.design.asked import Mission, margin_of, mission_of
+from stt_codegen.design.asked import Mission, mission_of
 from stt_codegen.design.clash import clash
 from stt_codegen.design.places import Places
 from stt_codegen.design.visits import MissionSearch, search_of
@@ -57,7 +57,7 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
 def _clash(task: Task, arena: Arena, mission: Mission, search: Search) -> str:
     """What is in conflict in time, as a part of a sentence; empty where nothing is found."""
     places = Places(arena, mission, search.start, search.width(0.0))
-    found = clash(arena, places, mission, margin_of(task)) if len(places.nodes) else None
+    found = clash(arena, places, mission) if len(places.nodes) else None
     return "" if found is None else f"; {found}"
 
 

@@ -69,14 +69,14 @@ class MissionSearch(TimedSearch):
         """The plans for a width, the slowest first."""
         if share not in self.plans:
             assert self.mission is not None
-            places = Places(self.arena, self.mission, self.start, self.width(share))
+            places = Places(self.arena, self.mission, self.start, self.width(share), self.mission.effort)
             found: list[Plan] = []
             for skeleton in self.mission.every:
                 if skeleton.seam is not None and any(
                     plan.skeleton.seam == skeleton.seam and plan.skeleton.events < skeleton.events for plan in found
                 ):
                     continue
-                if found and skeleton in self.mission.others:
+                if (found and skeleton in self.mission.others) or places.left <= 0:
                     break
                 most = max((plan.skeleton.events for plan in found), default=skeleton.events)
                 if skeleton.events > most and any(plan.speed <= UNHURRIED * float(np.cumsum(plan.lengths)[-1]) for plan in found):

@@ -98,7 +98,7 @@ def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
     numbers = dataclasses.asdict(design)
     for name in ("filter", "seam"):  # of order 2 alone, and of what is repeated
-        if not numbers.get(name):
+        if numbers.get(name) in (None, ()):
             numbers.pop(name, None)
     data = {"task": task.digest, "scalar": task.emit.scalar, "design": numbers}
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
@@ -187,11 +187,11 @@ def _phases(task: Task, program: Program, certificate: Certificate) -> list[tupl
 
 def _cycle(task: Task, cycle: Cycle, scalar: str) -> dict[str, Any]:
     """What is said of a tube that repeats itself: its cycle in seconds and ticks, when it begins, and by how much a turn of the
-    clock in seconds may be off: the cycle and the difference are rounded."""
+    clock in seconds may be off (the cycle and the difference are rounded), and each sum of t and a period."""
     length, unit = round_to(cycle.length, scalar), FORMATS[scalar].roundoff
     wrong = abs(length - cycle.length) + unit * task.prescribed_time
     found = {"cycle": Const(length), "cycle_begins": decimal(cycle.begin), "cycle_length": decimal(cycle.length)}
-    found["turn_error"] = f"{above(wrong, 2):g}"
+    found["turn_error"], found["sum_error"] = f"{above(wrong, 2):g}", f"{above(unit * task.prescribed_time, 2):g}"
     if task.emit.tick_period is not None:
         found["cycle_ticks"] = cycle.length / task.emit.tick_period
     return found

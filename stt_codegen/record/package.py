@@ -67,6 +67,7 @@ def package(controller: Controller, kind: str) -> Files:
         for name in (header, source, guard_name(prefix), phase_name(prefix), wrap_name(prefix), selftest_name(prefix))
         if name in controller.files
     ]
+    words["sources"] = " ".join(f"src/{name}" for name in sources if name.endswith(".c"))
     files = {f"src/{name}": controller.files[name] for name in sources}
     files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}

@@ -13,6 +13,8 @@ from stt_codegen.task.set_checks import set_problem
 from stt_codegen.task.shapes import Unsafe, UnsafeCapsule
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+ROUNDED = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53)}  # of a time: by how much a sum of it may be wrong
+LOST = 1000  # times that: of a period that is no longer the clock would be wrong by more than a thousandth
 MOST_REGIONS, MOST_ENTRIES = 400, 40
 
 
@@ -41,6 +43,12 @@ def _repeat_problem(task: TaskTables) -> str | None:
         return "repeat: is for missions; say by [[mission]] what is done for ever, as a patrol, or leave repeat out"
     if task.target_set is not None:
         return "target_set: is where a tube ends, and with repeat = true it does not; leave it out, or visit it as a region"
+    period, step = task.control.period, task.prescribed_time * ROUNDED[task.emit.scalar]
+    if period is not None and task.emit.tick_period is None and step * LOST > period:
+        told = (
+            f"{decimal(period)} s is lost where a {task.emit.scalar} adds it to a time of up to {decimal(task.prescribed_time)} s"
+        )
+        return f"control.period: {told}, for ever; count in ticks: give emit.tick_period"
     for j, one in enumerate(task.unsafe):
         for field in ("motion", "during", "timing", "spread"):
             if getattr(one, field) is not None:
@@ -98,7 +106,8 @@ def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Cho
         if not one.kept and (capsule := _capsule(known, one.region)):
             return f".{form}: {capsule} is a capsule, which can be kept off alone; to be in, give any_of of balls, or vertices"
     t_c = task.prescribed_time
-    late = next((w for w in windows_of(meaning) if entry.formula and w.end is not None and w.end > t_c), None)
+    windows = () if task.repeat or not entry.formula else windows_of(meaning)
+    late = next((w for w in windows if w.end is not None and w.end > t_c), None)
     if late is not None:
         told = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
         return f".formula: {told}, from when on the tube stands; use at most that, or inf"
@@ -113,7 +122,7 @@ def _times_problem(task: TaskTables, entry: Entry) -> str | None:
     if entry.within is not None and entry.then is None:
         return ".within: is about `then`; give it, or leave within out"
     end = (window[0] if window else Fraction(0)) + (entry.stay or 0)
-    if end > t_c:
+    if end > t_c and not task.repeat:
         return f".stay: lasts to {decimal(end)} s at the earliest, after prescribed_time = {decimal(t_c)}; shorten it"
     if entry.patrol is not None:
         if not entry.patrol:
@@ -121,6 +130,9 @@ def _times_problem(task: TaskTables, entry: Entry) -> str | None:
         if entry.every is None:
             return ".every: is missing; give the seconds between two visits of one region, at most"
         until = entry.until or t_c
+        if task.repeat and entry.every > t_c and entry.until is None:
+            told = f"is {decimal(entry.every)}, longer than prescribed_time = {decimal(t_c)}, by when the first cycle ends"
+            return f".every: {told}; use that or less"
         if until > t_c:
             return f".until: is {decimal(until)}, after prescribed_time = {decimal(t_c)}; use that or less"
         if entry.every > until:

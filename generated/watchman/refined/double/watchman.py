@@ -15,11 +15,11 @@ import math
 
 N = 2
 T_C = 16.0  # prescribed time, seconds
-TICK_PERIOD = 0.005  # seconds of one tick of control_tick
-TICKS = 3200  # the first tick that is not before t_c
+TICK_PERIOD = 0.02  # seconds of one tick of control_tick
+TICKS = 800  # the first tick that is not before t_c
 CYCLE = 14.0  # seconds after which the tube repeats itself, from T_C - CYCLE on
-CYCLE_TICKS = 2800
-DESIGN_HASH = "9d7e33d317c648f7"
+CYCLE_TICKS = 700
+DESIGN_HASH = "4fcf0b50ae32e31a"
 
 OK = 0
 OUTSIDE_TUBE = 1
@@ -131,22 +131,22 @@ def _segment(t):
 
 
 def _segment_at_tick(tick):
-    """As segment, for a count of ticks: one is 1/50 of a segment, in integers; only s is rounded.
-    From tick 3200 on the last segment and s = 1, which is t_c.
+    """As segment, for a count of ticks: one is 2/25 of a segment, in integers; only s is rounded.
+    From tick 800 on the last segment and s = 1, which is t_c.
     """
-    running = tick < 3200
-    held = tick if running else 3200
+    running = tick < 800
+    held = tick if running else 800
     count = held
-    passed = count * 1
-    early = passed < 3200
-    place = passed if early else 3200
-    whole = place // 50
+    passed = count * 2
+    early = passed < 1600
+    place = passed if early else 1600
+    whole = place // 25
     before_last = whole < 63
     segment = whole if before_last else 63
-    base = segment * 50
+    base = segment * 25
     rest = place - base
     part = float(rest)
-    share = part / 50.0
+    share = part / 25.0
     first = segment * 4
     return first, share
 
@@ -317,7 +317,7 @@ def tube_rate(t):
 
 def control(t, x):
     """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
-    t: seconds since the start (held within [0, t_c]); x: state; u: input.
+    t: seconds, as watchman_wrap turns them back (held within [0, t_c]); x: state; u: input.
     x by component: x [m], y [m].
     OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
     (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -383,7 +383,7 @@ def control(t, x):
 
 def control_tick(tick, x):
     """Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
-    tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
+    tick: periods of 0.02 s, as watchman_wrap_tick turns them back; x: state; u: input.
     x by component: x [m], y [m].
     OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
     (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.

@@ -114,24 +114,24 @@ static inline void watchman_segment(watchman_real t, int32_t *row, watchman_real
     *s = place;
 }
 
-/* As segment, for a count of ticks: one is 1/50 of a segment, in integers; only s is rounded.
- * From tick 3200 on the last segment and s = 1, which is t_c.
+/* As segment, for a count of ticks: one is 2/25 of a segment, in integers; only s is rounded.
+ * From tick 800 on the last segment and s = 1, which is t_c.
  */
 static inline void watchman_segment_at_tick(uint32_t tick, int32_t *row, watchman_real *s)
 {
-    const bool running = tick < 3200U;
-    const uint32_t held = running ? tick : 3200U;
+    const bool running = tick < 800U;
+    const uint32_t held = running ? tick : 800U;
     const int32_t count = (int32_t)held;
-    const int32_t passed = count * 1;
-    const bool early = passed < 3200;
-    const int32_t place = early ? passed : 3200;
-    const int32_t whole = place / 50;
+    const int32_t passed = count * 2;
+    const bool early = passed < 1600;
+    const int32_t place = early ? passed : 1600;
+    const int32_t whole = place / 25;
     const bool before_last = whole < 63;
     const int32_t segment = before_last ? whole : 63;
-    const int32_t base = segment * 50;
+    const int32_t base = segment * 25;
     const int32_t rest = place - base;
     const watchman_real part = (watchman_real)rest;
-    const watchman_real share = part / 50.0F;
+    const watchman_real share = part / 25.0F;
     const int32_t first = segment * 4;
     *row = first;
     *s = share;

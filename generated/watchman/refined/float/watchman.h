@@ -23,11 +23,11 @@ typedef float watchman_real;
 
 #define WATCHMAN_N 2
 #define WATCHMAN_T_C 16.0F /* prescribed time, seconds; t = 0 is when the mission begins */
-#define WATCHMAN_TICK_PERIOD 0.005F /* seconds of one tick of watchman_control_tick */
-#define WATCHMAN_TICKS 3200U /* the first tick that is not before t_c: count no farther */
+#define WATCHMAN_TICK_PERIOD 0.02F /* seconds of one tick of watchman_control_tick */
+#define WATCHMAN_TICKS 800U /* the first tick that is not before t_c: watchman_wrap_tick turns it back */
 #define WATCHMAN_CYCLE 14.0F /* seconds after which the tube repeats itself, from T_C - CYCLE on: watchman_wrap */
-#define WATCHMAN_CYCLE_TICKS 2800U /* the same in ticks, exactly */
-#define WATCHMAN_DESIGN_HASH "7fc5ac0ae2cce279" /* log it: names this design */
+#define WATCHMAN_CYCLE_TICKS 700U /* the same in ticks, exactly */
+#define WATCHMAN_DESIGN_HASH "6f75ab59a7aef00f" /* log it: names this design */
 
 typedef enum {
     WATCHMAN_OK = 0,
@@ -47,7 +47,7 @@ void watchman_tube_rate(watchman_real t, watchman_real lower_rate[WATCHMAN_N],
                         watchman_real upper_rate[WATCHMAN_N]);
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
- * t: seconds since the start (held within [0, t_c]); x: state; u: input.
+ * t: seconds, as watchman_wrap turns them back (held within [0, t_c]); x: state; u: input.
  * x by component: x [m], y [m].
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -56,7 +56,7 @@ watchman_status watchman_control(watchman_real t, const watchman_real x[WATCHMAN
                                  watchman_real u[WATCHMAN_N]);
 
 /* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
- * tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
+ * tick: periods of 0.02 s, as watchman_wrap_tick turns them back; x: state; u: input.
  * x by component: x [m], y [m].
  * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
  * (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
@@ -81,15 +81,17 @@ void watchman_transform(const watchman_real lower[WATCHMAN_N], const watchman_re
                         const watchman_real x[WATCHMAN_N], watchman_real e[WATCHMAN_N],
                         watchman_real epsilon[WATCHMAN_N], watchman_real xi[WATCHMAN_N]);
 
-/* In watchman_phase.c: which entry of the mission is being served at time t, from 1; 0 once all are done.
+/* In watchman_phase.c: which entry of the mission is being served at time t, from 1; in every cycle alike, also what was asked once.
  * 1 patrol gate, office, store: store from 4.5 to 4.75 s; office from 9.5 to 9.75 s; gate from 12 to 12.25 s
  * 2 never lab: holds, without a visit
  */
 int watchman_phase(watchman_real t);
 
 /* In watchman_wrap.c: time that never ends. After 2 s the tube repeats itself every 14 s: t or, from t_c on, t one
- * cycle earlier; for t less than a cycle after t_c. So count t = watchman_wrap(t + period); without it the tube stands still
- * from t_c on. A turn in seconds moves the clock by up to 9.6e-07 s, one in ticks by nothing. */
+ * cycle earlier; for t less than a cycle after t_c. So count t = watchman_wrap(t + period).
+ * Of a t beyond t_c the tube is that at t_c: it stands off every unsafe set, and the mission does not go on.
+ * In seconds a turn moves the clock by up to 9.6e-07 s and every sum by up to 9.6e-07 s, period after period.
+ * In ticks nothing is lost: tick = watchman_wrap_tick(tick + 1U). All that is said above is about a clock that is right. */
 watchman_real watchman_wrap(watchman_real t);
 uint32_t watchman_wrap_tick(uint32_t tick);
 

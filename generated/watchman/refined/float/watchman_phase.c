@@ -3,13 +3,5 @@
 
 int watchman_phase(watchman_real t)
 {
-    static const watchman_real until[1] = { 16.0F };
-    static const int entry[1] = { 1 };
-    int phase = 0;
-    for (int k = 1 - 1; k >= 0; k--) {
-        if (t < until[k]) {
-            phase = entry[k];
-        }
-    }
-    return phase;
+    return (t < 16.0F) ? 1 : 0;
 }
