@@ -11,10 +11,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stt_codegen.bench.scenarios import moving_mission
+from stt_codegen.design.arena import starting_box
+from stt_codegen.design.asked import mission_of
 from stt_codegen.design.clash import _Arc, _negative
+from stt_codegen.design.layers import way_with_events
 from stt_codegen.design.orders import Stop
 from stt_codegen.design.plans import Plan, knots_of
+from stt_codegen.design.refine import _arena
 from stt_codegen.design.skeleton import END, START, Difference, Skeleton, closed
+from stt_codegen.design.spacetime import QUICKEST
+from stt_codegen.design.visits import MissionSearch, search_of
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import design_tube
 from stt_codegen.task import parse_task
@@ -95,3 +102,34 @@ def test_times_are_shared_for_speed_or_for_acceleration() -> None:
     plan = Plan(skeleton, np.zeros(2), (Stop(event, far[0]), Stop(END, far[1])), (1.0, 9.0), 10.0)
     assert knots_of(plan, 40, 0) == [0, 4, 40]
     assert knots_of(plan, 40, 0, bent=True) == [0, 10, 40]
+
+
+def test_a_way_among_sets_that_move_has_its_events_in_order_place_and_time() -> None:
+    """Whole cells from one time to the next, no more of them than the pace; every event in its window, where its state holds."""
+    assert sum(map(judged_way, range(6))) >= 3
+
+
+def judged_way(seed: int) -> bool:
+    """Whether a way is found for a random mission; then all that must hold of it does."""
+    task = parse_task(moving_mission(seed, 2, 8))
+    arena = _arena(task)
+    mission = mission_of(task, arena)
+    search = search_of(arena, starting_box(arena), (64,), mission)
+    assert isinstance(search, MissionSearch)
+    assert mission is not None
+    plan, width = search.planned(0.0)[0], search.width(0.0)
+    found = way_with_events(arena, mission, plan, search.centre, width, 64)
+    if found is None:
+        return False
+    knots, way = found
+    assert knots == sorted(knots)
+    assert (knots[0], knots[-1]) == (0, 64)
+    cell = (arena.space[1] - arena.space[0] - width) / 100
+    assert (np.abs(np.diff(way[1:], axis=0)) <= (QUICKEST + 1e-6) * cell).all()
+    at = {START: 0, **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
+    for d in plan.skeleton.differences:
+        assert d.least * 64 - 1e-6 <= at[d.last] - at[d.first] <= d.most * 64 + 1e-6
+    for hold in plan.skeleton.holds:
+        for k in range(max(at[hold.first], 1), at[hold.last] + 1):
+            assert mission.states[hold.state].allows(way[k : k + 1], width / 2, arena.clearance + width / 2).all()
+    return True

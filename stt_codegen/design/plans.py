@@ -23,7 +23,6 @@ FASTEST = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at wh
 SLOWER = 0.9  # of the speed that an order needs another one is looked for,
 TRIES = 6  # so often at most
 ROUNDED = 1e-9
-HURRY = 0.5  # of the time that every leg has at an even pace is enough where events are to be early or late
 AT_A_KNOT = 1 / 64  # of a segment: around a knot at which a state is asked for it must hold so long
 
 
@@ -107,11 +106,10 @@ def _windows(skeleton: Skeleton, stops: list[Stop] | tuple[Stop, ...]) -> Iterat
             yield list(range(a, b)), least, most
 
 
-def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0, bent: bool = False) -> list[int] | None:
+def knots_of(plan: Plan, segments: int, calm: int, bent: bool = False) -> list[int] | None:
     """The knot of each stop, the start's first: times at the least speed rounded to whole segments within all windows, each leg
-    that goes anywhere at least `calm` long; None where windows are too narrow for so few segments. lean: 1 for events as early
-    as half of that pace allows, -1 for as late. bent: at the least acceleration instead, for which a leg from rest to rest takes
-    2 sqrt(length / acceleration)."""
+    that goes anywhere at least `calm` long; None where windows are too narrow for so few segments. bent: at the least
+    acceleration instead, for which a leg from rest to rest takes 2 sqrt(length / acceleration)."""
     legs, lengths = len(plan.stops), [math.sqrt(length) if bent else length for length in plan.lengths]
     windows = list(_windows(plan.skeleton, plan.stops))
     moving = [length > TINY for length in lengths]
@@ -128,10 +126,6 @@ def knots_of(plan: Plan, segments: int, calm: int, lean: int = 0, bent: bool = F
     for columns, least, most in windows:
         program.rows([columns], np.ones(len(columns)), least, most)
     found = program.solve()
-    if found is not None and lean:
-        program.lower[legs] = found[legs] * HURRY
-        program.cost[:legs], program.cost[legs] = lean * np.arange(legs, 0, -1.0), 0.0
-        found = program.solve()
     if found is None:
         return None
     times = np.concatenate([[0.0], np.cumsum(found[:legs])]) * segments

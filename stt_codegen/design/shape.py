@@ -36,7 +36,7 @@ BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 /
 class Shape:
     """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
     moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within;
-    demands: what a mission asks of it there, beside the arena's movers; seam: as of a design."""
+    demands: what a mission asks of it there, beside the arena's movers; seam: as of a design; way: of its centre."""
 
     points: Array
     paces: Array
@@ -45,6 +45,7 @@ class Shape:
     order: int = 1
     demands: tuple[Mover, ...] = ()
     seam: int | None = None
+    way: Array | None = None
 
     @property
     def pace(self) -> float:
@@ -195,7 +196,7 @@ def _group(
         bounds.append(_bounds(arena, start[:, i], edges[..., i], float(width[i]), template, i))
     couplings = [c for c in _couplings(arena, limits) if c.first in members]
     if couplings:
-        rows, low = _coupled(couplings, width, members, each, template, arena.seam)
+        rows, low = _coupled(couplings, width, members, each, template)
         parts.append(rows)
         bounds.append((low, np.full(len(low), np.inf)))
     lower, upper, cost = np.full(last + 1, -np.inf), np.full(last + 1, np.inf), np.zeros(last + 1)
@@ -239,7 +240,7 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     """What the template's rows of dimension i are between. start (2,); edges (K, 4, 2): for every Bezier coefficient on L from
     below, on U from above."""
     place, count, segments = template.place, template.rows.count, len(edges)
-    widened = widened_points(segments, arena.seam)
+    widened = template.widened
     lower, upper = np.full(count, -np.inf), np.full(count, np.inf)
 
     def put(name: str, low: Array, high: Array) -> None:
@@ -274,13 +275,11 @@ def _bounds(arena: Arena, start: Array, edges: Array, width: float, template: Te
     return lower, upper
 
 
-def _coupled(
-    couplings: list[_Coupling], width: Array, members: list[int], each: int, template: Template, seam: int | None
-) -> tuple[Rows, Array]:
+def _coupled(couplings: list[_Coupling], width: Array, members: list[int], each: int, template: Template) -> tuple[Rows, Array]:
     """The rows of couplings, and what they are at least."""
     rows: list[tuple[tuple[int, ...], tuple[float, ...]]] = []
     bound: list[float] = []
-    widened = widened_points(len(template.column) - 3, seam)
+    widened = template.widened
     place = {i: k for k, i in enumerate(members)}
     for one in couplings:
         constant = sum(c * float(width[i]) for i, c in enumerate(one.normal) if c < 0)

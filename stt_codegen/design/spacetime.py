@@ -83,13 +83,20 @@ class Field:
             cost[self.first] = 0
         found = [cost]
         for k, free in enumerate(self.free):
-            best, wider = cost, np.where(free, cost, FAR)
-            for step in range(1, quickest + 1):
-                wider = np.where(free, _spread(wider), FAR)
-                best = np.minimum(best, wider + step * step)
-            cost = np.where(free & self.after(k), np.minimum(best, FAR), FAR)
+            cost = self.stepped(cost, free, self.after(k), quickest)
             found.append(cost)
         return found
+
+    @staticmethod
+    def stepped(
+        cost: npt.NDArray[np.int32], free: npt.NDArray[np.bool_], after: npt.NDArray[np.bool_], quickest: int
+    ) -> npt.NDArray[np.int32]:
+        """The least sums one segment later, whose free cells these are, and those of the next."""
+        best, wider = cost, np.where(free, cost, FAR)
+        for step in range(1, quickest + 1):
+            wider = np.where(free, _spread(wider), FAR)
+            best = np.minimum(best, wider + step * step)
+        return np.asarray(np.where(free & after, np.minimum(best, FAR), FAR))
 
     def way(self, quickest: int) -> Array | None:
         """The centre at every time, (K + 1, n), through at most so many cells in one segment's time; None where no way leads."""
@@ -99,18 +106,19 @@ class Field:
             return None
         cells = [tuple(int(v) for v in np.unravel_index(int(last.argmin()), last.shape))]
         for k in range(len(self.free) - 1, -1, -1):
-            cells.append(self._before(cells[-1], costs[k], costs[k + 1], k, quickest))
+            cells.append(self.before(cells[-1], costs[k], int(costs[k + 1][cells[-1]]), self.free[k], quickest))
         return self.cells.points(cells[::-1])
 
-    def _before(self, cell: Cell, earlier: npt.NDArray[np.int32], cost: npt.NDArray[np.int32], k: int, quickest: int) -> Cell:
-        """Where the centre was at the begin of segment k: the nearest cell from which it comes here at the cell's cost."""
+    @staticmethod
+    def before(cell: Cell, earlier: npt.NDArray[np.int32], cost: int, free_: npt.NDArray[np.bool_], quickest: int) -> Cell:
+        """Where the centre was at the begin of a segment with these free cells: the nearest from which it comes here so."""
         part = tuple(slice(max(v - quickest, 0), v + quickest + 1) for v in cell)
         corner = [p.start for p in part]
-        free, wanted = self.free[k][part], earlier[part]
+        free, wanted = free_[part], earlier[part]
         away = np.full(free.shape, FAR, dtype=np.int32)
         away[tuple(v - c for v, c in zip(cell, corner, strict=True))] = 0
         for step in range(quickest + 1):
-            there = np.argwhere((away < FAR) & (wanted + step * step == cost[cell]))
+            there = np.argwhere((away < FAR) & (wanted + step * step == cost))
             if len(there):
                 return tuple(int(v) + c for v, c in zip(there[0], corner, strict=True))
             away = np.where(free, _spread(away), FAR)
@@ -146,10 +154,10 @@ def _neighbours(here: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     return here
 
 
-def way_in_time(arena: Arena, centre: Array, width: Array, segments: int) -> Array | None:
+def way_in_time(arena: Arena, centre: Array, width: Array, segments: int, coarsely: bool = False) -> Array | None:
     """The centre of a tube of this width (n,) at the ends of its segments, (segments + 1, n), from `centre`; None where none is
-    found."""
-    for one in fields(arena, centre, width, segments):
+    found. coarsely: among the largest cells alone."""
+    for one in fields(arena, centre, width, segments, coarsely):
         quick, haste = one.paces
         way = one.way(quick)
         if way is None and one.leads():
@@ -165,7 +173,7 @@ def leads(arena: Arena, centre: Array, width: Array, segments: int) -> bool:
     return any(one.leads() for one in fields(arena, centre, width, segments))
 
 
-def fields(arena: Arena, centre: Array, width: Array, segments: int) -> Iterator[Field]:
+def fields(arena: Arena, centre: Array, width: Array, segments: int, coarsely: bool = False) -> Iterator[Field]:
     """What is searched, one after the other."""
     n, inset = arena.dimension, width / 2
     space, goal = (np.stack([box[0] + inset, box[1] - inset]) for box in (arena.space, arena.target))
@@ -177,7 +185,8 @@ def fields(arena: Arena, centre: Array, width: Array, segments: int) -> Iterator
     if (goal[0] > goal[1]).any() or (space[0] >= space[1]).any():
         return
     choices = list(itertools.product(itertools.combinations(range(n), min(n, SLICE)), PROFILES if n > SLICE else PROFILES[:1]))
-    for count, (own, profile) in itertools.product(CELLS[min(n, SLICE)], choices[:CHOICES]):
+    counts = CELLS[min(n, SLICE)][: 1 if coarsely else None]
+    for count, (own, profile) in itertools.product(counts, choices[:CHOICES]):
         ends = np.clip(centre, goal[0], goal[1])
         rest = centre + _share(profile, segments)[:, None] * (ends - centre)
         axes = [space[0, i] + (np.arange(count) + 0.5) * ((space[1, i] - space[0, i]) / count) for i in own]

@@ -25,6 +25,7 @@ class Template:
     columns: int
     told: bool
     column: tuple[int, ...]  # of every control point
+    widened: int = 0
 
     @property
     def points(self) -> int:
@@ -97,4 +98,4 @@ def template_of(
                 found = [((*c, first + 2 * j, first + 2 * j + 1), (*v, -1.0, 1.0)) for j, (c, v) in enumerate(found)]
                 first += 2 * count
             add(what, found)
-    return Template(Rows.of(rows), place, pace + 1, told, tuple(column))
+    return Template(Rows.of(rows), place, pace + 1, told, tuple(column), widened)

@@ -16,6 +16,7 @@ import numpy as np
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.asked import Mission
 from stt_codegen.design.faces import Array
+from stt_codegen.design.layers import way_with_events
 from stt_codegen.design.orders import Order
 from stt_codegen.design.places import Places
 from stt_codegen.design.plans import Plan, centre_of, demands_of, knots_of, plan_of, timed_plan
@@ -92,12 +93,13 @@ class MissionSearch(TimedSearch):
         for plan in self.planned(share)[:ORDERS]:
             if self.arena.order == 1 and plan.speed > most:
                 continue
-            for segments in self.ladder[:QUICK] if (self.arena.movers and share) or best is not None else self.ladder:
-                for number, knots in enumerate(self.timings(plan, segments)):
-                    shape = self.within_plan(plan, knots, segments, width)
+            few = 1 if self.arena.movers and share else QUICK if best is not None else len(self.ladder)
+            for segments in self.ladder[:few]:
+                for number, (knots, way) in enumerate(self.timings(plan, segments, width)):
+                    shape = self.within_plan(plan, knots, segments, width, way)
                     if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
                         continue
-                    lasting = self.within_plan(plan, knots, segments, width, True)
+                    lasting = self.within_plan(plan, knots, segments, width, shape.way, True)
                     cheap = lasting is not None and lasting.speed <= min(DEAR * shape.speed, self.most(segments))
                     shape = lasting if cheap else shape
                     best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
@@ -107,34 +109,43 @@ class MissionSearch(TimedSearch):
                         return best
         return best
 
-    def timings(self, plan: Plan, segments: int) -> Iterator[list[int]]:
-        """Knots to try, each once: with more and more time for every leg; where sets move with all events early or late too;
-        where accelerations count first at the least of them, as if every leg began and ended at rest."""
+    def timings(self, plan: Plan, segments: int, width: Array) -> Iterator[tuple[list[int], Array | None]]:
+        """Knots to try, each once: with more and more time for every leg; where sets move then those of a way that is searched
+        for in space and time, with it; where accelerations count first at the least of them, as if every leg began and ended
+        at rest."""
         tried: set[tuple[int, ...]] = set()
-        bent = self.arena.order == 2 or self.arena.max_acceleration is not None
-        early = [(0, 0, True)] if bent else []
-        later = ((0, 0), (0, 1), (0, -1), (2, 0)) if self.arena.movers else tuple((calm, 0) for calm in CALM)
-        for calm, lean, at_rest in (*early, *((calm, lean, False) for calm, lean in later)):
-            knots = knots_of(plan, segments, calm, lean, at_rest)
+        early = [(0, True)] if self.arena.order == 2 or self.arena.max_acceleration is not None else []
+        later = [(calm, False) for calm in (CALM[:1] if self.arena.movers else CALM)]
+        for calm, at_rest in (*early, *later):
+            knots = knots_of(plan, segments, calm, at_rest)
             if knots is not None and tuple(knots) not in tried:
                 tried.add(tuple(knots))
-                yield knots
+                yield knots, None
+        if self.arena.movers:
+            assert self.mission is not None
+            found = way_with_events(self.arena, self.mission, plan, self.centre, width, segments)
+            if found is not None:
+                yield found
 
-    def within_plan(self, plan: Plan, knots: list[int], segments: int, width: Array, lasting: bool = False) -> Shape | None:
-        """The slowest tube whose events are at these knots; lasting: a segment to either side of them too."""
+    def within_plan(
+        self, plan: Plan, knots: list[int], segments: int, width: Array, way: Array | None = None, lasting: bool = False
+    ) -> Shape | None:
+        """The slowest tube whose events are at these knots. way: of the centre, where one is known; lasting: what is asked for a
+        moment must hold for a segment to either side of it too."""
         assert self.mission is not None
         demands = demands_of(self.arena, self.mission, plan, knots, segments, lasting)
         seam = None if plan.skeleton.seam is None else round(plan.skeleton.seam * segments)
         arena = replace(self.arena, movers=(*self.arena.movers, *demands), seam=seam)
-        centre = centre_of(plan, knots, segments)
-        if self.arena.movers:  # the plan knows nothing of them
-            way = way_in_time(arena, self.centre, width, segments)
+        if way is None and self.arena.movers:  # the plan knows nothing of them
+            wide = bool((width > self.width(0.0)).any())  # of a wide tube the first try is enough
+            way = way_in_time(arena, self.centre, width, segments, wide)
             if way is None:
                 return None
-            centre = way
-        limits = limits_in_time(arena, self.start, centre, width)
+        if way is None:
+            way = centre_of(plan, knots, segments)
+        limits = limits_in_time(arena, self.start, way, width)
         shape = slowest_shape(arena, self.start, limits, width, plan.speed, self.solvers)
-        return None if shape is None else replace(shape, demands=demands)
+        return None if shape is None else replace(shape, demands=demands, way=way)
 
     def family(self) -> Iterator[Shape]:
         for share in (*self.shares, 0.0):
