@@ -36,6 +36,7 @@ class Places:
     left: int = LABELS
     _sights: dict[State, Flags] = field(default_factory=dict)
     _graphs: dict[int, Array] = field(default_factory=dict)
+    _far: dict[bytes, Array] = field(default_factory=dict)
     _legs: dict[tuple[int, int], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)
 
     @cached_property
@@ -156,7 +157,9 @@ class Places:
 
     def far(self, goals: Flags) -> Array:
         """How far it is at least from every node to the nearest of some, whatever is held: (N,)."""
-        from scipy.sparse.csgraph import dijkstra
+        if (name := goals.tobytes()) not in self._far:
+            from scipy.sparse.csgraph import dijkstra
 
-        lengths = dijkstra(self._graph(0), indices=np.nonzero(goals)[0], min_only=True)
-        return np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))
+            lengths = dijkstra(self._graph(0), indices=np.nonzero(goals)[0], min_only=True)
+            self._far[name] = np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))
+        return self._far[name]

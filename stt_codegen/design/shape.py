@@ -1,8 +1,7 @@
 """The spline tube of a given width by linear programs: as slow as its limits allow, one program for every dimension.
 
 The upper edge is the lower one, the width, and what the start is wider: U = L + w + z, z >= 0 on the first WIDENED control
-points. So a program has half the columns that two free edges would have, and its least peak speed is, in practice, the same. A
-tube that is wider than w here and there would be faster there: its edges move more.
+points. So a program has half the columns of two free edges, and its least peak speed is, in practice, the same.
 
 Many tubes are as slow as the slowest: where a dimension has time to spare, any way of spending it will do. Of them the calmest is
 taken: least sum of |second differences| of control points, by one more program for every dimension, at the pace it needs anyway.
@@ -58,8 +57,7 @@ class Shape:
 
     @property
     def speed(self) -> float:
-        """The peak speed of an edge, with t_c as the unit of time; for order 2 a quarter of the peak acceleration. From rest to
-        rest no edge that goes a way of this length has less."""
+        """The peak speed of an edge, with t_c as the unit of time; for order 2 a quarter of the peak acceleration."""
         return self.pace * (self.segments if self.order == 1 else self.segments * self.segments / 4)
 
     def bezier(self) -> Array:
@@ -103,8 +101,9 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
     """The slowest tube within these limits: every group of dimensions that the faces in use couple by itself, mostly one."""
     points: Array = np.empty((2, arena.dimension, len(limits.edges) + 3))
     paces: Array = np.empty(arena.dimension)
+    edges = limits.coefficients(arena)  # (K, 4, 2, n)
     for members in _groups(arena, limits):
-        found = _group(arena, start, limits, width, members, solvers)
+        found = _group(arena, start, limits, edges, width, members, solvers)
         if found is None:
             return None
         points[:, members], paces[members] = found
@@ -114,8 +113,9 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
 def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
     """The calmest tube of the same width within the same limits, no dimension faster than it is: the one that bends least."""
     points, arena = shape.points.copy(), replace(arena, movers=(*arena.movers, *shape.demands), seam=shape.seam)
+    edges = shape.limits.coefficients(arena)
     for members in _groups(arena, shape.limits):
-        found = _group(arena, start, shape.limits, shape.width, members, None, float(shape.paces[members[0]]))
+        found = _group(arena, start, shape.limits, edges, shape.width, members, None, float(shape.paces[members[0]]))
         if found is not None:
             points[:, members] = found[0]
     return replace(shape, points=points)
@@ -176,6 +176,7 @@ def _group(
     arena: Arena,
     start: Array,
     limits: Limits,
+    edges: Array,
     width: Array,
     members: list[int],
     solvers: Solvers | None,
@@ -189,7 +190,7 @@ def _group(
     template = template_of(segments, widened, bent, told, arena.order, steps, arena.seam)
     each = template.columns - 1
     last = each * len(members)
-    parts, bounds, edges = [], [], limits.coefficients(arena)
+    parts, bounds = [], []
     for k, i in enumerate(members):
         own = template.rows.moved(k * each, each, last)
         parts.append(own if arena.swiftness[i] == 1 else own.times(last, float(arena.swiftness[i])))

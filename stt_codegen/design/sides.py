@@ -51,7 +51,7 @@ class Limits:
         found, n = np.repeat(self.edges[:, None], 4, axis=1), arena.dimension
         for mover, chosen in zip(arena.movers, self.beside, strict=True):
             bounds = mover.bounds(len(self.edges))
-            for x in range(2 * n):
+            for x in np.unique(chosen[(chosen >= 0) & (chosen < 2 * n)]).tolist():
                 here, (i, above) = np.nonzero(chosen == x)[0], divmod(x, 2)
                 limit, edge = bounds[x, here] + arena.clearance, found[here, :, 1 - above, i]
                 found[here, :, 1 - above, i] = np.maximum(edge, limit) if above else np.minimum(edge, -limit)
