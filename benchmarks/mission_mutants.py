@@ -39,6 +39,8 @@ from stt_codegen.task.mission import Choice, State
 
 Array = Any
 TASKS = Path(__file__).parent.parent / "tasks"
+RESPONSE = "always (gate -> eventually[0, 8] office) and always eventually[0, 14] gate"
+CYCLES = 3  # more than the first that the oracle follows
 RANDOM = 6  # random missions among the bases
 EACH = 24  # samples of a segment: where the tool cuts it, and between
 MOVED = ("window", "edge", "operator", "knot", "stretch", "shift")
@@ -50,7 +52,13 @@ def bases() -> tuple[tuple[str, Task, RefinedDesign, int], ...]:
     texts = [(s.name, s.text) for s in (*own(), *stlpy()) if not s.closed]
     tasks = [(name, parse_task(text)) for name, text in texts]
     tasks += [(f"random {k}", parse_task(random_mission(k, 2, 5))) for k in range(RANDOM)]
-    tasks += [(name, load_task(TASKS / f"{name}.toml")) for name in ("courier", "waypoints", "either")]
+    tasks += [(name, load_task(TASKS / f"{name}.toml")) for name in ("courier", "waypoints", "either", "watchman")]
+    told = (
+        (TASKS / "watchman.toml")
+        .read_text()
+        .replace('patrol = ["gate", "office", "store"]\nevery = 14', f'formula = "{RESPONSE}"')
+    )
+    tasks.append(("response for ever", parse_task(told)))
     found = []
     for name, task in tasks:
         design = design_tube(task)
@@ -89,7 +97,10 @@ def bent(design: RefinedDesign, dice: Random, kind: str, size: float) -> Refined
     for side in sides:
         table_[first:last, i, side] += step
     table_[:, i] = np.sort(table_[:, i], axis=1)
-    table_[-1] = table_[-3]
+    if design.seam is None:
+        table_[-1] = table_[-3]
+    else:
+        table_[-3:] = table_[design.seam : design.seam + 3]
     return replace(design, table=tuple(tuple((int(a), int(b)) for a, b in row) for row in table_.tolist()))
 
 
@@ -103,7 +114,7 @@ def changed(task: Task, dice: Random, kind: str, size: float) -> Task:
         values[i] += Fraction(str(round(dice.choice((-1, 1)) * size * float(box.upper[i] - box.lower[i]), 6)))  # type: ignore[union-attr]
         regions = [given(r) | ({edge: values} if j == k else {}) for j, r in enumerate(task.region)]
         return task.changed(region=regions)
-    texts = [str(e.meaning(task.prescribed_time)) for e in task.mission]
+    texts = [str(e.meaning(task.prescribed_time, task.repeat)) for e in task.mission]
     k = dice.randrange(len(texts))
     if kind == "operator":
         pairs = (("eventually", "always"), ("always", "eventually"), (" and ", " or "), (" or ", " and "), ("not ", ""))
@@ -129,7 +140,7 @@ def given(table_: Any) -> dict[str, Any]:
 
 def trajectories(design: RefinedDesign, dice: Random, t: Array) -> Iterator[Array]:
     """Along every corner of the tube, and from one to another: (T, n)."""
-    low, high = tube_at(design, t)
+    low, high = tube_at(design, turned_back(design, t))
     n = low.shape[1]
     for corner in itertools.product((0.0, 1.0), repeat=n):
         yield low + np.array(corner) * (high - low)
@@ -153,27 +164,40 @@ def inside(task: Task, name: str, x: Array, room: float) -> Array:
     return np.all([x @ np.array(n) <= h + room * np.abs(n).sum() for n, h in faces], axis=0)
 
 
-def evaluated(formula: Formula, t: Array, atoms: dict[In, Array]) -> Array:
-    """Where the formula may hold, at the samples: what is between two of them counts as the better."""
+def turned_back(design: RefinedDesign, t: Array) -> Array:
+    """Times on the tube's clock."""
+    if design.seam is None:
+        return t
+    t_c = float(design.prescribed_time)
+    length = t_c * (1 - design.seam / design.segments)
+    return np.where(t < t_c, t, t_c - length + (t - t_c) % length)
+
+
+def evaluated(formula: Formula, t: Array, atoms: dict[In, Array], endless: bool = False) -> Array:
+    """Where the formula may hold, at the samples: what is between two of them counts as the better; endless: and
+    what is after the last one."""
     match formula:
         case State(inner):
-            return evaluated(inner, t, atoms)
+            return evaluated(inner, t, atoms, endless)
         case In():
             return atoms[formula]
         case And(parts):
-            return np.all([evaluated(p, t, atoms) for p in parts], axis=0)
+            return np.all([evaluated(p, t, atoms, endless) for p in parts], axis=0)
         case Or(parts):
-            return np.any([evaluated(p, t, atoms) for p in parts], axis=0)
+            return np.any([evaluated(p, t, atoms, endless) for p in parts], axis=0)
         case Always(over, part):
-            bad = np.concatenate([[0], np.cumsum(~evaluated(part, t, atoms))])
+            bad = np.concatenate([[0], np.cumsum(~evaluated(part, t, atoms, endless))])
             first, last = samples(t, over, -1)
-            return bad[np.maximum(last, first)] - bad[first] == 0
+            return (bad[np.maximum(last, first)] - bad[first] == 0) | (endless & (t + float(over.begin) >= t[-1]))
         case Eventually(over, part):
-            good = np.concatenate([[0], np.cumsum(evaluated(part, t, atoms))])
+            good = np.concatenate([[0], np.cumsum(evaluated(part, t, atoms, endless))])
             first, last = samples(t, over, 1)
-            return good[last] - good[first] > 0
+            return (good[last] - good[first] > 0) | (endless & beyond(t, over))
         case Until(over, held, reached):
-            keep, good = evaluated(held, t, atoms), np.concatenate([[0], np.cumsum(evaluated(reached, t, atoms))])
+            keep, good = (
+                evaluated(held, t, atoms, endless),
+                np.concatenate([[0], np.cumsum(evaluated(reached, t, atoms, endless))]),
+            )
             first, last = samples(t, over, 1)
             broken = np.full(len(t), len(t))
             where = len(t)
@@ -181,8 +205,13 @@ def evaluated(formula: Formula, t: Array, atoms: dict[In, Array]) -> Array:
                 where = where if keep[k] else k
                 broken[k] = where
             until = np.minimum(last, broken + 1)
-            return good[np.maximum(until, first)] - good[first] > 0
+            return (good[np.maximum(until, first)] - good[first] > 0) | (endless & beyond(t, over))
     raise TypeError(formula)
+
+
+def beyond(t: Array, over: Interval) -> Array:
+    """Whether the window of each sample goes on after the last one."""
+    return t + (np.inf if over.end is None else float(over.end)) > t[-1]
 
 
 def samples(t: Array, over: Interval, more: int) -> tuple[Array, Array]:
@@ -204,13 +233,18 @@ def broken(task: Task, design: RefinedDesign, dice: Random) -> bool:
     parts = 8 * design.segments  # a state may hold next to a cut alone
     near = [float(task.prescribed_time) * (k + s) / parts for k in range(parts) for s in (4e-3, 1 - 4e-3)]
     t = np.unique(np.concatenate([t, near]))
+    endless = design.seam is not None
+    if design.seam is not None:  # the cycle again and again, at the same places
+        begin = t[-1] * design.seam / design.segments
+        again = t[(t > begin) & (t <= t[-1])]
+        t = np.unique(np.concatenate([t, *(again + k * (t[-1] - begin) for k in range(1, CYCLES + 1))]))
     atoms_named = set(regions_of_states(formula))
     for x in trajectories(design, dice, t):
         atoms = {}
         for one in atoms_named:
             found = inside(task, one.region, x, -1e-7 if one.kept else 1e-7)
             atoms[one] = ~found if one.kept else found
-        if not evaluated(formula, t, atoms)[0]:
+        if not evaluated(formula, t, atoms, endless)[0]:
             return True
     return False
 
