@@ -85,7 +85,9 @@ def run_missions(count: int | None, limit: float, out: Path | None, as_json: boo
     """`stt-codegen bench missions`. True where DEMAND of the random missions among standing sets are carried out, and every
     scenario."""
     measured("warm up", next(FAMILIES["stlpy"]()).text)
-    scenarios = [(s, measured(s.name, s.text)) for family in FAMILIES.values() for s in family()]
+    endless = Scenario("patrol of three regions, for ever", (TASKS / "watchman.toml").read_text())
+    every = [*(s for family in FAMILIES.values() for s in family()), endless]
+    scenarios = [(s, measured(s.name, s.text)) for s in every]
     say(f"{len(scenarios)} scenarios")
     peers = {s.name: list(_peers(s.text, limit)) for s in FAMILIES["stlpy"]()} if limit else {}
     say("programs of stlpy")

@@ -89,7 +89,7 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
     assert most is not None
     seconds = spans_of(found)
     if cycle is not None:
-        seconds = {state: cycle.endless(cycle.first(one)) for state, one in seconds.items()}
+        seconds = {state: cycle.endless(cycle.doubled(one)) for state, one in seconds.items()}
     shows = tuple(tuple(dict.fromkeys(witnesses(one, seconds, cycle))) for one in task.formulas)
     spans = {state: tuple(one.spans(found)) for state, one in held.items()}
     proof = MissionProof(formula, spans, found, most, shows, cycle)

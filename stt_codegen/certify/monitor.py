@@ -80,7 +80,7 @@ def satisfied(formula: Formula, proved: Proved, cycle: Cycle | None = None) -> l
         case _:
             raise TypeError(formula)
     found = united([(u, v) for u, v in spans if u <= v])
-    return found if cycle is None else cycle.before(found, cycle.told)
+    return found if cycle is None else cycle.cut(found, cycle.known_until)
 
 
 def _ahead(part: Formula, proved: Proved, cycle: Cycle | None, over: Interval) -> list[Span]:
@@ -106,9 +106,9 @@ def holds(formula: Formula, proved: Proved, margin: Fraction = Fraction(0), cycl
     elif margin > cycle.length:  # no set is told so far that what is left of it would have this period
         return False
     else:
-        more = cycle.told + margin
-        wide = {state: cycle.unrolled(cycle.first(spans), more) for state, spans in proved.items()}
-        left = {state: cycle.before(eroded(spans, margin), cycle.told) for state, spans in wide.items()}
+        more = cycle.known_until + margin
+        wide = {state: cycle.unrolled(cycle.doubled(spans), more) for state, spans in proved.items()}
+        left = {state: cycle.cut(eroded(spans, margin), cycle.known_until) for state, spans in wide.items()}
     return any(a <= 0 <= b for a, b in satisfied(formula, left, cycle))
 
 
@@ -124,32 +124,32 @@ class Cycle:
         return self.end - self.begin
 
     @property
-    def told(self) -> Fraction:
+    def known_until(self) -> Fraction:
         """Until when sets are told; later times have what was a whole number of cycles before."""
         return self.end + self.length
 
     def looked(self, over: Interval) -> Fraction:
         """Until when a set must be told for an operator that looks so far ahead."""
-        return self.told + (over.begin + self.length if over.end is None else over.end)
+        return self.known_until + (over.begin + self.length if over.end is None else over.end)
 
-    def first(self, spans: Sequence[Span]) -> list[Span]:
-        """From what holds before `end` what holds until `told`."""
+    def doubled(self, spans: Sequence[Span]) -> list[Span]:
+        """From what holds before `end` what holds until `known_until`."""
         again = [(max(u, self.begin) + self.length, v + self.length) for u, v in spans if v >= self.begin]
         return united([*spans, *again])
 
     def endless(self, spans: Sequence[Span]) -> list[Span]:
         """The same where what lasts the whole of the last cycle that is told is for ever."""
-        return [(u, math.inf if v == self.told and u <= self.end else v) for u, v in spans]
+        return [(u, math.inf if v == self.known_until and u <= self.end else v) for u, v in spans]
 
     def unrolled(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
-        """The same set until a time after `told`."""
+        """The same set until a time after `known_until`."""
         found, k = list(spans), 1
-        while self.told + (k - 1) * self.length < until:
+        while self.known_until + (k - 1) * self.length < until:
             found += [(max(u, self.end) + k * self.length, v + k * self.length) for u, v in spans if v >= self.end]
             k += 1
-        return self.before(united(found), until)
+        return self.cut(united(found), until)
 
-    def before(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
+    def cut(self, spans: Sequence[Span], until: Fraction) -> list[Span]:
         """What of it is not after a time."""
         return [(u, min(v, until)) for u, v in spans if u <= until]
 

@@ -34,7 +34,7 @@ MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the cloc
 MOST_PIECES = 400
 LEAST = 1e-9  # what a box may lack for rounding
 LABELS = 30_000  # what is found is found with some hundreds, for rounds of many visits with some thousands
-LEADS = (Fraction(1, 4), Fraction(1, 8), Fraction(1, 2))  # of t_c: how long the lead-in of a tube that repeats itself may be,
+LEADS = (Fraction(1, 4), Fraction(1, 8), Fraction(1, 2))  # of t_c: lead-ins that are tried, beside those for a round of a patrol,
 CLOSE = Fraction(19, 20)  # of a round that a cycle takes
 SEAM_KNOTS = 32  # at a knot of so many segments: all numbers of them that are tried are multiples
 NOWHERE = np.inf  # the bound of a half-space that does not count
@@ -113,20 +113,20 @@ class Mission:
     effort: int = LABELS
 
     @property
-    def every(self) -> tuple[Skeleton, ...]:
+    def all_skeletons(self) -> tuple[Skeleton, ...]:
         """All skeletons, in the order in which they are tried."""
         return (*self.skeletons, *self.others)
 
     @cached_property
     def permanent(self) -> tuple[State, ...]:
         """The states that hold at all times, whatever the skeleton."""
-        held = [{h.state for h in one.holds if (h.first, h.last) == (START, END)} for one in self.every]
+        held = [{h.state for h in one.holds if (h.first, h.last) == (START, END)} for one in self.all_skeletons]
         return tuple(state for state in self.states if held and all(state in one for one in held))
 
 
 def require_start(mission: Mission, start: Array) -> None:
     """Raises `NotCertified` where gamma(0), the box `start` (2, n), breaks what every skeleton holds from the start on."""
-    held = [{h.state for h in one.holds if h.first == START and not h.at_once} for one in mission.every]
+    held = [{h.state for h in one.holds if h.first == START and not h.at_once} for one in mission.all_skeletons]
     for state in mission.states if held else ():
         if all(state in one for one in held) and not mission.states[state].of_box(start):
             what = (

@@ -45,7 +45,7 @@ class _Arc:
 def clash(arena: Arena, places: Places, mission: Mission) -> str | None:
     """What lacks how many seconds; None where nothing of that kind is found."""
     best: tuple[float, Skeleton, list[Stop]] | None = None
-    for skeleton in mission.every[:LOOKED]:
+    for skeleton in mission.all_skeletons[:LOOKED]:
         found = _nearest(arena, places, skeleton, WIDEST if best is None else best[0])
         if found is not None and not found[0]:  # an order is in time: it is something else that is in the way
             return None

@@ -33,7 +33,7 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     search = search_of(arena, start, segments_tried(task, arena), mission)
     places = Places(arena, Mission((), mission.states), start, search.width(0.0))  # whatever else is asked at all times
     width = f"a tube of width {decimal(task.tube.min_width)}"
-    always = [{h.state for h in one.holds} for one in mission.every]
+    always = [{h.state for h in one.holds} for one in mission.all_skeletons]
     for state, at in places.allowed.items() if len(places.nodes) else ():
         needed = any(not one.kept for one in regions_of(state.inner)) and all(state in held for held in always)
         if needed and not at.any() and mission.states[state].pieces:

@@ -72,7 +72,7 @@ class MissionSearch(TimedSearch):
             assert self.mission is not None
             places = Places(self.arena, self.mission, self.start, self.width(share), self.mission.effort)
             found: list[Plan] = []
-            for skeleton in self.mission.every:
+            for skeleton in self.mission.all_skeletons:
                 if skeleton.seam is not None and any(
                     plan.skeleton.seam == skeleton.seam and plan.skeleton.events < skeleton.events for plan in found
                 ):
