@@ -3,8 +3,8 @@
 Certified (watchman.certificate.json): for every t the tube keeps 0.03 from every
 unsafe set, stays in the state space, is at least 0.05 wide, and repeats itself for ever.
 Every x(t) that stays in the tube satisfies the mission (P10): (always eventually[0, 14] gate and always
-eventually[0, 14] office and always eventually[0, 14] store and always not lab); times are seconds of t. It still
-holds where every time at which the tube is in a region, or off one, is wrong by up to 0.125 s.
+eventually[0, 14] office and always eventually[0, 14] store and always not lab); times are seconds of t, not turned
+back. It still holds where every time at which the tube is in a region, or off one, is wrong by up to 0.125 s.
 
 The same functions as watchman.c (double precision there) in double arithmetic on the same constants.
 Arrays come in as sequences of 2 numbers and go out as tuples.
