@@ -165,8 +165,8 @@ def _mission(task: Task, certificate: Certificate) -> list[str]:
     if shown is None:
         return []
     (margin,) = (f.margin for f in certificate.findings if f.code == "P10" and f.in_time)
-    turned = ", not turned back" if task.repeat else ""
-    told = f"Every x(t) that stays in the tube satisfies the mission (P10): {shown.formula}; times are seconds of t{turned}. It still "
+    told = f"Every x(t) that stays in the tube satisfies the mission (P10): {shown.formula}; times are seconds of t"
+    told += (", not turned back" if task.repeat else "") + ". It still "
     told += f"holds where every time at which the tube is in a region, or off one, is wrong by up to {below(margin, 3):g} s."
     return textwrap.wrap(told, 115)
 
