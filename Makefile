@@ -21,7 +21,8 @@ demo: $(STAMP)
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen design $$task --picture demo || exit; done
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen compare $$task || exit; done
 	@for task in $(CASE_STUDY); do $(BIN)/stt-codegen simulate $$task --gain best --disturbance nearest --w-max 0.3 --out demo || exit; done
-	@echo "Look at demo/: pictures (.png), C (.h, .c), Python (.py), certificates (.certificate.json), traces (.loop.csv)."
+	@$(BIN)/stt-codegen report tasks/omni_s2.toml --out demo/omni_s2.report.html
+	@echo "Open demo/omni_s2.report.html. Look at demo/: pictures (.png), C (.h, .c), Python (.py), certificates (.certificate.json), traces (.loop.csv)."
 
 test: $(STAMP) $(if $(CI),$(PEERS))
 	@.ci/tools test

@@ -22,7 +22,7 @@ from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import build_task
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.cost import cost_of
-from stt_codegen.report.drawn import outline
+from stt_codegen.report.outlines import outline
 from stt_codegen.report.picture import draw
 from stt_codegen.rows import apart_rows, avoid_rows
 from stt_codegen.task import Task, UnsafeSet, parse_task

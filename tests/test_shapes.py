@@ -28,7 +28,7 @@ from stt_codegen.loop.simulate import Loop, Scenario, _Field, doubtful
 from stt_codegen.pipeline import build_program, build_task, certify
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.cost import cost_of
-from stt_codegen.report.drawn import outline
+from stt_codegen.report.outlines import outline
 from stt_codegen.report.picture import draw
 from stt_codegen.task import Task, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet, parse_task
 from stt_codegen.task.polytopes import Hull, Polytope, bends_of, cut_box, spanned

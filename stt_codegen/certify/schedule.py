@@ -54,8 +54,13 @@ def _visits(found: tuple[Witness, ...]) -> Iterator[Visit]:
 
 def sentence(one: Served) -> str:
     """As a line: "visit dock then exit: dock from 4.1 to 6.4 s; left or right from 12 to 12.05 s"."""
-    told = "; ".join(f"{v.state} {_when(v)}" for v in one.visits)
+    told = "; ".join(map(told_visit, one.visits))
     return f"{one.title}: {told or 'holds, without a visit'}"
+
+
+def told_visit(visit: Visit) -> str:
+    """Where and when: "dock from 4.1 to 6.4 s"."""
+    return f"{visit.state} {_when(visit)}"
 
 
 def _plain(formula: Formula) -> str:

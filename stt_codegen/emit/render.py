@@ -47,7 +47,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "kind": design.kind,
         "order": task.order,
         "hash": design_hash(task, design),
-        "notice": _notice(task, certificate),
+        "notice": notice(task, certificate),
         "clock": _clock(task),
         "selftest": task.emit.selftest,
         "outside": task.control.outside,
@@ -104,7 +104,7 @@ def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
-def _notice(task: Task, certificate: Certificate) -> list[str]:
+def notice(task: Task, certificate: Certificate) -> list[str]:
     """The lines of every file that say what is proved about it, or loudly that nothing is."""
     if certificate.holds:
         lines = [

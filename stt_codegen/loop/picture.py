@@ -14,7 +14,8 @@ from stt_codegen.decimals import by_component
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.drawn import COLOURS, Plane, label, outline, patch
+from stt_codegen.report.drawn import COLOURS, label, patch
+from stt_codegen.report.outlines import Plane, outline
 from stt_codegen.report.picture import draw_arena, draw_dimension, draw_sets, panels, planes_of, save, sheet
 
 Array = npt.NDArray[Any]

@@ -10,24 +10,13 @@ import numpy.typing as npt
 from matplotlib.patches import Polygon
 from matplotlib.patheffects import withStroke
 
+from stt_codegen.report.outlines import Plane, hull_of, outline
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 
 Array = npt.NDArray[np.float64]
 COLOURS = {"unsafe": "#c0392b", "target": "#27ae60", "start": "#2c6fbb", "tube": "#2c6fbb", "region": "#7d3c98"}
 LABEL = "label "  # what the names of labels begin with, then 0 for those that come first
-Plane = tuple[int, int]  # two dimensions, from 0
-
-
-def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
-    """The corners of a set's shadow on two dimensions, in order around it: (V, 2)."""
-    return hull_of(np.array(convex.shadow(*plane)))
-
-
-def hull_of(points: Array) -> Array:
-    """The corners of the hull of points (P, 2), in order around it: (V, 2)."""
-    return np.array(around([(float(x), float(y)) for x, y in points]))
 
 
 def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
@@ -39,12 +28,6 @@ def swept(sets: Sequence[ConvexSet], colour: str, plane: Plane = (0, 1), **style
     """The hull of several places of a set: what is avoided where it may be at any of them, or between."""
     points = np.array([point for convex in sets for point in convex.shadow(*plane)])
     return Polygon(hull_of(points), closed=True, color=colour, **style)
-
-
-def target_outline(task: Task, plane: Plane) -> Array:
-    """The corners of the target at t_c, of a ball those of the polytope in it, in order around it: (V, 2)."""
-    corners = cut_box(task.target.lower, task.target.upper, task.target_cuts)
-    return hull_of(np.array([[float(v.point[i]) for i in plane] for v in corners]))
 
 
 def label(task: Task, i: int) -> str:

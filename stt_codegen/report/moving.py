@@ -9,7 +9,8 @@ import numpy.typing as npt
 from matplotlib.patches import Polygon, Rectangle
 
 from stt_codegen.certify.moving import Lines
-from stt_codegen.report.drawn import COLOURS, Plane, frame, named, swept, target_outline
+from stt_codegen.report.drawn import COLOURS, frame, named, swept
+from stt_codegen.report.outlines import Plane, target_outline
 from stt_codegen.rows import Avoidance
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course, places

@@ -21,8 +21,9 @@ from stt_codegen.certify.schedule import served
 from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.drawn import COLOURS, LABEL, Plane, frame, hull_of, label, named, patch, target_outline
+from stt_codegen.report.drawn import COLOURS, LABEL, frame, label, named, patch
 from stt_codegen.report.moving import bounds_over, draw_faint, draw_times, moves
+from stt_codegen.report.outlines import Plane, hull_of, target_outline
 from stt_codegen.report.trade import TradeReport
 from stt_codegen.rows import Avoidance, Row, avoid_rows
 from stt_codegen.task import Task
