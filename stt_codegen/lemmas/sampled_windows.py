@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise, permutations, product
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ import sympy as sp
 from flint import arb, ctx
 
 from stt_codegen.certify import period
-from stt_codegen.designs import LOWER, UPPER
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.lemmas.formula import Formula
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
 from stt_codegen.program.number import FORMATS, round_down
@@ -27,11 +27,15 @@ SPARE = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # what doubles are rounded ou
 
 @dataclass(frozen=True)
 class Table:
-    """A refined tube of which no more is known than its Bezier coefficients, which may be symbols: (K, n, 2, 4)."""
+    """A refined tube of which no more is known than its Bezier coefficients, which may be symbols: (K, n, 2, 4), and whether it
+    repeats itself, from segment `seam` on."""
 
     coefficients: Any
     prescribed_time: Fraction
     unit: Fraction
+    seam: int | None = None
+
+    windows = RefinedDesign.windows
 
     @property
     def segments(self) -> int:
@@ -50,7 +54,9 @@ def tables() -> Iterator[Table]:
     rising = np.arange(32, dtype=float).reshape(2, 2, 2, 4)
     yield _table(rising + np.sin(rising) / 2, Fraction(10))
     many = np.arange(48.0).reshape(6, 1, 2, 4)
-    yield _table(many * 7 % 31 + np.array([[0.0], [40.0]]) + np.sin(many), Fraction(5))
+    longer = _table(many * 7 % 31 + np.array([[0.0], [40.0]]) + np.sin(many), Fraction(5))
+    yield longer
+    yield replace(longer, seam=2)
     yield _table(40 - rising + np.sin(3 * rising), Fraction(7, 3))
 
 
@@ -67,7 +73,8 @@ def _wanted(table: Table) -> dict[str, Any]:
     result: dict[str, list[list[Any]]] = {k: [] for k in ("narrow", "wide", "step", "width_step", "low", "high")}
     for k, i in product(range(count + 1), range(n)):
         held = [c[-1, i, side, 3] for side in (LOWER, UPPER)]
-        low, high = ([held[s]] * 4 if k == count else list(c[k, i, s]) for s in (LOWER, UPPER))
+        again = table.seam if k == count else k  # from t_c on the cycle's first segment comes again, or the tube stands
+        low, high = ([held[s]] * 4 if again is None else list(c[again, i, s]) for s in (LOWER, UPPER))
         width = [b - a for a, b in zip(low, high, strict=True)]
         steps = [b - a for edge in (low, high) for a, b in pairwise(edge)]
         row = {
@@ -241,7 +248,8 @@ LEMMAS = (
     Lemma(
         "sampled.windows",
         "In a segment the width is between the least and the greatest difference of the edges' coefficients, and rates are at "
-        "most 3 K/t_c times the largest difference of neighbours: what the code takes, with roundings outward.",
+        "most 3 K/t_c times the largest difference of neighbours: what the code takes, with roundings outward. From t_c on the edges "
+        "are those at t_c, or, of a tube that repeats itself, those of the cycle's first segment.",
         r"|\dot\gamma| \le \tfrac{3K}{t_c}\max_j|\beta_{j+1}-\beta_j|",
         (),
         "the evaluated code",
