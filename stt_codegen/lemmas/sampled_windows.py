@@ -248,8 +248,8 @@ LEMMAS = (
     Lemma(
         "sampled.windows",
         "In a segment the width is between the least and the greatest difference of the edges' coefficients, and rates are at "
-        "most 3 K/t_c times the largest difference of neighbours: what the code takes, with roundings outward. From t_c on the edges "
-        "are those at t_c, or, of a tube that repeats itself, those of the cycle's first segment.",
+        "most 3 K/t_c times the largest difference of neighbours: what the code takes, with roundings outward. From t_c on the "
+        "edges are those at t_c, or, of a tube that repeats itself, those of the cycle's first segment.",
         r"|\dot\gamma| \le \tfrac{3K}{t_c}\max_j|\beta_{j+1}-\beta_j|",
         (),
         "the evaluated code",
