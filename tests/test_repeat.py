@@ -122,8 +122,12 @@ def proved_of(formula: Formula, signal: Mapping[str, Any]) -> dict[State, list[t
 
 
 def endless(formula: Formula, drawn: list[bool]) -> Formula:
-    """The same formula with some windows that have no end."""
-    ends = iter(drawn)
+    """The same formula with some windows that have no end, and all of them three times as long, or not: longer than a cycle."""
+    ends, times = iter(drawn), 3 if drawn[-1] else 1
+
+    def window(over: Interval) -> Interval:
+        assert over.end is not None
+        return Interval(times * over.begin, None if next(ends) else times * over.end)
 
     def told(one: Formula) -> Formula:
         match one:
@@ -132,11 +136,11 @@ def endless(formula: Formula, drawn: list[bool]) -> Formula:
             case Or(parts):
                 return Or(tuple(map(told, parts)))
             case Always(over, part):
-                return Always(Interval(over.begin) if next(ends) else over, told(part))
+                return Always(window(over), told(part))
             case Eventually(over, part):
-                return Eventually(Interval(over.begin) if next(ends) else over, told(part))
+                return Eventually(window(over), told(part))
             case Until(over, first, last):
-                return Until(Interval(over.begin) if next(ends) else over, told(first), told(last))
+                return Until(window(over), told(first), told(last))
         return one
 
     return told(formula)
