@@ -82,8 +82,8 @@ def _given(entry: Entry) -> dict[str, Any]:
 
 
 def times_that_do(task: Task, is_found: IsFound) -> Iterator[str]:
-    """Times that do alone, as far as `is_found` looks, each near the one that is: windows that end later or begin earlier, a shorter
-    stay, rounds that are longer."""
+    """Times that do alone, as far as `is_found` looks, each near the one that is: windows that end later or begin earlier, a
+    shorter stay, longer rounds."""
     for k, entry in enumerate(task.mission):
         for name, given, most, told in _times(entry, task.prescribed_time):
 
