@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from rich.console import Console
@@ -16,10 +16,10 @@ from stt_codegen.certify.schedule import sentence
 from stt_codegen.compare.comparison import Row
 from stt_codegen.decimals import by_component
 from stt_codegen.loop.command import RunReport
-from stt_codegen.report.bounds import BoundsReport, ProvedPeriod, Sampling
+from stt_codegen.report.bounds import BoundsReport, Sampling
 from stt_codegen.report.design import DesignReport
 from stt_codegen.report.trade import TradeReport
-from stt_codegen.sampling.gains import MUCH
+from stt_codegen.report.words import few, sampling_lines, time_told
 
 
 class _Console(Console):
@@ -73,8 +73,7 @@ def show_design(report: DesignReport) -> None:
         saturated = f", saturated at {', '.join(f'{u:g}' for u in law.u_max)}" if law.u_max else ""
         console.print(f"  |u| up to {law.largest_u:.4g} at the clamp{saturated}")
     if law.sampling is not None:
-        for line in _sampling_lines(law.sampling, law.tick_period):
-            _indented(console, line)
+        _sampling(console, law.sampling, law.tick_period)
     cost = report.cost
     kinds = ", ".join(f"{count} {kind}" for kind, count in cost.operations.items())
     code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
@@ -93,7 +92,7 @@ def show_trade(report: TradeReport) -> None:
         table.add_column(heading, justify="right")
     table.add_column("tube.prefer")
     for t in report.tubes:
-        period, gain = ("none", "") if t.period is None or t.gain is None else (_time(t.period), by_component(t.gain))
+        period, gain = ("none", "") if t.period is None or t.gain is None else (time_told(t.period), by_component(t.gain))
         table.add_row(f"{t.least_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
     console.print(table)
     console.print("  periods: at control.gain, or the longest over all gains, for the plant and the starts of the task")
@@ -111,58 +110,16 @@ def _indented(console: Any, line: str) -> None:
         console.print(Text(" " * (depth + 2 * (k > 0))) + part)
 
 
-def _sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[str]:
-    """What `Analysis.sampling` says, for people: first for all the starts, then for initial_state alone."""
-    own, plant = sampling.at_this_gain, f"for {escape(sampling.plant)}"
-    starts, longest, wanted = sampling.starts, sampling.longest, _time(sampling.wanted)
-    least = f", but not below {_time(sampling.shortest)} ({sampling.shortest_for})" if sampling.shortest else " or faster"
-
-    def every(proved: ProvedPeriod) -> str:
-        late = f", u at most {_time(sampling.latency)} after its sample" if sampling.latency else ""
-        most = f"sample every {_time(proved.period)}{least}{late}"
-        return f"{most} ({proved.statement} statement): |e| stays below {_few(proved.e)}, |u| is at most {_few(proved.u)}"
-
-    yield f"sampling, proved {plant} from every start with {starts}:"
-    if own is None:
-        yield f"  [yellow]note[/yellow]: gain {by_component(sampling.gain)} is proved at no sampling period from there"
-    else:
-        yield f"  {every(own)}"
-    if longest is not None and (own is None or longest.proved.period > 1.1 * own.period):
-        told = f"gain {by_component(longest.gain)}"
-        yield f"  {told} would allow {_time(longest.proved.period)}, |u| is at most {_few(longest.proved.u)}"
-    limited, best = sampling.limited, 0.0 if longest is None else longest.proved.period
-    if limited is not None and limited.u_max is not None and limited.proved.period > MUCH * best:
-        told = f"control.u_max {by_component(limited.u_max)} and gain {by_component(limited.gain)}"
-        yield f"  {told} would allow {_time(limited.proved.period)}"
-    if sampling.gains is None:
-        yield f"  [yellow]note[/yellow]: no gain is proved for a period of {wanted}"
-    else:
-        low, high = (by_component(v) for v in sampling.gains)
-        alike = ", in these proportions," if len(set(sampling.gain)) > 1 else ""
-        yield f"  least and largest gain{alike} proved for a period of {wanted}: {low} and {high} (to 2 %)"
-    if sampling.roomiest is not None:
-        yield f"  gain {by_component(sampling.roomiest.gain)} leaves the most room at {wanted}"
-    if sampling.from_initial_state is not None:
-        yield f"from initial_state alone: {every(sampling.from_initial_state)}"
-    for line in sampling.assumes:
-        yield f"assumed: {escape(line)}"
-    if tick_period is not None and (own is None or tick_period > own.period):
-        yield f"[yellow]note[/yellow]: emit.tick_period {_time(tick_period)} is longer than what is proved at this gain"
-
-
-def _few(values: Sequence[float]) -> str:
-    return ", ".join(f"{v:.4g}" for v in values)
-
-
-def _time(seconds: float) -> str:
-    return f"{seconds:.4g} s" if seconds >= 1 else f"{1e3 * seconds:.4g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.4g} us"
+def _sampling(console: Any, sampling: Sampling, tick_period: float | None) -> None:
+    for line in sampling_lines(sampling, tick_period):
+        _indented(console, "  " * line.under + ("[yellow]note[/yellow]: " if line.note else "") + escape(line.text))
 
 
 def show_bounds(report: BoundsReport) -> None:
     """What `prove TASK` found: hypotheses, then bounds by dimension, then the sampled statements."""
     console = _console()
     noise = f", x measured to {report.noise:g}" if report.noise else ""
-    noise += f", u {_time(report.latency)} after its sample" if report.latency else ""
+    noise += f", u {time_told(report.latency)} after its sample" if report.latency else ""
     console.print(f"[bold]{report.task}[/bold], {report.design}, with {escape(report.plant)}{noise}")
     table = Table(box=None, header_style="bold")
     for heading in ("hypothesis", "statement", "holds"):
@@ -202,9 +159,8 @@ def show_bounds(report: BoundsReport) -> None:
             continue
         where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
         short = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
-        console.print(f"  sampled, {name}: {_time(p.period)}, |e| below {_few(p.e)}; {where}{short}")
-    for line in _sampling_lines(report.sampling, None):
-        _indented(console, line)
+        console.print(f"  sampled, {name}: {time_told(p.period)}, |e| below {few(p.e)}; {where}{short}")
+    _sampling(console, report.sampling, None)
     if report.proposed is not None:
         console.print(f"  as bounds in the task: [plant] {report.proposed.toml()}", markup=False)
         if report.filter:
@@ -227,9 +183,9 @@ def show_run(report: RunReport) -> None:
     if s.noise:
         under.append(f"x measured to {s.noise:g}")
     if s.lag:
-        under.append(f"u through a lag of {_time(s.lag)}")
+        under.append(f"u through a lag of {time_told(s.lag)}")
     if s.latency:
-        under.append(f"u {_time(s.latency)} late")
+        under.append(f"u {time_told(s.latency)} late")
     if s.lost:
         under.append(f"up to {s.lost} lost in a row")
     if any(c is not None for c in task.courses):
@@ -239,7 +195,7 @@ def show_run(report: RunReport) -> None:
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
-    then = f"{_time(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
+    then = f"{time_told(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
     where = "" if task.target_set is None else f"; {then} {reached}"
     console.print(f"  unsafe sets entered: {hit}; state space left: {left}{where}")
     if task.mission:

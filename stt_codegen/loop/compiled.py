@@ -12,13 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.compare.toolchain import find_compiler, run_compiler
-from stt_codegen.emit.naming import guard_name, wrap_name
-from stt_codegen.emit.render import template, template_folder
+from stt_codegen.emit.driven import adapter_source, driven_sources, plant_source
+from stt_codegen.emit.render import template_folder
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
-from stt_codegen.program import Program
-from stt_codegen.program.lower import lower
-from stt_codegen.program.print.c import CPrinter
 
 FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-ffp-contract=off", "-shared", "-fPIC")
 MOST = 64  # dimensions, as in loop.h
@@ -98,7 +95,7 @@ class Own:
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
     """`loop_run` for a plant; compiled once a process for each."""
-    return _driver(f"{plant.name}: {model(plant, dimension, order)}", _plant_source(plant, dimension, order))
+    return _driver(f"{plant.name}: {model(plant, dimension, order)}", plant_source(plant, dimension, order))
 
 
 def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
@@ -127,31 +124,14 @@ def _driver(name: str, source: str) -> Any:
     return run
 
 
-def _plant_source(plant: Model, n: int, order: int) -> str:
-    kernel = lower(model(plant, n, order))
-    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
-    outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
-    sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
-    inputs = [f"{name}[{i}]" for name, size in sizes.items() for i in range(size)]
-    arguments = ", ".join([*inputs, *outputs])
-    return template("loop/plant.c.j2").render(kernel="\n".join(lines), arguments=arguments)
-
-
 def own(controller: Controller) -> Own:
     """Compile the emitted C of a controller and load it."""
-    prefix, adaptive = controller.task.name, controller.design.stateful
-    steps = controller.certificate.steps
-    longest = repr(float(steps[1])) if steps is not None else repr(float(controller.task.prescribed_time) / 2000)
-    task, outside = controller.task, controller.task.control.outside
-    words = {"prefix": prefix, "macro": prefix.upper(), "adaptive": adaptive, "longest": longest, "order": task.order}
-    words |= {"outside": outside, "differs": task.differs, "repeats": task.repeat}
+    adaptive, outside = controller.design.stateful, controller.task.control.outside
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
-        Path(folder, "adapter.c").write_text(template("loop/adapter.c.j2").render(**words))
-        names = ["adapter.c", f"{prefix}.c", *([guard_name(prefix)] if outside != "return" else [])]
-        names += [wrap_name(prefix)] if task.repeat else []
-        sources = [f"{folder}/{name}" for name in names]
+        Path(folder, "adapter.c").write_text(adapter_source(controller.task, adaptive, controller.certificate))
+        sources = [f"{folder}/{name}" for name in ("adapter.c", *driven_sources(controller.task))]
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/own.so")
     if outside != "return":

@@ -8,10 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.patches import Polygon, Rectangle
 
-from stt_codegen.certify.moving import Lines
 from stt_codegen.report.drawn import COLOURS, frame, named, swept
 from stt_codegen.report.outlines import Plane, target_outline
-from stt_codegen.rows import Avoidance
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course, places
 from stt_codegen.task.sets import ConvexSet
@@ -62,16 +60,3 @@ def draw_times(figure: Any, task: Task, t: Array, low: Array, high: Array, plane
             axis.plot(*path[: at + 1, list(plane)].T, color="black", linewidth=0.8)
         axis.set_title(f"t = {float(now):.3g} s", fontsize=8)
         axis.set(xlabel="", ylabel="")
-
-
-def bounds_over(one: Avoidance, t: Array) -> Array:
-    """The bounds of a set's rows over time, without the clearance, (R, T); minus infinity while it is safe."""
-    assert one.course is not None
-    found = np.full((len(one.rows), len(t)), -np.inf)
-    keep = np.array([float(row.keep) for row in one.rows])[:, None]
-    for leg in one.course.legs:
-        lines = Lines.of(one, leg)
-        here = (t >= float(leg.begin)) & (t <= float(leg.end))
-        constant, slope = ((v / lines.whole).astype(float)[..., None] for v in (lines.constant, lines.slope))
-        found[:, here] = np.maximum(found[:, here], (constant + slope * t[here]).max(axis=1) - keep)
-    return found

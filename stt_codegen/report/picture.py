@@ -22,12 +22,12 @@ from stt_codegen.designs.grid import tube_at
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.report.drawn import COLOURS, LABEL, frame, label, named, patch
-from stt_codegen.report.moving import bounds_over, draw_faint, draw_times, moves
-from stt_codegen.report.outlines import Plane, hull_of, target_outline
+from stt_codegen.report.meets import bands, distance
+from stt_codegen.report.moving import draw_faint, draw_times, moves
+from stt_codegen.report.outlines import Plane, hull_of, target_outline, walls
 from stt_codegen.report.trade import TradeReport
-from stt_codegen.rows import Avoidance, Row, avoid_rows
+from stt_codegen.rows import avoid_rows
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import around, cut_box
 from stt_codegen.task.sets import ConvexSet
 from stt_codegen.task.shapes import Unsafe
 
@@ -155,16 +155,11 @@ def draw_trade(report: TradeReport, path: Path) -> None:
 
 def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[np.bool_]:
     """At which samples the tube overlaps some unsafe set: shape (T,)."""
-    found = np.zeros(len(low), dtype=bool)
+    t = np.linspace(0.0, float(controller.task.prescribed_time), len(low))
+    found = np.zeros(len(t), dtype=bool)
     for one in avoid_rows(controller.task):
-        found |= ~np.any([slack_at(row, low, high) >= 0 for row in one.rows], axis=0)
+        found |= distance(one, t, low, high) < 0
     return found
-
-
-def slack_at(row: Row, low: Array, high: Array) -> Array:
-    """By how much tubes (P, n) are beyond a set along the normal of its row, the clearance not counted: (P,)."""
-    left = sum((float(c) * (high if side else low)[:, i] for i, side, c in row.terms), np.zeros(len(low)))
-    return np.asarray(left - float(row.bound))
 
 
 def save(figure: Any, path: Path) -> None:
@@ -255,18 +250,9 @@ def _visits(axis: Any, controller: Controller, low: Array, high: Array, plane: P
 
 
 def _walls(axis: Any, task: Task, plane: Plane) -> None:
-    """What cuts the state space, grey beyond it; of a cut in other dimensions nothing is seen."""
-    space = task.state_space
-    ends = [(space.lower[i], space.upper[i]) for i in plane]
-    lower, upper = (tuple(e[k] for e in ends) for k in (0, 1))
-    for normal, offset in space.cuts(task.own_axes(space), task.dimension):
-        own = tuple(normal[i] for i in plane)
-        if sum(1 for c in normal if c) != sum(1 for c in own if c):
-            continue
-        beyond = cut_box(lower, upper, [(tuple(-c for c in own), -offset)])
-        corners = around([(float(v.point[0]), float(v.point[1])) for v in beyond])
-        if len(corners) > 2:
-            axis.add_patch(Polygon(np.array(corners), closed=True, color="0.8", linewidth=0))
+    """What cuts the state space, grey beyond it."""
+    for corners in walls(task, plane):
+        axis.add_patch(Polygon(corners, closed=True, color="0.8", linewidth=0))
 
 
 def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane = (0, 1)) -> None:
@@ -295,32 +281,13 @@ def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Arr
     task = controller.task
     axis.fill_between(t, low[:, i], high[:, i], color=COLOURS["tube"], alpha=0.35, linewidth=0)
     axis.plot(t, low[:, i], t, high[:, i], color=COLOURS["tube"], linewidth=1)
-    for one, s in zip(avoid_rows(task), task.obstacles, strict=True):
-        others = [row for row in one.rows if any(d != i for d, _, _ in row.terms)]
-        if one.course is not None:
-            _band(axis, one, i, t, low, high)
-            continue
-        meets = ~np.any([slack_at(row, low, high) >= 0 for row in others], axis=0) if others else np.ones(len(t), dtype=bool)
-        lower, upper = (float(v) for v in s.span(i))
-        axis.fill_between(t, lower, upper, where=meets, color=COLOURS["unsafe"], alpha=0.6, linewidth=0)
+    for band in bands(task, i, t, low, high):
+        moving = band.lower.min() < band.lower.max() or not band.may.all()
+        for alpha, where in ((0.12, band.may & moving), (0.6, band.kept)):
+            axis.fill_between(t, band.lower, band.upper, where=where, color=COLOURS["unsafe"], alpha=alpha, linewidth=0)
     end = float(task.prescribed_time)
     if task.target_set is not None:
         axis.vlines(end, float(task.target.lower[i]), float(task.target.upper[i]), color=COLOURS["target"], linewidth=5)
     axis.vlines(0, float(task.initial_set.lower[i]), float(task.initial_set.upper[i]), color=COLOURS["start"], linewidth=5)
     axis.set(ylabel=label(task, i), xlim=(-0.01 * end, 1.01 * end))
     axis.set_ylim(float(task.state_space.lower[i]), float(task.state_space.upper[i]))
-
-
-def _band(axis: Any, one: Avoidance, i: int, t: Array, low: Array, high: Array) -> None:
-    """Where a set that moves may be in one dimension over time: faint while it may be unsafe, strong while nothing but this
-    dimension keeps the tube off it."""
-    bounds, unsafe = bounds_over(one, t), np.zeros(len(t), dtype=bool)
-    ends, kept = {}, np.zeros(len(t), dtype=bool)
-    for row, bound in zip(one.rows, bounds, strict=True):
-        unsafe |= np.isfinite(bound)
-        if {d for d, _, _ in row.terms} == {i}:
-            ends[row.terms[0][2]] = bound
-        else:
-            kept |= slack_at(row, low, high) + float(row.bound) >= bound
-    for alpha, where in ((0.12, unsafe), (0.6, unsafe & ~kept)):
-        axis.fill_between(t, -ends[-1], ends[1], where=where, color=COLOURS["unsafe"], alpha=alpha, linewidth=0)

@@ -1,0 +1,44 @@
+"""C around the emitted C for whoever closes the loop: one interface in doubles for controllers of every kind, and a plant printed
+from its kernel (templates/loop/)."""
+
+from __future__ import annotations
+
+from stt_codegen.certify.certificate import Certificate
+from stt_codegen.emit.naming import file_names, guard_name, wrap_name
+from stt_codegen.emit.render import template
+from stt_codegen.plants import Model, model
+from stt_codegen.program import Program
+from stt_codegen.program.lower import lower
+from stt_codegen.program.print.c import CPrinter
+from stt_codegen.task import Task
+
+STEPS = 2000  # of alpha over t_c, where the certificate says nothing of them
+
+
+def driven_sources(task: Task) -> list[str]:
+    """The emitted C files that a loop compiles."""
+    _, source, *_ = file_names(task.name)
+    guard = [guard_name(task.name)] if task.control.outside != "return" else []
+    return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
+
+
+def adapter_source(task: Task, stateful: bool, certificate: Certificate) -> str:
+    """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has; stateful: there is an
+    alpha."""
+    steps = certificate.steps
+    longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
+    return template("loop/adapter.c.j2").render(
+        prefix=task.name, macro=task.name.upper(), adaptive=stateful, longest=longest, order=task.order,
+        outside=task.control.outside, differs=task.differs, repeats=task.repeat,
+    )  # fmt: skip
+
+
+def plant_source(plant: Model, n: int, order: int) -> str:
+    """`loop_plant`: f and g of a plant in n dimensions, in double."""
+    kernel = lower(model(plant, n, order))
+    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
+    outputs = [f"f + {i}" for i in range(n)] + [f"g + {i}" for i in range(n * n)]
+    sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
+    inputs = [f"{name}[{i}]" for name, size in sizes.items() for i in range(size)]
+    arguments = ", ".join([*inputs, *outputs])
+    return template("loop/plant.c.j2").render(kernel="\n".join(lines), arguments=arguments)
