@@ -7,19 +7,25 @@ then rounded, which is within the 2 units in the last place that the emitted C a
 
 from __future__ import annotations
 
+import base64
 import hashlib
 import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+from stt_codegen.decimals import by_component
 from stt_codegen.emit.driven import adapter_source, driven_sources, plant_source
 from stt_codegen.emit.render import template_folder
 from stt_codegen.pipeline import Controller, render_files
 from stt_codegen.pipeline import build_program as program_of
-from stt_codegen.plants import Model
+from stt_codegen.plants import Model, Plant
+from stt_codegen.report.bounds import Sampling
+from stt_codegen.task import Task
 
 CFLAGS = (
     "--target=wasm32", "-std=c99", "-O2", "-Wall", "-Wextra", "-Wno-unused-parameter", "-ffp-contract=off", "-mbulk-memory", "-c",
@@ -31,6 +37,21 @@ EXPORTS = {
 }  # fmt: skip
 CLANG, LINKER = "clang", "wasm-ld"
 PACKAGES = "clang lld"  # Debian's
+
+
+def plant_driven(task: Task) -> Plant:
+    """What is driven where no plant is named: no f, and g in the middle of what [plant] allows, or 1; -g for a negative gain."""
+    sign = 1 if task.gain[0] > 0 else -1
+    middle = [float(sign * (b.g_min + b.g_max) / 2) for b in task.plant_bounds]
+    n = task.dimension
+
+    def g(x: Any, *_: Any) -> list[list[float]]:
+        return [[middle[i] if i == j else 0.0 for j in range(n)] for i in range(n)]
+
+    rate = "xdot" if task.order == 1 else "vdot"
+    one = all(v == 1 for v in middle)
+    name = f"{rate} = {'' if one else by_component([Fraction(v) for v in middle]) + ' '}u + w"
+    return Plant(name, "", n, lambda x, *_: [0] * x.shape[0], g, task.wind, task.order)
 
 
 @dataclass(frozen=True)
@@ -97,3 +118,34 @@ def _run(command: list[str]) -> None:
 def _version() -> str:
     told = subprocess.run([CLANG, "--version"], capture_output=True, text=True, check=False).stdout
     return told.partition("\n")[0].strip()
+
+
+def setting(controller: Controller, made: Driven, plant: Model, sampling: Sampling | None) -> dict[str, Any]:
+    """What the page's loop needs: the module, sizes, and what is proved: the longest period, latency, noise, |w| and starts."""
+    task = controller.task
+    own = None if sampling is None else sampling.at_this_gain
+    force = min(float(b.force) for b in task.plant_bounds) if isinstance(plant, Plant) and not plant.doc else float(plant.w_max)
+    return {
+        "wasm": base64.b64encode(made.wasm).decode(),
+        "order": task.order,
+        "adaptive": controller.design.stateful,
+        "alpha_step": float(task.prescribed_time) / 2000,
+        "outside": task.control.outside,
+        "differs": task.differs,
+        "u_max": [float(v) for v in task.u_max or ()],
+        "x": [float(v) for v in task.initial_state],
+        "noise_v": float(task.plant.noise_v or 0) / float(task.plant.noise) if task.plant.noise else 1.0,
+        "constants": [(low + high) / 2 for low, high in plant.constants],
+        "period": float(task.control.period or task.emit.tick_period or min(own.period if own else 0.01, 0.01)),
+        "proved": None
+        if own is None
+        else {
+            "period": own.period,
+            "shortest": 0.0 if sampling is None else sampling.shortest,
+            "latency": float(task.control.latency or 0),
+            "noise": float(task.plant.noise or 0),
+            "w": force,
+            "share": float(task.initial_set.share),
+            "plant": sampling.plant if sampling else "",
+        },
+    }

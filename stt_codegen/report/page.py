@@ -1,84 +1,144 @@
-"""The report: one HTML file that stands alone, with the tube over time, the certificate, and the files that it is about.
+"""The report: one HTML file that stands alone: the tube over time, the emitted C to drive, the certificate, statements, evidence.
 
-Everything in it comes from the controller. The page asks no network and no other file: style, script (templates/report/) and data
-are in it.
+Everything in it comes from the controller and from what is run beside it. The page asks no network and no other file: style,
+scripts (templates/report/), module and data are in it.
 """
 
 from __future__ import annotations
 
 import hashlib
-import itertools
 import json
-from fractions import Fraction
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from stt_codegen.certify.certificate import Finding
+from stt_codegen import __version__
+from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.schedule import told_visit
-from stt_codegen.designs.grid import tube_at
+from stt_codegen.decimals import by_component, decimal
 from stt_codegen.emit.render import notice, template, template_folder
 from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model
+from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.design import DesignReport
-from stt_codegen.report.outlines import Array, Plane, outline, target_outline
-from stt_codegen.task.motion import Course
-from stt_codegen.task.sets import ConvexSet
-from stt_codegen.task.shapes import Unsafe
+from stt_codegen.report.drive import Driven, driven, plant_driven, setting
+from stt_codegen.report.evidence import Check, evidence, measured
+from stt_codegen.report.materials import bill
+from stt_codegen.report.scene import scene
+from stt_codegen.report.words import sampling_lines
+from stt_codegen.task import Task
 
-SAMPLES = 600  # of the tube over time, as it is drawn; between two of them the page goes straight
-DIGITS = 6  # of a number that is drawn
+SCRIPTS = ("scene", "arena", "solid", "strips", "drive", "page")  # in this order: each uses what is above it
 
 
-def page(controller: Controller, report: DesignReport) -> bytes:
+@dataclass(frozen=True)
+class Extras:
+    """What a report is made with, beside the controller. source: the task's file; plant: what is driven and what the statements
+    are about, in place of [plant]; boards: what ran on boards."""
+
+    source: Path | None = None
+    plant: Model | None = None
+    boards: Sequence[Check] = ()
+
+
+@dataclass(frozen=True)
+class Summary:
+    """The page in three sentences."""
+
+    asked: str
+    files: str
+    assumed: str
+
+
+def page(controller: Controller, report: DesignReport, extras: Extras = Extras()) -> bytes:
     """The report as UTF-8."""
-    folder = template_folder() / "report"
-    data = json.dumps(document(controller, report), separators=(",", ":")).replace("</", "<\\/")
+    task, folder = controller.task, template_folder() / "report"
+    if extras.plant is not None and controller.certificate.holds:
+        sampling = Analysis(controller, extras.plant).sampling()
+        report = replace(report, input=replace(report.input, sampling=sampling))
+    plant = extras.plant or plant_driven(task)
+    made = driven(controller, plant)
+    shown = evidence(controller, extras.source, extras.boards)
+    data = document(controller, report, made, plant)
+    law, proved = report.input, report.input.sampling
     return (
         template("report/page.html.j2")
         .render(
             report=report,
-            notice=" ".join(notice(controller.task, controller.certificate)),
+            tool=f"stt_codegen {__version__}",
+            summary=summary(controller, report),
+            notice=" ".join(notice(task, controller.certificate)),
             style=(folder / "page.css").read_text(encoding="utf-8"),
-            script=(folder / "page.js").read_text(encoding="utf-8"),
-            data=data,
+            script="\n".join((folder / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS),
+            data=_embedded(data),
+            dimension=task.dimension,
+            body=any(task.half_extents),
+            doubtful=any(c is not None and (c.early or c.late or c.spread) for c in task.courses),
+            regions=data["regions"],
+            target=data["target"],
+            meets=data["meets"],
+            drive=made,
+            wasm_bytes=len(made.wasm),
+            drive_origin=_origin(controller, made),
+            plant=plant.name if extras.plant is not None or not plant.w_max else f"{plant.name}, |w| <= {float(plant.w_max):g}",
             files=[(name, len(text), hashlib.sha256(text).hexdigest()) for name, text in controller.files.items()],
             said=told_visit,
             findings=[_finding(one, controller) for one in controller.certificate.findings],
+            statements=[] if proved is None else list(sampling_lines(proved, law.tick_period)),
+            largest_u=law.largest_u,
+            limits=f", and held within {by_component(task.u_max)} (u_max)" if task.u_max is not None else "",
+            evidence=shown,
+            bill=_embedded(bill(controller)),
+            bill_counts=f"{len(controller.files)} files, with their SHA-256, what they call, and the versions that made them",
         )
         .encode()
     )
 
 
-def document(controller: Controller, report: DesignReport) -> dict[str, Any]:
-    """What the page draws. Lengths in the task's units, times in seconds; outlines by pair of axes, "0,1"."""
-    task = controller.task
-    t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)
-    low, high = tube_at(controller.design, t)
-    planes = list(itertools.combinations(range(task.dimension), 2))
-    grown = any(task.half_extents)
-    sets = [
-        _set(bare.name, bare, planes, course) | ({"grown": _outlines(large, planes)} if grown else {})
-        for bare, large, course in zip(task.bare, task.obstacles, task.courses, strict=True)
-    ]
-    regions = [
-        _set(name, shape.within(task.state_space, task.own_axes(shape)), planes, None)
-        for name, shape in task.regions.items()
-        if isinstance(shape, Unsafe)
-    ]
-    return {
-        "t_c": float(task.prescribed_time),
-        "cycle": report.cycle,
-        "axes": list(task.axis_labels),
-        "planes": [list(p) for p in planes],
-        "space": [_numbers(task.state_space.lower), _numbers(task.state_space.upper)],
-        "start": [_numbers(task.start.lower), _numbers(task.start.upper)],
-        "target": {_key(p): _rounded(target_outline(task, p)) for p in planes} if task.target_set is not None else {},
-        "low": _rounded(low),
-        "high": _rounded(high),
-        "sets": sets,
-        "regions": regions,
-        "visits": [[one.entry, v.state, v.begin, v.end] for one in report.mission for v in one.visits],
-    }
+def document(controller: Controller, report: DesignReport, made: Driven, plant: Model) -> dict[str, Any]:
+    """The data of the page's scripts; drive: None where there is no module."""
+    drive = None if made.reason else setting(controller, made, plant, report.input.sampling)
+    return {"name": controller.task.name, **scene(controller, report.mission, report.cycle), "drive": drive}
+
+
+def summary(controller: Controller, report: DesignReport) -> Summary:
+    """What was asked, for which files something is shown, and what is assumed."""
+    task, certificate = controller.task, controller.certificate
+    asked = f"within state_space, {decimal(task.tube.clearance)} off {len(task.unsafe)} unsafe sets"
+    if task.target_set is not None:
+        asked = f"from initial_set to target_set in {decimal(task.prescribed_time)} s, {asked}"
+    asked += f"; {len(task.mission)} entries of a mission" if task.mission else ""
+    asked += ", for ever" if task.repeat else ""
+    prefix = task.name
+    named = [f"{prefix}.c (SHA-256 {hashlib.sha256(controller.files[f'{prefix}.c']).hexdigest()[:16]}..)"]
+    others = len(controller.files) - 1
+    return Summary(asked + ".", f"{named[0]} and {others} files more", _assumed(task, certificate))
+
+
+def _assumed(task: Task, certificate: Certificate) -> str:
+    """The assumptions by name."""
+    names = ["plant.order = 1: no inertia"] if task.order == 1 else []
+    names.append("the bounds of [plant]" if task.plant.stated else "a plant as Theorem 4.1 has it")
+    names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
+    if certificate.proved_period is None:
+        names.append("sampling fast enough")
+    if task.body is None:
+        names.append("a point for a robot")
+    if task.timed:
+        names.append("the sets' motion and clock")
+    names.append("IEEE-754, the compiler" + (" and its logarithm" if task.emit.math == "libm" else ""))
+    return "; ".join(names) + "."
+
+
+def _origin(controller: Controller, made: Driven) -> str:
+    """What the module was compiled from."""
+    name = f"{controller.task.name}.c"
+    if made.inline:
+        return f'made of {name} with emit.math = "inline": the file below calls the C library for its logarithm instead'
+    if controller.design.stateful:
+        return f"made of the {name} below; its exp and log are the browser's, rounded from double"
+    return f"made of the {name} below, as it is"
 
 
 def _finding(one: Finding, controller: Controller) -> dict[str, Any]:
@@ -87,34 +147,13 @@ def _finding(one: Finding, controller: Controller) -> dict[str, Any]:
         "code": one.code,
         "statement": one.statement,
         "holds": one.holds,
-        "margin": f"{float(one.margin):.3g}" + (" s" if one.in_time or one.code == "P9" else "") if one.margin else "",
+        "margin": measured(one),
+        "required": f"{float(one.required):.3g}" if one.required else "",
         "place": one.place(controller.certificate.axes),
         "time": None if one.time is None else float(sum(one.time) / 2),
     }
 
 
-def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | None) -> dict[str, Any]:
-    """A set: its outlines, and how it moves: knots (time and displacement), and when it is unsafe."""
-    found: dict[str, Any] = {"name": name, "outline": _outlines(convex, planes)}
-    if course is not None:
-        found["knots"] = [[float(at), *_numbers(by)] for at, by in course.knots]
-        found["window"] = None if course.window is None else _numbers(course.window)
-    return found
-
-
-def _outlines(convex: ConvexSet, planes: list[Plane]) -> dict[str, Any]:
-    return {_key(plane): _rounded(outline(convex, plane)) for plane in planes}
-
-
-def _key(plane: Plane) -> str:
-    return f"{plane[0]},{plane[1]}"
-
-
-def _numbers(values: tuple[Fraction, ...]) -> list[float]:
-    return [float(v) for v in values]
-
-
-def _rounded(values: Array) -> Any:
-    """As nested lists, of DIGITS significant digits of the largest."""
-    size = float(np.abs(values).max(initial=0.0)) or 1.0
-    return np.round(values, max(0, DIGITS - int(np.ceil(np.log10(size))))).tolist()
+def _embedded(document: Any) -> str:
+    """JSON within a script element."""
+    return json.dumps(document, separators=(",", ":")).replace("</", "<\\/")

@@ -35,7 +35,7 @@ def scene(controller: Controller, mission: tuple[Served, ...], cycle: tuple[floa
     planes = list(itertools.combinations(range(task.dimension), 2))
     grown = any(task.half_extents)
     sets = [
-        _set(bare.name, bare, planes, course) | ({"grown": _outlines(large, planes)} if grown else {})
+        _set(bare.name, bare, planes, course) | {"faces": _faces(large)} | ({"grown": _outlines(large, planes)} if grown else {})
         for bare, large, course in zip(task.bare, task.obstacles, task.courses, strict=True)
     ]
     regions = [
@@ -135,8 +135,13 @@ def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | Non
         found["knots"] = [[float(at), *_numbers(by)] for at, by in course.knots]
         found["window"] = None if course.window is None else _numbers(course.window)
         found["clock"] = [float(course.early), float(course.late)]
-        found["growth"] = [float(course.spread), [int(k in convex.own) for k in range(convex.dimension)]]
+        found["growth"] = [float(course.spread), [int(k in convex.own) for k in range(convex.dimension)], convex.radius > 0]
     return found
+
+
+def _faces(convex: ConvexSet) -> list[Any]:
+    """Half-spaces that hold a set: of a round one, or beyond the plane with a body, they hold a little more."""
+    return [[list(normal), _short(offset)] for normal, offset in convex.faces]
 
 
 def _outlines(convex: ConvexSet, planes: list[Plane]) -> dict[str, Any]:
@@ -151,8 +156,8 @@ def _numbers(values: tuple[Fraction, ...]) -> list[float]:
     return [float(v) for v in values]
 
 
-def _short(value: float) -> float:
-    return float(f"{value:.4g}")
+def _short(value: float | Fraction) -> float:
+    return float(f"{float(value):.6g}")
 
 
 def _rounded(values: Array) -> Any:

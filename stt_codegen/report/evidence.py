@@ -1,0 +1,245 @@
+"""Evidence for an assessor, made while the report is: the stand-alone checker, compilers, the reference, the self-test, MISRA.
+
+Every number here comes from this run; where a tool is missing, the row says so."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from stt_codegen.certify import checker
+from stt_codegen.certify.certificate import Finding
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.compare.comparison import Row, compare_backend
+from stt_codegen.compare.toolchain import STRICT, find_compiler
+from stt_codegen.decimals import by_component, decimal
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.emit.naming import selftest_name
+from stt_codegen.errors import SttError
+from stt_codegen.pipeline import Controller
+from stt_codegen.report.misra import DEVIATIONS, findings
+
+COMPILERS = ("gcc", "clang")
+POINTS = 2000  # random points of the comparison, beside the edges
+HOW = {
+    "exact": "exact rational arithmetic on the coefficients in the C",
+    "enclosure": "enclosures of the emitted statements",
+    "sampled": "samples, which prove nothing between them",
+}
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A line of the chain from what the task asks to what was measured."""
+
+    asked: str
+    code: str
+    statement: str
+    holds: bool
+    shown: str
+    checked: str
+    measured: str
+
+
+@dataclass(frozen=True)
+class Check:
+    """Something that was run: whether it is as it should be (None: it could not be run), and what came of it."""
+
+    name: str
+    good: bool | None
+    told: str
+
+
+@dataclass(frozen=True)
+class Evidence:
+    requirements: tuple[Requirement, ...]
+    checks: tuple[Check, ...]
+    misra: tuple[tuple[str, int, str, str, str], ...] | None  # rule, how often, kind, where, why
+    unlisted: tuple[str, ...]
+    flags: str
+    not_shown: tuple[str, ...]
+
+    @property
+    def good(self) -> bool:
+        return all(one.good is not False for one in self.checks) and not self.unlisted
+
+
+def evidence(controller: Controller, source: Path | None = None, boards: Sequence[Check] = ()) -> Evidence:
+    """Run what can be run here. source: the task's file, which the stand-alone checker reads; boards: what ran on boards."""
+    stand_alone = _stand_alone(controller, source)
+    compared = _compared(controller)
+    found = findings(controller.files)
+    prefix = controller.task.name
+    rules = None
+    if found is not None:
+        known = [(rule, count, DEVIATIONS[rule]) for rule, count in found.items() if rule in DEVIATIONS]
+        text = b"\n".join(controller.files.values()).decode()
+        rules = tuple((rule, count, d.kind, _named(d.where, prefix, text), d.why) for rule, count, d in known)
+    return Evidence(
+        tuple(_requirements(controller, stand_alone, compared)),
+        (stand_alone, compared, *_compiled(controller), _selftest(controller), *boards),
+        rules,
+        tuple(rule for rule in found or () if rule not in DEVIATIONS),
+        " ".join(STRICT),
+        tuple(not_shown(controller)),
+    )
+
+
+def _named(where: str, prefix: str, text: str) -> str:
+    """Where a rule is not kept, with the names of this task; of several names those that it has."""
+    told = where.replace("<p>", prefix).replace("<P>", prefix.upper())
+    names = re.findall(r"`(\w+)`", told)
+    absent = [name for name in names if name not in text] if len(names) > 1 else []
+    for name in absent:
+        told = told.replace(f", `{name}`", "").replace(f"`{name}`, ", "")
+    return told.replace("`", "")
+
+
+def _requirements(controller: Controller, stand_alone: Check, compared: Check) -> Iterator[Requirement]:
+    """What the task asks, property by property."""
+    certificate = controller.certificate
+    again = "the stand-alone checker, from the C" if stand_alone.good else "nothing else here"
+    for one in certificate.findings:
+        how = HOW[certificate.method]
+        checked = again
+        if one.code == "P7":
+            how = "a derived bound on every rounding"
+            checked += ", and the compiled C beside a reference" if compared.good else ""
+        elif one.code == "P9":
+            how = "intervals over every time window, with the theorem of the lemma book"
+        yield Requirement(asked(controller, one), one.code, one.statement, one.holds, how, checked, measured(one))
+
+
+def measured(one: Finding) -> str:
+    """What is left to spare, with its unit; of what fails, by how much, with a minus."""
+    seconds = one.in_time or (one.code == "P9" and one.time is None)
+    return f"{float(one.margin):.3g}{' s' if seconds else ''}" if one.margin else ""
+
+
+def asked(controller: Controller, one: Finding) -> str:
+    """The requirement of the task that a property is about."""
+    task = controller.task
+    texts = {
+        "P1": f"a tube at least {decimal(task.tube.min_width)} wide (tube.min_width)",
+        "P2": "starts of initial_set, with initial_state",
+        "P3": "stay in state_space" + (", the body with it" if any(task.half_extents) else ""),
+        "P4": f"keep {decimal(task.tube.clearance)} off every one of {len(task.unsafe)} unsafe sets",
+        "P5": "be in target_set at prescribed_time" if task.target_set is not None else "end where the mission lets it",
+        "P6": "a tube without jumps, of bounded rates",
+        "P7": f"the same in {controller.program.scalar} arithmetic",
+        "P8": "u_max is enough for [plant]",
+        "P9": f"control.period {decimal(task.control.period or Fraction(0))} s is short enough",
+        "P10": "carry out the mission",
+    }
+    return texts[one.code]
+
+
+def _stand_alone(controller: Controller, source: Path | None) -> Check:
+    """The checker as a process of its own, which imports nothing of this package."""
+    name, prefix = "stand-alone checker", controller.task.name
+    if not isinstance(controller.design, RefinedDesign):
+        return Check(name, None, f"is for refined tubes; this one is {controller.design.kind}")
+    if source is None:
+        return Check(name, None, "reads the task's file; this task was made without one")
+    with tempfile.TemporaryDirectory() as folder:
+        for file, data in controller.files.items():
+            Path(folder, file).write_bytes(data)
+        paths = [str(source), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
+        command = [sys.executable, "-I", checker.__file__, *paths]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+    told = (result.stdout + result.stderr).strip().removeprefix("checker: ")
+    return Check(name, result.returncode == 0, told)
+
+
+def _compared(controller: Controller) -> Check:
+    """The compiled C beside the reference, quantity by quantity."""
+    name = "compiled C beside an independent reference"
+    try:
+        rows: list[Row] = compare_backend(controller, CompiledC, POINTS)
+    except SttError as error:
+        return Check(name, None, str(error).partition("\n")[0])
+    worst = max(rows, key=lambda r: r.share)
+    total = sum(r.points for r in rows)
+    told = f"{total:,} values; nearest to its derived bound: {worst.quantity}, at {worst.share:.0%} of it"
+    return Check(name, all(r.holds for r in rows), told)
+
+
+def _compiled(controller: Controller) -> Iterator[Check]:
+    """Every C file under the strict flags, by every compiler that is here."""
+    for compiler in COMPILERS:
+        path = shutil.which(compiler)
+        if path is None:
+            yield Check(f"{compiler}, strict flags", None, "is not installed here")
+            continue
+        version = subprocess.run([path, "--version"], capture_output=True, text=True, check=False).stdout.partition("\n")[0]
+        with tempfile.TemporaryDirectory() as folder:
+            for file, data in controller.files.items():
+                Path(folder, file).write_bytes(data)
+            sources = sorted(p.name for p in Path(folder).glob("*.c"))
+            command = [path, *STRICT, "-c", *sources]
+            result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        told = f"{version}: no warning in {', '.join(sources)}" if result.returncode == 0 else result.stderr.strip()[:300]
+        yield Check(f"{compiler}, strict flags", result.returncode == 0, told)
+
+
+def _selftest(controller: Controller) -> Check:
+    """The emitted self-test, compiled and run on this host."""
+    name, prefix = "self-test on this host", controller.task.name
+    if selftest_name(prefix) not in controller.files:
+        return Check(name, None, "is not emitted; emit.selftest = true adds it")
+    try:
+        compiler = find_compiler()
+    except SttError as error:
+        return Check(name, None, str(error))
+    with tempfile.TemporaryDirectory() as folder:
+        for file, data in controller.files.items():
+            Path(folder, file).write_bytes(data)
+        Path(folder, "main.c").write_text(f'#include "{prefix}.h"\nint main(void) {{ return {prefix}_selftest(); }}\n')
+        sources = ["main.c", f"{prefix}.c", selftest_name(prefix)]
+        made = subprocess.run([compiler, *STRICT, *sources, "-o", "main", "-lm"], cwd=folder, capture_output=True, check=False)
+        if made.returncode:
+            return Check(name, False, "does not compile under the strict flags")
+        code = subprocess.run([f"{folder}/main"], check=False).returncode
+    return Check(name, code == 0, "every vector within its enclosure" if code == 0 else f"vector {code} is off")
+
+
+def not_shown(controller: Controller) -> Iterator[str]:
+    """What no line of the report shows, for this task."""
+    task, certificate = controller.task, controller.certificate
+    if not certificate.holds:
+        yield "That this tube does its task: see the properties that fail."
+    proved = certificate.proved_period is not None
+    if not proved:
+        yield (
+            "That your sampling is fast enough: the state stays in the tube by Theorem 4.1, in continuous time; what is proved "
+            "of held inputs stands above under its own assumptions (set control.period to have it as P9)."
+        )
+    stated = "the bounds of [plant]" if task.plant.stated else "what Theorem 4.1 asks of a plant"
+    yield f"That your plant is within {stated}, and that nothing else acts on it."
+    yield "That what you measure is the state" + (
+        f", to {by_component(task._each(task.plant.noise))} at most." if task.plant.noise else ", without an error."
+    )
+    if task.control.latency is None or not task.control.latency:
+        yield "Anything about an input that acts later than at its sample."
+    if task.timed:
+        yield "That the sets are where and when the task says, by a clock that agrees with the controller's."
+    if task.body is None:
+        yield "Anything about a robot that has a size: the state is a point here (body)."
+    logarithm = "logf" if controller.program.scalar == "float" else "log"
+    yield (
+        "That the compiler, its options and the C library do what C99, IEEE-754 and docs/c.md say"
+        + (f": {logarithm} within 2 units in the last place." if task.emit.math == "libm" else ".")
+    )
+    if task.u_max is None:
+        yield "That u is within what your actuators can do: nothing limits it but the clamp (control.u_max)."
+    if task.order == 1 and not task.plant.stated:
+        yield "That there is no inertia or lag between u and the rate of x (plant.order)."
+    if task.repeat:
+        yield "That a clock in seconds is right after many turns: its rounding adds up; ticks lose nothing."
