@@ -146,7 +146,9 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     True
     """
     made = pipeline.build_task(_task(task), uncertified)
-    return Controller(made.task, made.design, made.program, made.certificate, made.files)
+    found = Controller(made.task, made.design, made.program, made.certificate, made.files)
+    object.__setattr__(found, "source", None if isinstance(task, Task) else Path(task))
+    return found
 
 
 def certify_tube(
@@ -213,6 +215,8 @@ class Controller(pipeline.Controller):
     >>> controller
     <Controller omni_s2: refined tube, 32 segments, certified, least width 0.5, float>
     """
+
+    source: Path | None = None  # the task's file, of what `build` made of one
 
     def __repr__(self) -> str:
         verdict = "certified" if self.certificate.holds else "NOT CERTIFIED"
@@ -481,3 +485,47 @@ class Controller(pipeline.Controller):
             wrong = [name for name in scenario if name not in known] or list(scenario)
             raise BadInput(f"simulate: {wrong[0]}: is not understood; known are {', '.join(known)}") from None
         return Loop(self, model).run(asked, trace=True)
+
+    def report(self, path: str | Path | None = None, *, plant: str | None = None, show: bool = True) -> Path:
+        """Write the page that `stt-codegen report` writes, and open it in a browser.
+
+        Parameters
+        ----------
+        path
+            The page; by default <name>.report.html in the current folder.
+        plant
+            What is driven in the page and what its statements are about, by name or Python file; by default [plant].
+        show
+            Whether to open it.
+
+        Returns
+        -------
+        Path
+            The page that was written.
+
+        Raises
+        ------
+        BadInput
+            Its folder cannot be written, or there is no such plant.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     page = build("tasks/omni_s2.toml").report(folder + "/page.html", show=False)
+        ...     page.name, page.read_text()[:15]
+        ('page.html', '<!doctype html>')
+        """
+        import webbrowser
+
+        from stt_codegen.plants import plant_of
+        from stt_codegen.record.files import write_files
+        from stt_codegen.report.design import design_report
+        from stt_codegen.report.page import Extras, page
+
+        model = None if plant is None else plant_of(plant, self.task.dimension, self.task.order)
+        made = Path(path) if path is not None else Path(f"{self.task.name}.report.html")
+        write_files(made.parent, {made.name: page(self, design_report(self, 0.0), Extras(self.source, model))})
+        if show:
+            webbrowser.open(made.resolve().as_uri())
+        return made

@@ -52,16 +52,16 @@ function arena(figure, plane, hand) {
   make(svg, "text", { transform: `translate(12 ${top + height / 2}) rotate(-90)`, "text-anchor": "middle" }, data.axes[j]);
 
   const labels = [];
-  const named = (outline, name) => {
+  const named = (outline, name, above = false) => {
     const [a, b] = outline.reduce(([p, q], [c, d]) => [p + c, q + d], [0, 0]).map((v) => v / outline.length);
-    labels.push(make(svg, "text", { x: x(a), y: y(b) + 4, "text-anchor": "middle", class: "name" }, name));
+    const place = above ? y(Math.max(...outline.map((p) => p[1]))) + 14 : y(b) + 4;
+    labels.push(make(svg, "text", { x: x(a), y: place, "text-anchor": "middle", class: "name" }, name));
   };
   named([[data.start[0][i], data.start[0][j]], [data.start[1][i], data.start[1][j]]], "start");
   if (data.target && !data.target.knots) named(data.target.outline[key], "target");
   if (data.sets.length <= MANY) for (const set of data.sets) if (!set.knots) named(set.outline[key], set.name);
-  if (data.regions.length <= MANY) for (const region of data.regions) named(region.outline[key], region.name);
-  settle(labels, left, top, left + width, top + height);
-  visits();
+  if (data.regions.length <= MANY) for (const region of data.regions) named(region.outline[key], region.name, true);
+  settle(labels, left, top, left + width, top + height, visits());
 
   /* The name of the set under the pointer, where names have no room. */
   const hover = make(svg, "text", { class: "name", "text-anchor": "middle" });
@@ -81,16 +81,22 @@ function arena(figure, plane, hand) {
     return [(event.clientX - frame.left) * per, (event.clientY - frame.top) * per];
   }
 
+  /* The numbers of the mission's entries where they are served, and the room that they take. */
   function visits() {
-    const numbers = new Map();
+    const numbers = new Map(), taken = [];
     for (const [entry, , begin] of data.visits) numbers.set(begin || 0, [...(numbers.get(begin || 0) || []), entry]);
     for (const [when, entries] of [...numbers].slice(0, MANY)) {
       const [low, high] = [at(data.low, when), at(data.high, when)];
-      const mark = make(scene, "g", { class: "visit", transform: `translate(${x((low[i] + high[i]) / 2)} ${y((low[j] + high[j]) / 2)})` });
+      const [cx, cy] = [x((low[i] + high[i]) / 2), y((low[j] + high[j]) / 2)];
       const told = [...new Set(entries)].join(",");
-      make(mark, "circle", { r: 7 + 2 * told.length });
+      const r = 7 + 2 * told.length;
+      if (taken.some((o) => Math.hypot(o.left + o.right - 2 * cx, o.top + o.bottom - 2 * cy) < r + (o.right - o.left) / 2)) continue;
+      const mark = make(scene, "g", { class: "visit", transform: `translate(${cx} ${cy})` });
+      make(mark, "circle", { r });
       make(mark, "text", { y: 4, "text-anchor": "middle" }, told);
+      taken.push({ left: cx - r, right: cx + r, top: cy - r, bottom: cy + r });
     }
+    return taken;
   }
 
   /* The robot: a dot to drag, larger to the finger than to the eye; arrow keys shove it. */

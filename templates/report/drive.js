@@ -186,8 +186,9 @@ function loopOf(setting) {
     observe(given, false);
     note();
   };
-  loop.hold = (where) => { loop.hand = where; for (const [i, value] of where) loop.x[i] = value; };
+  loop.hold = (where) => { loop.hand = where; touched(); for (const [i, value] of where) loop.x[i] = value; };
   loop.release = () => { loop.hand = null; };
-  loop.shove = (i, by) => { loop.x[i] += by; loop.broken = "a hand"; };
+  loop.shove = (i, by) => { loop.x[i] += by; touched(); };
+  function touched() { [loop.broken, loop.proved] = ["a hand", false]; }
   return loop;
 }

@@ -99,8 +99,8 @@ function ticks(low, high, most = 6) {
 const short = (v) => (Number.isFinite(v) ? Number(v.toPrecision(3)).toString().replace("-", "\u2212") : "no number");
 
 /* Labels inside the frame and none over another: of two the later one goes. Needs to be in the page, for it measures. */
-function settle(labels, left, top, right, bottom) {
-  const kept = [];
+function settle(labels, left, top, right, bottom, taken = []) {
+  const kept = [...taken];
   for (const label of labels) {
     let box = label.getBBox();
     const x = Math.max(left + 3 - box.x, 0) + Math.min(right - 3 - box.x - box.width, 0);
