@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -18,10 +18,6 @@ from stt_codegen.cli.options import (
     patience,
     print_json,
 )
-
-if TYPE_CHECKING:
-    from stt_codegen.pipeline import Controller
-    from stt_codegen.report.evidence import Check
 
 
 def report(
@@ -55,7 +51,11 @@ def report(
     with patience(f"compiling and comparing {controller.task.name}"):
         from stt_codegen.report.page import Extras, page
 
-        ran = [_on_board(controller, name) for name in board or ()]
+        ran = []
+        for name in board or ():
+            from stt_codegen.board.told import on_board
+
+            ran.append(on_board(controller, name))
         text = page(controller, figures, Extras(task, model, ran))
     path = out or Path(f"{controller.task.name}.report.html")
     write_files(path.parent, {path.name: text})
@@ -64,19 +64,3 @@ def report(
         print_json({"task": controller.task.name, "page": str(path), "bytes": len(text), "seconds": seconds})
     else:
         print(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
-
-
-def _on_board(controller: Controller, name: str) -> Check:
-    """What `pil` finds on a board, in a line."""
-    from stt_codegen.board.emulated import BOARDS, run_on_board
-    from stt_codegen.errors import BadInput
-    from stt_codegen.report.evidence import Check
-
-    if name not in BOARDS:
-        raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
-    board = BOARDS[name]
-    rows, costs = run_on_board(controller, board, 500)
-    told = [f"{f}: {c.least} to {c.most} {board.unit}, {c.stack} B of stack" for f, c in costs.items()]
-    worst = max(rows, key=lambda r: r.share)
-    told.append(f"{sum(r.points for r in rows):,} values, nearest to its bound: {worst.quantity}, at {worst.share:.0%} of it")
-    return Check(f"{board.title}, emulated", all(r.holds for r in rows), "; ".join(told))

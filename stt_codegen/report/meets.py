@@ -17,12 +17,8 @@ Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 
-def slack_at(row: Row, low: Array, high: Array) -> Array:
-    """By how much tubes (P, n) are beyond a set along the normal of its row, the clearance not counted: (P,)."""
-    return _reached(row, low, high) - float(row.bound)
-
-
 def _reached(row: Row, low: Array, high: Array) -> Array:
+    """What a row is of tubes (P, n), without its bound: (P,)."""
     return np.asarray(sum((float(c) * (high if side else low)[:, i] for i, side, c in row.terms), np.zeros(len(low))))
 
 

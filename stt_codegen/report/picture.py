@@ -1,7 +1,5 @@
 """Pictures of a tube in the manner of the paper's figures 1 and 3: the arena with the tube's boxes over time, and each
-dimension's tube over time with the unsafe sets that matter then. Imports matplotlib, so import this late.
-
-Long because what is drawn of a task stands together: sets, regions, visits, times."""
+dimension's tube over time with the unsafe sets that matter then. Imports matplotlib, so import this late."""
 
 from __future__ import annotations
 
