@@ -1,11 +1,12 @@
 """The report's figures: seconds to make it, bytes, bytes of WebAssembly, seconds to the first picture, frames a second while the
 slider moves, for an example, for 300 sets in the plane and in space.
 
-    python benchmarks/page.py
+    python benchmarks/page.py [--record FILE.md]
 """
 
 from __future__ import annotations
 
+import argparse
 import base64
 import json
 import random
@@ -20,6 +21,8 @@ from pathlib import Path
 from typing import Any
 
 from playwright.sync_api import sync_playwright
+
+from stt_codegen.bench.report import command, machine, record, table
 
 ROOT = Path(__file__).parent.parent
 SETS, SIZE = 300, 40.0
@@ -74,23 +77,35 @@ def measured(browser: Any, task: Path, folder: Path) -> list[str]:
 
 
 def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
+    options = parser.parse_args()
     chromium = shutil.which("chromium")
     if chromium is None:
         print("chromium is not found; `.ci/tools test` installs it", file=sys.stderr)
         return 4
-    rows = [["task", "report [s]", "bytes", "WebAssembly", "first picture [s]", "frames a second"]]
     with tempfile.TemporaryDirectory() as name, sync_playwright() as play:
         folder = Path(name)
-        tasks = [ROOT / "tasks" / f"{one}.toml" for one in ("omni_s2", "drone", "courier")]
+        tasks = [ROOT / "tasks" / f"{one}.toml" for one in ("omni_s2", "drone", "courier", "watchman")]
         for task, dimension in (("flat300", 2), ("solid300", 3)):
             (folder / f"{task}.toml").write_text(crowded(task, dimension))
             tasks.append(folder / f"{task}.toml")
         browser = play.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-        rows += [measured(browser, task, folder) for task in tasks]
+        rows = [measured(browser, task, folder) for task in tasks]
         browser.close()
-    wide = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-    for row in rows:
-        print("  ".join(cell.ljust(wide[0]) if k == 0 else cell.rjust(wide[k]) for k, cell in enumerate(row)))
+    heads = [
+        "task",
+        "seconds to make",
+        "bytes",
+        "of WebAssembly",
+        "seconds to the first picture",
+        "frames a second",
+    ]
+    text = table(heads, rows)
+    print(text)
+    if options.record:
+        told = "flat300 and solid300 have 300 boxes in the plane and in space; a browser draws 60 frames a second at most."
+        record(options.record, "page", f"## The report\n\nMade by `{command()}`; {machine()}.\n\n{text}\n\n{told}")
     return 0
 
 

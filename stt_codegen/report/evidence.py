@@ -146,12 +146,13 @@ def _stand_alone(controller: Controller, source: Path | None) -> Check:
     name, prefix = "stand-alone checker", controller.task.name
     if not isinstance(controller.design, RefinedDesign):
         return Check(name, None, f"is for refined tubes; this one is {controller.design.kind}")
-    if source is None:
+    if source is None and controller.task.written is None:
         return Check(name, None, "reads the task's file; this task was made without one")
     with tempfile.TemporaryDirectory() as folder:
         for file, data in controller.files.items():
             Path(folder, file).write_bytes(data)
-        paths = [str(source), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
+        read = source if controller.task.written is None else f"{folder}/{prefix}.task.toml"  # with its map spelled out
+        paths = [str(read), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
         command = [sys.executable, "-I", checker.__file__, *paths]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
     told = (result.stdout + result.stderr).strip().removeprefix("checker: ")

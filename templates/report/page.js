@@ -11,14 +11,20 @@ let driving = false;
 const drive = data.drive ? driver(data.drive) : null;
 const hand = drive && { hold: (where) => drive.hold(where), release: () => loop.release(), shove: (i, by) => drive.shove(i, by) };
 
+/* How far the tube is from the set that is nearest, at samples. */
+function told(name, far) {
+  const unit = data.units[0] ? ` ${data.units[0]}` : "";
+  const body = data.body.some((v) => v > 0) ? ", the body in it," : "";
+  return far < 0 ? `the tube${body} meets ${name}.` : `the tube${body} is about ${short(far)}${unit} from ${name}, the nearest unsafe set.`;
+}
+
 function show(t) {
   time = t;
   slider.value = String(Math.round((t / data.t_c) * STEPS));
   slider.setAttribute("aria-valuetext", `${t.toFixed(2)} seconds`);
   output.textContent = `${t.toFixed(2)} s`;
   const nearest = data.near && data.near[Math.round((Math.min(t, data.t_c) / data.t_c) * samples)];
-  const unit = data.units[0] ? ` ${data.units[0]}` : "";
-  if (near) near.textContent = nearest ? (nearest[1] < 0 ? `The tube meets ${data.sets[nearest[0]].name} here.` : `Nearest to the tube: ${data.sets[nearest[0]].name}, ${short(nearest[1])}${unit} away.`) : "";
+  if (near) near.textContent = nearest ? `At ${t.toFixed(2)} s ${told(data.sets[nearest[0]].name, nearest[1])}` : "";
   const run = driving ? loop : null;
   for (const view of views) view(t, run);
 }
@@ -118,7 +124,7 @@ function driver(setting) {
   });
   const unit = new Set(data.units).size === 1 && data.units[0] ? ` ${data.units[0]}` : "";
   const per = `${unit ? "/s" : " per s"}${setting.order === 2 ? "\u00b2" : ""}`;
-  function told() {
+  function limits() {
     const now = given();
     const beyond = (name, bad) => field(name).closest("label").classList.toggle("beyond", bad);
     const limit = (v, text) => (known ? `, proved: ${text(v)}` : "");
@@ -135,7 +141,7 @@ function driver(setting) {
     beyond("noise", !known || now.noise > known.noise * more);
     loop.arrow = 1 / (speed || 1) * 0.15 * Math.max(...data.space[1].map((v, i) => v - data.space[0][i]));
   }
-  controls.addEventListener("input", told);
+  controls.addEventListener("input", limits);
 
   let owed = 0;
   function state() {
@@ -186,6 +192,6 @@ function driver(setting) {
     state();
   });
   field("again").addEventListener("click", () => { if (driving) { api.begin(0); if (last === null) start(); } else show(0); });
-  told();
+  limits();
   return api;
 }
