@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping
-from dataclasses import fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -146,9 +146,8 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     True
     """
     made = pipeline.build_task(_task(task), uncertified)
-    found = Controller(made.task, made.design, made.program, made.certificate, made.files)
-    object.__setattr__(found, "source", None if isinstance(task, Task) else Path(task))
-    return found
+    source = None if isinstance(task, Task) else Path(task).resolve()
+    return Controller(made.task, made.design, made.program, made.certificate, made.files, source)
 
 
 def certify_tube(
@@ -202,6 +201,7 @@ def certify_tube(
     return Controller(made.task, made.design, made.program, made.certificate, made.files)
 
 
+@dataclass(frozen=True, repr=False)
 class Controller(pipeline.Controller):
     """A task's controller: the emitted functions, vectorised, and what one does with them.
 
@@ -521,11 +521,12 @@ class Controller(pipeline.Controller):
         from stt_codegen.plants import plant_of
         from stt_codegen.record.files import write_files
         from stt_codegen.report.design import design_report
-        from stt_codegen.report.page import Extras, page
+        from stt_codegen.report.evidence import evidence
+        from stt_codegen.report.page import page
 
         model = None if plant is None else plant_of(plant, self.task.dimension, self.task.order)
         made = Path(path) if path is not None else Path(f"{self.task.name}.report.html")
-        write_files(made.parent, {made.name: page(self, design_report(self, 0.0), Extras(self.source, model))})
+        write_files(made.parent, {made.name: page(self, design_report(self, 0.0), evidence(self, self.source), model)})
         if show:
             webbrowser.open(made.resolve().as_uri())
         return made

@@ -31,7 +31,8 @@ from stt_codegen.report.design import design_report
 from stt_codegen.report.drive import driven, plant_driven, shipped
 from stt_codegen.report.materials import bill
 from stt_codegen.report.misra import DEVIATIONS
-from stt_codegen.report.page import Extras, page
+from stt_codegen.report.evidence import evidence
+from stt_codegen.report.page import page
 from stt_codegen.report.scene import SAMPLES
 from stt_codegen.report.solids import solid
 from stt_codegen.task import parse_task
@@ -77,7 +78,7 @@ def controller_of(kind: str) -> Controller:
 def made(kind: str) -> str:
     controller = controller_of(kind)
     source = None if kind in ("moving", "hold", "double") else ROOT / "tasks" / f"{KINDS[kind][0]}.toml"
-    return page(controller, design_report(controller, 0.0), Extras(source)).decode()
+    return page(controller, design_report(controller, 0.0), EXTRAS(source)).decode()
 
 
 def data_of(text: str, name: str = "data") -> dict[str, Any]:
@@ -206,7 +207,7 @@ def test_words_of_a_task_are_words_of_the_page() -> None:
 
 def test_the_page_is_the_same_for_the_same_task() -> None:
     controller = build(ROOT / "tasks" / "courier.toml")
-    again = page(controller, design_report(controller, 0.0), Extras(ROOT / "tasks" / "courier.toml")).decode()
+    again = page(controller, design_report(controller, 0.0), EXTRAS(ROOT / "tasks" / "courier.toml")).decode()
     assert again == made("missions")
 
 
@@ -358,7 +359,7 @@ def test_a_plant_is_driven_as_it_is_proved_about(opened: Any) -> None:
     """`--plant`: the module computes its f and g, and the statements are about it."""
     controller = build(ROOT / "tasks" / "spacecraft.toml")
     plant = plant_of("spacecraft", 3)
-    text = page(controller, design_report(controller, 0.0), Extras(ROOT / "tasks" / "spacecraft.toml", plant)).decode()
+    text = page(controller, design_report(controller, 0.0), EXTRAS(ROOT / "tasks" / "spacecraft.toml", plant)).decode()
     assert "The plant is spacecraft" in text
     assert "proved for spacecraft" in text
     assert data_of(text)["drive"]["wasm"] != data_of(made("three dimensions"))["drive"]["wasm"]

@@ -10,10 +10,15 @@ from stt_codegen.report.evidence import Check
 POINTS = 500  # random points, beside the edges
 
 
-def on_board(controller: Controller, name: str) -> Check:
-    """Run the C on a board and compare it with the reference, as `pil` does. Raises `BadInput` for an unknown board."""
+def require_board(name: str) -> None:
+    """Raises `BadInput` for an unknown board."""
     if name not in BOARDS:
         raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
+
+
+def on_board(controller: Controller, name: str) -> Check:
+    """Run the C on a board and compare it with the reference, as `pil` does. Raises `BadInput` for an unknown board."""
+    require_board(name)
     board = BOARDS[name]
     rows, costs = run_on_board(controller, board, POINTS)
     told = [f"{f}: {c.least} to {c.most} {board.unit}, {c.stack} B of stack" for f, c in costs.items()]

@@ -17,6 +17,7 @@ from stt_codegen.cli.options import (
     Uncertified,
     patience,
     print_json,
+    say,
 )
 
 
@@ -33,34 +34,55 @@ def report(
     json: Json = False,
     uncertified: Uncertified = False,
 ) -> None:
-    """Write one HTML page about a controller: the tube over time, the C to drive, certificate, evidence. It needs no network."""
+    """Write one HTML page about a controller: the tube over time, the C to drive, certificate, evidence. It needs no network.
+    Exit code 1 when something that was run for the evidence is not as it should be."""
     from stt_codegen.errors import BadInput
     from stt_codegen.plants import plant_of
     from stt_codegen.record.files import write_files
 
     if out is not None and out.suffix.lower() not in (".html", ".htm"):
         raise BadInput(f"--out {out}: is no page; use a name that ends in .html")
+    for name in board or ():
+        from stt_codegen.board.told import require_board
+
+        require_board(name)
     begin = time.perf_counter()
     with patience(f"designing {task}"):
         from stt_codegen.pipeline import build
         from stt_codegen.report.design import design_report
+        from stt_codegen.task import load_task
 
+        loaded = load_task(task)
+        model = None if plant is None else plant_of(plant, loaded.dimension, loaded.order)
         controller = build(task, design, scalar, uncertified)
         figures = design_report(controller, time.perf_counter() - begin)
-        model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
     with patience(f"compiling and comparing {controller.task.name}"):
-        from stt_codegen.report.page import Extras, page
+        from stt_codegen.report.evidence import evidence
+        from stt_codegen.report.page import page
 
         ran = []
         for name in board or ():
             from stt_codegen.board.told import on_board
 
             ran.append(on_board(controller, name))
-        text = page(controller, figures, Extras(task, model, ran))
+        shown = evidence(controller, task, ran)
+        text = page(controller, figures, shown, model)
     path = out or Path(f"{controller.task.name}.report.html")
     write_files(path.parent, {path.name: text})
     if json:
         seconds = round(time.perf_counter() - begin, 3)
-        print_json({"task": controller.task.name, "page": str(path), "bytes": len(text), "seconds": seconds})
+        print_json(
+            {
+                "task": controller.task.name,
+                "page": str(path),
+                "bytes": len(text),
+                "seconds": seconds,
+                "evidence_holds": shown.good,
+            }
+        )
     else:
         print(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
+    if not shown.good:
+        failed = [one.name for one in shown.checks if one.good is False] + [f"MISRA rule {rule}" for rule in shown.unlisted]
+        say(f"note: {controller.task.name}: not as it should be: {', '.join(failed)}; the page's evidence has more")
+        raise typer.Exit(1)

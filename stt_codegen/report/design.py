@@ -111,17 +111,23 @@ def design_report(controller: Controller, seconds: float) -> DesignReport:
 def input_report(controller: Controller) -> Input:
     """What the law asks of actuator and clock."""
     task, certificate = controller.task, controller.certificate
-    width, largest_u = float(certificate.least_width), None
-    if width > 0:
-        rounding = 1 + 2.0**-18  # more than the emitted law's own
-        pairs = [(abs(float(k)), float(e)) for k, e in zip(task.gain, task.e_max, strict=True)]
-        largest_u = max(4 * k / (width * (1 - e * e)) * math.log((1 + e) / (1 - e)) for k, e in pairs) * rounding
+    largest_u = clamp_input(controller)
     return Input(
         None if largest_u is None else above_float(largest_u),
         Analysis(controller).sampling() if certificate.holds else None,
         tuple(float(u) for u in task.u_max or ()),
         None if task.emit.tick_period is None else float(task.emit.tick_period),
     )
+
+
+def clamp_input(controller: Controller) -> float | None:
+    """|u| at the clamp where the tube is narrowest; None for an empty tube."""
+    task, width = controller.task, float(controller.certificate.least_width)
+    if width <= 0:
+        return None
+    rounding = 1 + 2.0**-18  # more than the emitted law's own
+    pairs = [(abs(float(k)), float(e)) for k, e in zip(task.gain, task.e_max, strict=True)]
+    return max(4 * k / (width * (1 - e * e)) * math.log((1 + e) / (1 - e)) for k, e in pairs) * rounding
 
 
 def cost_report(controller: Controller) -> Cost:

@@ -24,7 +24,8 @@ from stt_codegen.emit.render import template_folder
 from stt_codegen.pipeline import Controller, render_files
 from stt_codegen.pipeline import build_program as program_of
 from stt_codegen.plants import Model, Plant
-from stt_codegen.report.bounds import Sampling
+from stt_codegen.report.bounds import ProvedPeriod, Sampling
+from stt_codegen.report.design import clamp_input
 from stt_codegen.task import Task
 
 CFLAGS = (
@@ -94,7 +95,7 @@ def driven(controller: Controller, plant: Model) -> Driven:
             exports = [f"--export-if-defined={one}" for one in sorted(EXPORTS)]
             _run([LINKER, *LDFLAGS, *exports, *(str(p.with_suffix(".o")) for p in paths), "-o", str(folder / "own.wasm")])
         except RuntimeError as error:
-            return Driven(reason=str(error))
+            return Driven(reason=str(error).replace(f"{folder}/", ""))
         wasm = (folder / "own.wasm").read_bytes()
     return Driven(wasm, sources, inline, _version())
 
@@ -120,32 +121,42 @@ def _version() -> str:
     return told.partition("\n")[0].strip()
 
 
-def setting(controller: Controller, made: Driven, plant: Model, sampling: Sampling | None) -> dict[str, Any]:
-    """What the page's loop needs: the module, sizes, and what is proved: the longest period, latency, noise, |w| and starts."""
+def setting(controller: Controller, made: Driven, plant: Model, w_max: float, sampling: Sampling | None) -> dict[str, Any]:
+    """What the page's loop needs: the module, sizes, and what is proved for |w| <= w_max: period, latency, noise, starts."""
     task = controller.task
     own = None if sampling is None else sampling.at_this_gain
-    force = min(float(b.force) for b in task.plant_bounds) if isinstance(plant, Plant) and not plant.doc else float(plant.w_max)
+    proved = None
+    if sampling is not None and own is not None:
+        proved = {
+            "period": own.period,
+            "shortest": sampling.shortest,
+            "latency": float(task.control.latency or 0),
+            "noise": float(task.plant.noise or 0),
+            "w": w_max,
+            "share": float(task.initial_set.share),
+        }
     return {
         "wasm": base64.b64encode(made.wasm).decode(),
         "order": task.order,
         "adaptive": controller.design.stateful,
-        "alpha_step": float(task.prescribed_time) / 2000,
-        "outside": task.control.outside,
         "differs": task.differs,
-        "u_max": [float(v) for v in task.u_max or ()],
         "x": [float(v) for v in task.initial_state],
         "noise_v": float(task.plant.noise_v or 0) / float(task.plant.noise) if task.plant.noise else 1.0,
         "constants": [(low + high) / 2 for low, high in plant.constants],
-        "period": float(task.control.period or task.emit.tick_period or min(own.period if own else 0.01, 0.01)),
-        "proved": None
-        if own is None
-        else {
-            "period": own.period,
-            "shortest": 0.0 if sampling is None else sampling.shortest,
-            "latency": float(task.control.latency or 0),
-            "noise": float(task.plant.noise or 0),
-            "w": force,
-            "share": float(task.initial_set.share),
-            "plant": sampling.plant if sampling else "",
-        },
+        "period": first_period(controller, own),
+        "proved": proved,
     }
+
+
+def first_period(controller: Controller, own: ProvedPeriod | None) -> float:
+    """The period that driving begins with: that of the task; else one that is proved and so short that u at its clamp, of order
+    1, throws the state no farther than the tube is wide."""
+    task = controller.task
+    asked = task.control.period or task.emit.tick_period
+    if asked is not None:
+        return float(asked)
+    found = min(own.period if own else 0.01, 0.01, float(task.prescribed_time) / 100)
+    most = clamp_input(controller)
+    if task.order == 1 and task.u_max is None and most is not None and not controller.design.stateful:
+        found = min(found, 0.8 * float(controller.certificate.least_width) / most)
+    return found

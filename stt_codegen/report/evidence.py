@@ -19,14 +19,16 @@ from stt_codegen.certify.certificate import Finding
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.compare.comparison import Row, compare_backend
 from stt_codegen.compare.toolchain import STRICT, find_compiler
-from stt_codegen.decimals import by_component, decimal
+from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.naming import selftest_name
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import Controller
+from stt_codegen.report.materials import library_calls
 from stt_codegen.report.misra import DEVIATIONS, findings
 
 COMPILERS = ("gcc", "clang")
+SECONDS = 60  # that the self-test may take
 POINTS = 2000  # random points of the comparison, beside the edges
 HOW = {
     "exact": "exact rational arithmetic on the coefficients in the C",
@@ -155,7 +157,7 @@ def _stand_alone(controller: Controller, source: Path | None) -> Check:
         paths = [str(read), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
         command = [sys.executable, "-I", checker.__file__, *paths]
         result = subprocess.run(command, capture_output=True, text=True, check=False)
-    told = (result.stdout + result.stderr).strip().removeprefix("checker: ")
+    told = (result.stdout or result.stderr).strip().rpartition("\n")[2].removeprefix("checker: ").replace(f"{folder}/", "")
     return Check(name, result.returncode == 0, told)
 
 
@@ -186,7 +188,11 @@ def _compiled(controller: Controller) -> Iterator[Check]:
             sources = sorted(p.name for p in Path(folder).glob("*.c"))
             command = [path, *STRICT, "-c", *sources]
             result = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        told = f"{version}: no warning in {', '.join(sources)}" if result.returncode == 0 else result.stderr.strip()[:300]
+        told = (
+            f"{version}: no warning in {', '.join(sources)}"
+            if result.returncode == 0
+            else result.stderr.strip()[:300].replace(f"{folder}/", "")
+        )
         yield Check(f"{compiler}, strict flags", result.returncode == 0, told)
 
 
@@ -207,40 +213,54 @@ def _selftest(controller: Controller) -> Check:
         made = subprocess.run([compiler, *STRICT, *sources, "-o", "main", "-lm"], cwd=folder, capture_output=True, check=False)
         if made.returncode:
             return Check(name, False, "does not compile under the strict flags")
-        code = subprocess.run([f"{folder}/main"], check=False).returncode
+        try:
+            code = subprocess.run([f"{folder}/main"], check=False, capture_output=True, timeout=SECONDS).returncode
+        except subprocess.TimeoutExpired:
+            return Check(name, False, f"does not end within {SECONDS} s")
     return Check(name, code == 0, "every vector within its enclosure" if code == 0 else f"vector {code} is off")
 
 
 def not_shown(controller: Controller) -> Iterator[str]:
     """What no line of the report shows, for this task."""
     task, certificate = controller.task, controller.certificate
+    shown = {one.code for one in certificate.findings if one.holds}
     if not certificate.holds:
-        yield "That this tube does its task: see the properties that fail."
-    proved = certificate.proved_period is not None
-    if not proved:
+        yield "That this tube does its task (see the properties that fail), and that a controller keeps any state in it."
+    elif "P9" not in shown:
         yield (
-            "That your sampling is fast enough: the state stays in the tube by Theorem 4.1, in continuous time; what is proved "
-            "of held inputs stands above under its own assumptions (set control.period to have it as P9)."
+            "That your sampling is fast enough: the state stays in the tube by Theorem 4.1, in continuous time"
+            + (", while u is not held within u_max" if task.u_max is not None else "")
+            + "; what is proved of held inputs stands above under its own assumptions (control.period makes it P9)."
         )
-    stated = "the bounds of [plant]" if task.plant.stated else "what Theorem 4.1 asks of a plant"
-    yield f"That your plant is within {stated}, and that nothing else acts on it."
-    yield "That what you measure is the state" + (
-        f", to {by_component(task._each(task.plant.noise))} at most." if task.plant.noise else ", without an error."
-    )
-    if task.control.latency is None or not task.control.latency:
-        yield "Anything about an input that acts later than at its sample."
-    if task.timed:
-        yield "That the sets are where and when the task says, by a clock that agrees with the controller's."
-    if task.body is None:
-        yield "Anything about a robot that has a size: the state is a point here (body)."
-    logarithm = "logf" if controller.program.scalar == "float" else "log"
-    yield (
-        "That the compiler, its options and the C library do what C99, IEEE-754 and docs/c.md say"
-        + (f": {logarithm} within 2 units in the last place." if task.emit.math == "libm" else ".")
-    )
+    if certificate.holds and task.u_max is not None and not shown & {"P8", "P9"}:
+        yield "That u_max is enough: Theorem 4.1 assumes that u never reaches it (bounds in [plant] make that P8)."
     if task.u_max is None:
         yield "That u is within what your actuators can do: nothing limits it but the clamp (control.u_max)."
-    if task.order == 1 and not task.plant.stated:
-        yield "That there is no inertia or lag between u and the rate of x (plant.order)."
+    if "P9" in shown:
+        yield (
+            "That samples come every control.period or faster, that none is lost, that the first input acts at once and all "
+            "others within control.latency."
+        )
+    else:
+        yield "Anything about an input that acts later than at its sample, but for what stands above with its latency."
+    stated = "the bounds of [plant]" if task.plant.stated else "what Theorem 4.1 asks of a plant"
+    yield f"That your plant is within {stated}, and that nothing else acts on it."
+    yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
+    yield "That what you measure is the state" + (
+        f", to {decimal(task.plant.noise)} at most." if task.plant.noise else ", without an error."
+    )
+    if controller.design.stateful:
+        yield "That alpha begins with alpha_init at t = 0 and is stepped within the steps that the certificate names."
+    if task.timed:
+        yield "That the sets are where and when the task says, by a clock that agrees with the controller's."
+    if task.written is not None:
+        yield "That the sets hold every occupied cell of the map: this tool's word; the checker reads them spelled out."
+    if task.body is None:
+        yield "Anything about a robot that has a size: the state is a point here (body)."
+    calls = [name for name in library_calls(controller.files) if name != "memcpy"]
+    yield (
+        "That the compiler, its options and the C library do what C99, IEEE-754 and docs/c.md say"
+        + (f": {', '.join(calls)} within 2 units in the last place." if calls else ".")
+    )
     if task.repeat:
         yield "That a clock in seconds is right after many turns: its rounding adds up; ticks lose nothing."

@@ -7,6 +7,7 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from stt_codegen import __version__
@@ -19,7 +20,7 @@ CALLS = re.compile(r"\b(logf?|expf?|log1pf?|powf?|sqrtf?|memcpy)\(")
 def bill(controller: Controller) -> dict[str, Any]:
     """CycloneDX as JSON data."""
     name, version = controller.task.name, controller.files
-    source = version[f"{name}.c"].decode()
+    calls = library_calls(version)
     files = [
         {
             "type": "file",
@@ -29,7 +30,6 @@ def bill(controller: Controller) -> dict[str, Any]:
         }
         for file, data in controller.files.items()
     ]
-    calls = sorted(set(CALLS.findall(source)))
     library = [
         {
             "type": "library",
@@ -54,20 +54,25 @@ def bill(controller: Controller) -> dict[str, Any]:
         "specVersion": "1.6",
         "version": 1,
         "metadata": {
-            "component": {"type": "firmware", "bom-ref": name, "name": name, "version": _design_hash(source, controller)},
+            "component": {"type": "firmware", "bom-ref": name, "name": name, "version": _design_hash(controller)},
             "tools": {"components": [tool, *made_by]},
         },
         "components": [*files, *(library if calls else [])],
         "dependencies": [
             {"ref": name, "dependsOn": [one["bom-ref"] for one in files] + used},
-            *({"ref": one["bom-ref"], "dependsOn": used} for one in files if str(one["name"]).endswith(".c")),
+            *({"ref": f"file:{file}", "dependsOn": used} for file in version if library_calls({file: version[file]})),
         ],
     }
 
 
-def _design_hash(source: str, controller: Controller) -> str:
+def library_calls(files: Mapping[str, bytes]) -> list[str]:
+    """The functions of the C library that the C of these files calls."""
+    return sorted({call for name, data in files.items() if name.endswith(".c") for call in CALLS.findall(data.decode())})
+
+
+def _design_hash(controller: Controller) -> str:
     """The hash that the firmware logs, from the header."""
     header = controller.files[f"{controller.task.name}.h"].decode()
     found = re.search(r'_DESIGN_HASH "([0-9a-f]{16})"', header)
-    assert found is not None, source[:80]
+    assert found is not None
     return found[1]

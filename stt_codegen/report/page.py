@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 from stt_codegen import __version__
@@ -23,23 +21,13 @@ from stt_codegen.plants import Model
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.design import DesignReport
 from stt_codegen.report.drive import Driven, driven, plant_driven, setting
-from stt_codegen.report.evidence import Check, evidence, measured
-from stt_codegen.report.materials import bill
+from stt_codegen.report.evidence import Evidence, measured
+from stt_codegen.report.materials import bill, library_calls
 from stt_codegen.report.scene import scene
 from stt_codegen.report.words import sampling_lines
 from stt_codegen.task import Task
 
 SCRIPTS = ("scene", "arena", "solid", "strips", "drive", "page")  # in this order: each uses what is above it
-
-
-@dataclass(frozen=True)
-class Extras:
-    """What a report is made with, beside the controller. source: the task's file; plant: what is driven and what the statements
-    are about, in place of [plant]; boards: what ran on boards."""
-
-    source: Path | None = None
-    plant: Model | None = None
-    boards: Sequence[Check] = ()
 
 
 @dataclass(frozen=True)
@@ -51,16 +39,17 @@ class Summary:
     assumed: str
 
 
-def page(controller: Controller, report: DesignReport, extras: Extras = Extras()) -> bytes:
-    """The report as UTF-8."""
+def page(controller: Controller, report: DesignReport, shown: Evidence, model: Model | None = None) -> bytes:
+    """The report as UTF-8. shown: what was run beside it; model: what is driven and what the statements are about, in place of
+    [plant]."""
     task, folder = controller.task, template_folder() / "report"
-    if extras.plant is not None and controller.certificate.holds:
-        sampling = Analysis(controller, extras.plant).sampling()
+    if model is not None and controller.certificate.holds:
+        sampling = Analysis(controller, model).sampling()
         report = replace(report, input=replace(report.input, sampling=sampling))
-    plant = extras.plant or plant_driven(task)
+    plant = model or plant_driven(task)
     made = driven(controller, plant)
-    shown = evidence(controller, extras.source, extras.boards)
-    data = document(controller, report, made, plant)
+    w_max = float(plant.w_max) if model is not None else min(float(b.force) for b in task.plant_bounds)
+    data = document(controller, report, made, plant, w_max)
     law, proved = report.input, report.input.sampling
     return (
         template("report/page.html.j2")
@@ -68,12 +57,13 @@ def page(controller: Controller, report: DesignReport, extras: Extras = Extras()
             report=report,
             tool=f"stt_codegen {__version__}",
             summary=summary(controller, report),
-            notice=" ".join(notice(task, controller.certificate)),
+            notice=_notice(controller),
             style=(folder / "page.css").read_text(encoding="utf-8"),
             script="\n".join((folder / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS),
             data=_embedded(data),
             dimension=task.dimension,
             body=any(task.half_extents),
+            hours=any(c is not None and c.window for c in task.courses),
             doubtful=any(c is not None and (c.early or c.late or c.spread) for c in task.courses),
             regions=data["regions"],
             target=data["target"],
@@ -81,7 +71,7 @@ def page(controller: Controller, report: DesignReport, extras: Extras = Extras()
             drive=made,
             wasm_bytes=len(made.wasm),
             drive_origin=_origin(controller, made),
-            plant=plant.name if extras.plant is not None or not plant.w_max else f"{plant.name}, |w| <= {float(plant.w_max):g}",
+            plant=plant.name,
             files=[(name, len(text), hashlib.sha256(text).hexdigest()) for name, text in controller.files.items()],
             said=told_visit,
             findings=[_finding(one, controller) for one in controller.certificate.findings],
@@ -96,39 +86,55 @@ def page(controller: Controller, report: DesignReport, extras: Extras = Extras()
     )
 
 
-def document(controller: Controller, report: DesignReport, made: Driven, plant: Model) -> dict[str, Any]:
+def document(controller: Controller, report: DesignReport, made: Driven, plant: Model, w_max: float) -> dict[str, Any]:
     """The data of the page's scripts; drive: None where there is no module."""
-    drive = None if made.reason else setting(controller, made, plant, report.input.sampling)
+    drive = None if made.reason else setting(controller, made, plant, w_max, report.input.sampling)
     return {"name": controller.task.name, **scene(controller, report.mission, report.cycle), "drive": drive}
 
 
 def summary(controller: Controller, report: DesignReport) -> Summary:
     """What was asked, for which files something is shown, and what is assumed."""
     task, certificate = controller.task, controller.certificate
-    asked = f"within state_space, {decimal(task.tube.clearance)} off {len(task.unsafe)} unsafe sets"
+    sets, entries = len(task.unsafe), len(task.mission)
+    asked = "within state_space"
+    asked += f", {decimal(task.tube.clearance)} off {sets} unsafe {'set' if sets == 1 else 'sets'}" if sets else ""
     if task.target_set is not None:
         asked = f"from initial_set to target_set in {decimal(task.prescribed_time)} s, {asked}"
-    asked += f"; {len(task.mission)} entries of a mission" if task.mission else ""
+    asked += f"; {entries} {'entry' if entries == 1 else 'entries'} of a mission" if entries else ""
     asked += ", for ever" if task.repeat else ""
     prefix = task.name
     named = [f"{prefix}.c (SHA-256 {hashlib.sha256(controller.files[f'{prefix}.c']).hexdigest()[:16]}..)"]
     others = len(controller.files) - 1
-    return Summary(asked + ".", f"{named[0]} and {others} files more", _assumed(task, certificate))
+    return Summary(
+        asked + ".", f"{named[0]} and {others} files more", _assumed(task, certificate, bool(library_calls(controller.files)))
+    )
 
 
-def _assumed(task: Task, certificate: Certificate) -> str:
+def _assumed(task: Task, certificate: Certificate, calls: bool) -> str:
     """The assumptions by name."""
-    names = ["plant.order = 1: no inertia"] if task.order == 1 else []
+    names = ["no inertia (plant.order = 1) and no lag" if task.order == 1 else "no lag"]
     names.append("the bounds of [plant]" if task.plant.stated else "a plant as Theorem 4.1 has it")
     names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
-    if certificate.proved_period is None:
-        names.append("sampling fast enough")
+    codes = {one.code for one in certificate.findings if one.holds}
+    names.append("samples as P9 has them" if certificate.proved_period is not None else "sampling fast enough")
+    if task.u_max is not None and not codes & {"P8", "P9"}:
+        names.append("u never reaches u_max")
     if task.body is None:
         names.append("a point for a robot")
     if task.timed:
         names.append("the sets' motion and clock")
-    names.append("IEEE-754, the compiler" + (" and its logarithm" if task.emit.math == "libm" else ""))
+    if task.written is not None:
+        names.append("the sets that the map was turned into")
+    names.append("IEEE-754, the compiler" + (" and its library" if calls else ""))
     return "; ".join(names) + "."
+
+
+def _notice(controller: Controller) -> str:
+    """The header's sentences; what fails, one after the other."""
+    lines = [line.strip() for line in notice(controller.task, controller.certificate)]
+    if controller.certificate.holds:
+        return " ".join(lines)
+    return f"{lines[0]} {lines[1]} {'; '.join(lines[2:])}."
 
 
 def _origin(controller: Controller, made: Driven) -> str:
@@ -156,4 +162,4 @@ def _finding(one: Finding, controller: Controller) -> dict[str, Any]:
 
 def _embedded(document: Any) -> str:
     """JSON within a script element."""
-    return json.dumps(document, separators=(",", ":")).replace("</", "<\\/")
+    return json.dumps(document, separators=(",", ":")).replace("<", "\\u003c")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import math
+from collections.abc import Callable, Iterable
 from fractions import Fraction
 from typing import Any
 
@@ -16,14 +18,15 @@ from stt_codegen.report.meets import bands, distance, spans
 from stt_codegen.report.outlines import Array, Plane, outline, target_outline, walls
 from stt_codegen.report.solids import solid
 from stt_codegen.rows import avoid_rows
-from stt_codegen.sampling import speeds
 from stt_codegen.task import Task
 from stt_codegen.task.motion import Course
+from stt_codegen.task.polytopes import HalfSpace
 from stt_codegen.task.sets import ConvexSet
 from stt_codegen.task.shapes import Unsafe
 
+Rounding = Callable[[Array], Any]
 SAMPLES = 600  # of the tube over time, as it is drawn; between two of them the page goes straight
-DIGITS = 6  # of a number that is drawn
+DIGITS = 6  # to which a place is told, of the least extent of the state space
 SOLID = 3  # dimensions of a view that turns
 
 
@@ -33,13 +36,15 @@ def scene(controller: Controller, mission: tuple[Served, ...], cycle: tuple[floa
     t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)
     low, high = tube_at(controller.design, t)
     planes = list(itertools.combinations(range(task.dimension), 2))
-    grown = any(task.half_extents)
+    grown, round_ = any(task.half_extents), rounding(task)
     sets = [
-        _set(bare.name, bare, planes, course) | {"faces": _faces(large)} | ({"grown": _outlines(large, planes)} if grown else {})
+        _set(bare.name, bare, planes, course, round_)
+        | _judged(large, grown)
+        | ({"grown": _outlines(large, planes, round_), "shell": _solid(large, round_)} if grown else {})
         for bare, large, course in zip(task.bare, task.obstacles, task.courses, strict=True)
     ]
     regions = [
-        _set(name, shape.within(task.state_space, task.own_axes(shape)), planes, None)
+        _set(name, shape.within(task.state_space, task.own_axes(shape)), planes, None, round_)
         for name, shape in task.regions.items()
         if isinstance(shape, Unsafe)
     ]
@@ -50,43 +55,47 @@ def scene(controller: Controller, mission: tuple[Served, ...], cycle: tuple[floa
         "units": list(task.units or ("",) * task.dimension),
         "planes": [list(p) for p in planes],
         "space": [_numbers(task.state_space.lower), _numbers(task.state_space.upper)],
-        "walls": {_key(p): [_rounded(v) for v in walls(task, p)] for p in planes},
+        "walls": {_key(p): [round_(v) for v in walls(task, p)] for p in planes},
+        "room": _half_spaces([*task.free_space.faces, *task.space_cuts]),
         "start": [_numbers(task.start.lower), _numbers(task.start.upper)],
         "body": _numbers(task.half_extents),
-        "clearance": float(task.tube.clearance),
-        "low": _rounded(low),
-        "high": _rounded(high),
+        "low": round_(low),
+        "high": round_(high),
         "sets": sets,
         "regions": regions,
         "visits": [[one.entry, v.state, v.begin, v.end] for one in mission for v in one.visits],
-        "strips": [_strip(task, i, t, low, high) for i in range(task.dimension)],
-        **_target(task, planes),
+        "strips": [_strip(task, i, t, low, high, round_) for i in range(task.dimension)],
+        **_target(task, planes, round_),
         **_near(task, t, low, high),
     }
     if task.order == 2 and isinstance(controller.design, RefinedDesign):
-        found["filtered"] = _filtered(controller)
+        found["filtered"] = _filtered(controller, round_)
     return found
 
 
-def _target(task: Task, planes: list[Plane]) -> dict[str, Any]:
+def _target(task: Task, planes: list[Plane], round_: Rounding) -> dict[str, Any]:
     if task.target_set is None:
         return {"target": None}
     course, end = task.target_course, task.target_course.displaced(task.prescribed_time)
     knots = [[float(at), *(float(v - e) for v, e in zip(by, end, strict=True))] for at, by in course.knots]
     span = [_numbers(task.target.lower), _numbers(task.target.upper)]
-    outlines = {_key(p): _rounded(target_outline(task, p)) for p in planes}
-    return {"target": {"outline": outlines, "span": span, **({"knots": knots} if course.moves else {})}}
+    outlines = {_key(p): round_(target_outline(task, p)) for p in planes}
+    faces = _half_spaces([*task.target.faces, *task.target_cuts])
+    return {"target": {"outline": outlines, "span": span, "faces": faces, **({"knots": knots} if course.moves else {})}}
 
 
 def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
-    """By sample the nearest unsafe set and how far it is; and where the tube meets sets: name, from, to. Left out where lengths
-    along different axes cannot be compared."""
+    """By sample the nearest unsafe set and how far it is at least, left out where lengths along different axes cannot be
+    compared; and where no normal keeps the tube off a set: name, from, to, and whether it meets it then (boxes) or may."""
     rows = avoid_rows(task)
     if not rows:
         return {"near": None, "meets": []}
     far = np.array([distance(one, t, low, high) for one in rows])
+    boxes = [not s.radius and all(sum(map(bool, n)) == 1 for n in s.normals) for s in task.obstacles]
     hit = [
-        [one.name, float(t[a]), float(t[b])] for one, own in zip(rows, far, strict=True) for a, b in spans(np.asarray(own < 0))
+        [one.name, float(t[a]), float(t[b]), sure]
+        for one, own, sure in zip(rows, far, boxes, strict=True)
+        for a, b in spans(np.asarray(own < 0))
     ]
     alike = len(set(task.units or ("",))) == 1
     which = far.argmin(axis=0)
@@ -95,7 +104,7 @@ def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
     return {"near": near, "meets": sorted(hit, key=lambda one: one[1])}
 
 
-def _strip(task: Task, i: int, t: Array, low: Array, high: Array) -> list[dict[str, Any]]:
+def _strip(task: Task, i: int, t: Array, low: Array, high: Array, round_: Rounding) -> list[dict[str, Any]]:
     """What the tube keeps off in a dimension: outlines over (t, x_i), `kept` where nothing else keeps them apart."""
     found = []
     for band in bands(task, i, t, low, high):
@@ -106,11 +115,11 @@ def _strip(task: Task, i: int, t: Array, low: Array, high: Array) -> list[dict[s
                 if b > a:
                     some = np.array([a, b]) if still else np.unique(np.linspace(a, b, min(b - a + 1, 60)).astype(int))
                     edge = np.column_stack([t[some], band.upper[some]]), np.column_stack([t[some], band.lower[some]])[::-1]
-                    found.append({"name": band.name, "kept": kept, "outline": _rounded(np.vstack(edge))})
+                    found.append({"name": band.name, "kept": kept, "outline": round_(np.vstack(edge))})
     return found
 
 
-def _filtered(controller: Controller) -> dict[str, Any]:
+def _filtered(controller: Controller, round_: Rounding) -> dict[str, Any]:
     """Order 2: lambda, and the tube of v + lambda x at samples, from the emitted Python."""
     from stt_codegen.compare.toolchain import load_module
 
@@ -119,18 +128,14 @@ def _filtered(controller: Controller) -> dict[str, Any]:
     module = load_module(task.name, controller.files[f"{task.name}.py"])
     t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)
     low, high = (np.array(v) for v in zip(*(module.filtered_tube(v) for v in t.tolist()), strict=True))
-    slow, fast = speeds(design)
-    most = np.maximum(np.abs(slow).max(axis=0), np.abs(fast).max(axis=0))
-    return {"lambda": _numbers(design.filter), "low": _rounded(low), "high": _rounded(high), "speed": _rounded(most)}
+    return {"lambda": _numbers(design.filter), "low": round_(low), "high": round_(high)}
 
 
-def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | None) -> dict[str, Any]:
+def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | None, round_: Rounding) -> dict[str, Any]:
     """A set: its outlines, in three dimensions its corners and faces, and how it moves: knots (time and displacement), when it is
     unsafe, by how much its clock may be off, and how it grows."""
-    found: dict[str, Any] = {"name": name, "outline": _outlines(convex, planes)}
-    if convex.dimension == SOLID:
-        corners, faces = solid(np.array([[float(v) for v in p] for p in convex.vertices]))
-        found["solid"] = {"corners": _rounded(corners), "faces": faces}
+    found: dict[str, Any] = {"name": name, "outline": _outlines(convex, planes, round_)}
+    found["solid"] = _solid(convex, round_)
     if course is not None:
         found["knots"] = [[float(at), *_numbers(by)] for at, by in course.knots]
         found["window"] = None if course.window is None else _numbers(course.window)
@@ -139,13 +144,30 @@ def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | Non
     return found
 
 
-def _faces(convex: ConvexSet) -> list[Any]:
-    """Half-spaces that hold a set: of a round one, or beyond the plane with a body, they hold a little more."""
-    return [[list(normal), _short(offset)] for normal, offset in convex.faces]
+def _solid(convex: ConvexSet, round_: Rounding) -> dict[str, Any] | None:
+    """Corners and faces, in three dimensions."""
+    if convex.dimension != SOLID:
+        return None
+    corners, faces = solid(np.array([[float(v) for v in p] for p in convex.vertices]))
+    return {"corners": round_(corners), "faces": faces}
 
 
-def _outlines(convex: ConvexSet, planes: list[Plane]) -> dict[str, Any]:
-    return {_key(plane): _rounded(outline(convex, plane)) for plane in planes}
+def _judged(convex: ConvexSet, grown: bool) -> dict[str, Any]:
+    """Half-spaces that hold a set, grown by the body; round: what a round one is about, [ends, radius, its own dimensions];
+    exact: whether a point in all of that is in the set, and not only near it."""
+    flat = all(sum(map(bool, normal)) == 1 for normal in convex.normals)
+    found = {"faces": _half_spaces(convex.faces), "exact": bool(convex.radius) or flat or not grown or len(convex.own) < SOLID}
+    if convex.radius:
+        found["round"] = [[_numbers(end) for end in convex.line], float(convex.radius), list(convex.own)]
+    return found
+
+
+def _half_spaces(faces: Iterable[HalfSpace]) -> list[Any]:
+    return [[[float(c) for c in normal], float(offset)] for normal, offset in faces]
+
+
+def _outlines(convex: ConvexSet, planes: list[Plane], round_: Rounding) -> dict[str, Any]:
+    return {_key(plane): round_(outline(convex, plane)) for plane in planes}
 
 
 def _key(plane: Plane) -> str:
@@ -156,11 +178,12 @@ def _numbers(values: tuple[Fraction, ...]) -> list[float]:
     return [float(v) for v in values]
 
 
-def _short(value: float | Fraction) -> float:
-    return float(f"{float(value):.6g}")
+def _short(value: float) -> float:
+    return float(f"{value:.6g}")
 
 
-def _rounded(values: Array) -> Any:
-    """As nested lists, of DIGITS significant digits of the largest."""
-    size = float(np.abs(values).max(initial=0.0)) or 1.0
-    return np.round(values, max(0, DIGITS - int(np.ceil(np.log10(size))))).tolist()
+def rounding(task: Task) -> Rounding:
+    """How places are told: as nested lists, to DIGITS digits of the least extent of the state space, wherever its origin is."""
+    least = min(float(b - a) for a, b in zip(task.state_space.lower, task.state_space.upper, strict=True))
+    decimals = DIGITS - math.floor(math.log10(least))
+    return lambda values: np.round(values, decimals).tolist()

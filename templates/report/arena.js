@@ -19,6 +19,7 @@ function arena(figure, plane, hand) {
   const y = (v) => top + (upper[j] - v) * sy;
   const points = (outline) => outline.map(([a, b]) => `${x(a).toFixed(2)},${y(b).toFixed(2)}`).join(" ");
   const box = (low, high) => ({ x: x(low[i]), y: y(high[j]), width: Math.max((high[i] - low[i]) * sx, 0), height: Math.max((high[j] - low[j]) * sy, 0) });
+  const centreOf = (outline) => outline.reduce(([p, q], [c, d]) => [p + c, q + d], [0, 0]).map((v) => v / outline.length);
   const put = (node, attributes) => { for (const [name, value] of Object.entries(attributes)) node.setAttribute(name, value); };
 
   const clip = make(make(svg, "defs", {}), "clipPath", { id: `room${key.replace(",", "-")}` });
@@ -31,6 +32,10 @@ function arena(figure, plane, hand) {
     const group = make(scene, "g", { "data-name": set.name });
     if (set.grown) make(group, "polygon", { class: "grown", points: points(set.grown[key]) });
     make(group, "polygon", { class: "unsafe", points: points(set.outline[key]) });
+    if (set.knots && data.sets.length <= MANY) {
+      const [a, b] = centreOf(set.outline[key]);
+      make(group, "text", { x: x(a), y: y(b) + 4, "text-anchor": "middle", class: "name" }, set.name);
+    }
     return [set, group, may];
   });
   for (const region of data.regions) make(scene, "polygon", { class: "region", points: points(region.outline[key]), "data-name": region.name });
@@ -53,7 +58,7 @@ function arena(figure, plane, hand) {
 
   const labels = [];
   const named = (outline, name, above = false) => {
-    const [a, b] = outline.reduce(([p, q], [c, d]) => [p + c, q + d], [0, 0]).map((v) => v / outline.length);
+    const [a, b] = centreOf(outline);
     const place = above ? y(Math.max(...outline.map((p) => p[1]))) + 14 : y(b) + 4;
     labels.push(make(svg, "text", { x: x(a), y: place, "text-anchor": "middle", class: "name" }, name));
   };

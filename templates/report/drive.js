@@ -20,9 +20,13 @@ function loopOf(setting) {
 
   const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, lag: 0, trace: [], log: [], hand: null, broken: "", proved: false };
   let before = 0; // seconds of t that alpha has got to
-  let late = []; // inputs on their way: when they act, and what they are
+  let late = []; // inputs on their way: when they act, what they are, whether their samples are as the proof has them
+  let acting = false; // the same of what acts
+  let clean = 0; // samples in a row, up to now, that nothing was wrong with
+  let arrived = false; // whether t_c is past, and said
   let sample = [];
   let was = 0; // the status at the sample before
+  let latest = 0; // the period of the last step
   let seed = 1;
   const random = () => { seed = (Math.imul(seed, 1664525) + 1013904223) >>> 0; return seed / 2 ** 31 - 1; };
 
@@ -74,7 +78,7 @@ function loopOf(setting) {
     if (own.loop_own_start) own.loop_own_start();
     before = 0;
     [loop.t, loop.lag, loop.trace, loop.log, late, loop.u, loop.w] = [t, 0, [], [], [], new Array(n).fill(0), new Array(n).fill(0)];
-    [loop.broken, loop.left, loop.hand, seed] = ["", false, null, 1];
+    [loop.broken, loop.lost, loop.hand, seed] = ["", false, null, 1];
     advanceAlpha(t);
     const [low, high] = loop.tube(t);
     loop.x = t > 0 ? middle(low.slice(0, n), high.slice(0, n)) : [...setting.x];
@@ -83,8 +87,10 @@ function loopOf(setting) {
     sample = [...loop.x];
     if (setting.differs && t > 0) loop.control(t - setting.period, loop.x.map((v, i) => v - setting.period * loop.v[i]).concat(loop.v));
     observe({ period: setting.period, latency: 0, noise: 0, wind: 0 }, true);
-    loop.broken = !setting.proved ? "no sampling period is proved for this gain" : amongStarts() ? "" : "not one of the starts";
-    loop.proved = !loop.broken;
+    const never = setting.adaptive ? "the steps of alpha" : "no sampling period is proved for this gain";
+    loop.broken = !setting.proved || setting.adaptive ? never : loop.status === 0 && amongStarts() ? "" : "not one of the starts";
+    loop.proved = acting = !loop.broken;
+    [clean, arrived] = [loop.proved ? 2 : 0, false];
     seen.clear();
     was = 0;
     note();
@@ -106,6 +112,7 @@ function loopOf(setting) {
       return w.map((v) => (v * size) / (Math.hypot(...w) || 1));
     }
     const [i, j] = given.plane;
+    if (n === 1) return [Math.sign(Math.cos(given.angle) || 1) * size];
     return loop.x.map((_, k) => (k === i ? size * Math.cos(given.angle) : k === j ? size * Math.sin(given.angle) : 0));
   }
 
@@ -117,28 +124,46 @@ function loopOf(setting) {
     if (own.loop_own_lag) loop.lag = own.loop_own_lag();
     loop.status = status;
     loop.margin = loop.marginAt(loop.t, state());
-    if (first || !given.latency) { loop.u = u; sample = measured.slice(0, n); late = []; }
-    else late.push([loop.t + given.latency, u, measured.slice(0, n)]);
-    if (!first) judge(given);
+    const good = first || fault(given, status) === "";
+    if (first || !given.latency) { loop.u = u; sample = measured.slice(0, n); late = []; acting = good; }
+    else {
+      const arrival = loop.t + given.latency;
+      late = late.filter(([when]) => when <= arrival); // what would come after a newer one is dropped
+      late.push([arrival, u, measured.slice(0, n), good]);
+    }
+    if (!first) judge(given, good);
   }
 
-  /* Whether what is proved speaks of this loop: its assumptions hold, and have since the state was one of the starts. */
-  function judge(given) {
-    const known = setting.proved;
-    const more = 1 + 1e-9;
-    const reasons = [];
-    if (!known) reasons.push("no sampling period is proved for this gain");
-    else {
-      if (given.period > known.period * more) reasons.push("samples too rare");
-      if (given.period < known.shortest / more) reasons.push("samples too dense");
-      if (given.latency > known.latency * more) reasons.push("delay");
-      if (given.noise > known.noise * more) reasons.push("noise");
-      if (given.wind > known.w * more) reasons.push("wind");
-    }
+  /* Which settings are beyond what is proved, by name and in words; more: what a slider rounds to. */
+  loop.beyond = (given) => {
+    const known = setting.proved, more = 1 + 1e-9;
+    if (!known) return { rate: "samples", wind: "wind", latency: "delay", noise: "noise" };
+    const found = {};
+    if (given.period > known.period * more) found.rate = "samples too rare";
+    if (given.period < known.shortest / more) found.rate = "samples too dense";
+    if (given.latency > known.latency * more) found.latency = "delay";
+    if (given.noise > known.noise * more) found.noise = "noise";
+    if (given.wind > known.w * more) found.wind = "wind";
+    return found;
+  };
+
+  /* Why a sample is not one that what is proved speaks of; nothing where it is. */
+  function fault(given, status) {
+    if (!setting.proved) return "no sampling period is proved for this gain";
+    const reasons = Object.values(loop.beyond(given));
+    if (setting.adaptive) reasons.push("the steps of alpha");
     if (loop.hand) reasons.push("a hand");
-    const away = reasons.join(", ");
-    if (away) loop.broken = away;
-    else if (loop.broken && amongStarts() && !late.length) loop.broken = "";
+    if (status !== 0) reasons.push("outside the tube");
+    return reasons.join(", ");
+  }
+
+  /* Once something was wrong, it is proved again from a sample on that is one of the starts, where what acts and what is on its
+     way is of such samples too; v by differences is of two samples, so the one before must have been right as well. */
+  function judge(given, good) {
+    const why = fault(given, loop.status);
+    clean = why ? 0 : clean + 1;
+    if (why) loop.broken = why;
+    else if (loop.broken && clean >= (setting.differs ? 2 : 1) && good && acting && late.every((one) => one[3]) && amongStarts()) loop.broken = "";
     loop.proved = !loop.broken;
   }
   /* At t = 0 the starts are those at rest (order 2: within the speeds that the task allows), whatever v + lambda x is. */
@@ -161,25 +186,46 @@ function loopOf(setting) {
     tell(loop.status === 1, "outside the tube");
     tell(was === 1 && loop.status === 0, "inside the tube again");
     was = loop.status;
-    for (const set of data.sets) tell(inside(set, loop.x, t), `in unsafe set ${set.name}`);
-    tell(loop.x.some((v, i) => v < data.space[0][i] || v > data.space[1][i]), "out of the state space");
-    const goal = data.target && data.target.span;
-    const there = goal && loop.t - loop.lag >= data.t_c && loop.x.every((v, i) => goal[0][i] <= v && v <= goal[1][i]);
-    tell(there, "in the target, in time");
+    for (const set of data.sets) if (inside(set, loop.x, t)) tell(true, `${set.exact ? "in" : "may be in"} unsafe set ${set.name}`);
+    tell(!within(data.room, loop.x), "out of the state space");
+    arrive();
     const last = loop.trace[loop.trace.length - 1];
     if (last && t < last.t) loop.trace = [];
     if (!last || t - last.t >= data.t_c / 1500) loop.trace.push({ t, x: [...loop.x], v: loop.v && [...loop.v], u: [...loop.u], margin: loop.margin });
   }
 
+  /* What is said when the tube's time is t_c, and of who comes later; of a target that moves nothing is said then. */
+  function arrive() {
+    if (!data.target || data.cycle || arrived || loop.t < data.t_c) return;
+    const there = within(data.target.faces, loop.x) && !loop.hand;
+    const delay = loop.t - data.t_c;
+    const onTime = delay < latest;
+    if (there) loop.log.push([loop.t, onTime ? "in the target, in time" : `in the target, ${short(delay)} s late`]);
+    else if (onTime) loop.log.push([loop.t, "not in the target at the prescribed time"]);
+    arrived = there || Boolean(data.target.knots);
+  }
+
   /* One period: wind and plant under what acts, then the next sample. */
   loop.step = (given) => {
     loop.w = wind(given);
+    const still = [...state()];
     const parts = Math.max(4, Math.min(40, Math.ceil((given.period / data.t_c) * 4000)));
     const begin = loop.t, h = given.period / parts;
-    for (let k = 0; k < parts; k++) {
-      const t = begin + k * h;
-      while (late.length && late[0][0] < t + h) [, loop.u, sample] = late.shift(); // not later than is said
-      if (!loop.hand) place(integrate(state(), h));
+    latest = given.period;
+    const end = begin + given.period;
+    for (let t = begin, k = 1; t < end; ) {
+      while (late.length && late[0][0] <= t) [, loop.u, sample, acting] = late.shift();
+      let next = k < parts ? begin + k * h : end;
+      if (late.length && late[0][0] < next) next = late[0][0]; // what is late acts when it is there
+      else k++;
+      if (!loop.hand) place(integrate(state(), next - t));
+      t = next;
+    }
+    if (!state().every(Number.isFinite)) {
+      place(still);
+      loop.lost = true;
+      loop.log.push([loop.t, "the state grows beyond numbers: the loop stops"]);
+      return;
     }
     if (loop.hand) for (const [i, value] of loop.hand) { loop.x[i] = value; if (loop.v) loop.v[i] = 0; }
     loop.t = begin + given.period;
@@ -189,6 +235,6 @@ function loopOf(setting) {
   loop.hold = (where) => { loop.hand = where; touched(); for (const [i, value] of where) loop.x[i] = value; };
   loop.release = () => { loop.hand = null; };
   loop.shove = (i, by) => { loop.x[i] += by; touched(); };
-  function touched() { [loop.broken, loop.proved] = ["a hand", false]; }
+  function touched() { [loop.broken, loop.proved, acting, clean] = ["a hand", false, false, 0]; }
   return loop;
 }

@@ -81,11 +81,25 @@ function swept(set, key, [i, j], t) {
   return hull(places(set, t).flatMap((d) => grown.map(([x, y]) => [x + d[i], y + d[j]])));
 }
 
-/* Whether a point is in a set, grown by the body, where the set is stated to be. */
+/* Whether a point is in all of these half-spaces. */
+const within = (faces, x) => faces.every(([normal, offset]) => normal.reduce((sum, c, i) => sum + c * x[i], 0) <= offset);
+
+/* Whether the body about a point is in a set, where the set is stated to be. */
 function inside(set, x, t) {
   if (!unsafe(set, t)) return false;
   const d = set.knots ? displaced(set.knots, t) : null;
-  return set.faces.every(([normal, offset]) => normal.reduce((sum, c, i) => sum + c * (x[i] - (d ? d[i] : 0)), 0) <= offset);
+  const from = d ? x.map((v, i) => v - d[i]) : x;
+  if (!within(set.faces, from)) return false;
+  if (!set.round) return true;
+  const [[a, b], radius, own] = set.round;
+  const far = (s) => Math.hypot(...own.map((i) => Math.max(Math.abs(from[i] - a[i] - s * (b[i] - a[i])) - data.body[i], 0)));
+  let [low, high] = [0, 1]; // the distance is convex along the line
+  for (let k = 0; k < 60; k++) {
+    const [p, q] = [low + (high - low) / 3, high - (high - low) / 3];
+    if (far(p) < far(q)) high = q;
+    else low = p;
+  }
+  return far((low + high) / 2) <= radius;
 }
 
 function ticks(low, high, most = 6) {
@@ -95,6 +109,16 @@ function ticks(low, high, most = 6) {
   for (let v = Math.ceil(low / coarse - 1e-9) * coarse; v <= high + 1e-9 * coarse; v += coarse) found.push(Number(v.toPrecision(12)));
   return found;
 }
+
+/* Three digits, not below and not above. */
+function up(v) { return v > 0 ? rounded(v, Math.ceil) : v; }
+function down(v) { return v > 0 ? rounded(v, Math.floor) : v; }
+function rounded(v, way) {
+  const unit = 10 ** (Math.floor(Math.log10(v)) - 2);
+  return way(Number((v / unit).toPrecision(12))) * unit;
+}
+const decimals = Math.min(9, Math.max(2, 2 - Math.floor(Math.log10(data.t_c)))); // of a time
+const clock = (t) => t.toFixed(decimals);
 
 const short = (v) => (Number.isFinite(v) ? Number(v.toPrecision(3)).toString().replace("-", "\u2212") : "no number");
 

@@ -1,3 +1,5 @@
+const FEW = 12; // sets whose names are drawn in three dimensions
+
 /* Three dimensions, seen from a direction that the reader chooses. One painter, two pens: canvas on the screen, SVG on paper. */
 function solid(figure) {
   figure.replaceChildren();
@@ -11,7 +13,7 @@ function solid(figure) {
   canvas.width = width * fine;
   canvas.height = height * fine;
   canvas.tabIndex = 0;
-  canvas.setAttribute("role", "img");
+  canvas.setAttribute("role", "application");
   canvas.setAttribute("aria-label", `The tube over ${data.axes.join(", ")}. Drag, or use the arrow keys, to turn it`);
   figure.appendChild(canvas);
   const paper = make(figure, "svg", { class: "paper", viewBox: `0 0 ${width} ${height}`, "aria-hidden": "true" });
@@ -23,11 +25,10 @@ function solid(figure) {
   scheme();
 
   /* A point of the room on the picture, and how near it is. */
-  let cos = [1, 1], sin = [0, 0];
+  let cos = [1, 1], sin = [0, 0], zoom = 1;
   function seen(p) {
     const [a, b, c] = p.map((v, k) => (v - (lower[k] + upper[k]) / 2) / unit[k]);
     const x = a * cos[0] - b * sin[0], away = a * sin[0] + b * cos[0];
-    const zoom = Math.min(width, height * 1.2) * (alike ? 0.82 : 0.6);
     return [width / 2 + x * zoom, height / 2 - (c * cos[1] + away * sin[1]) * zoom, c * sin[1] - away * cos[1]];
   }
   const corners = (low, high) => [0, 1, 2, 3, 4, 5, 6, 7].map((k) => [0, 1, 2].map((d) => ((k >> d) & 1 ? high[d] : low[d])));
@@ -76,18 +77,29 @@ function solid(figure) {
   function paint(pen, t, run) {
     cos = [Math.cos(turn), Math.cos(tilt)];
     sin = [Math.sin(turn), Math.sin(tilt)];
+    const [a, b, c] = size.map((v, k) => v / unit[k]);
+    const wide = Math.hypot(a, b); // the room fits however it is turned
+    zoom = Math.min((width - 90) / wide, (height - 50) / (c * Math.abs(cos[1]) + wide * Math.abs(sin[1])));
     const room = corners(lower, upper).map(seen);
     for (const side of SIDES) {
       const mean = side.reduce((s, k) => s + room[k][2], 0) / 4;
       if (mean < 0) pen.shape(side.map((k) => room[k]), "quiet", 0.04, 0.35);
     }
-    const things = [];
+    const things = [], names = [];
     for (const set of data.sets) {
       if (!unsafe(set, t)) continue;
       const by = set.knots ? displaced(set.knots, t) : [0, 0, 0];
       const moved = set.solid.corners.map((p) => p.map((v, k) => v + by[k]));
       things.push([depth(moved), () => bodyOf(pen, moved, set.solid.faces, "unsafe", 0.32, 0.7)]);
+      if (set.shell) {
+        const shell = set.shell.corners.map((p) => p.map((v, k) => v + by[k]));
+        things.push([depth(shell), () => bodyOf(pen, shell, set.shell.faces, "unsafe", 0.06, 0)]);
+      }
+      if (data.sets.length <= FEW) names.push([moved, set.name]);
     }
+    const first = corners(data.start[0], data.start[1]);
+    things.push([depth(first), () => bodyOf(pen, first, SIDES, "tube", 0, 0.8)]);
+    for (const region of data.regions) if (data.regions.length <= FEW) names.push([region.solid.corners, region.name]);
     for (const region of data.regions) things.push([depth(region.solid.corners), () => bodyOf(pen, region.solid.corners, region.solid.faces, "region", 0.06, 0.7)]);
     for (let k = 0; k < 40; k++) {
       const when = (k / 40) * data.t_c;
@@ -111,6 +123,14 @@ function solid(figure) {
       pen.shape(run.trace.map((row) => seen(row.x)), "ink", 0, 0.9, false);
       const [px, py] = seen(run.x);
       pen.shape([0, 1, 2, 3, 4, 5, 6, 7].map((k) => [px + 6 * Math.cos((k * Math.PI) / 4), py + 6 * Math.sin((k * Math.PI) / 4)]), run.status ? "unsafe" : "ink", 1, 0);
+    }
+    const kept = [];
+    for (const [list, name] of names) {
+      const [x, y] = list.map(seen).reduce((s, p) => [s[0] + p[0], s[1] + p[1]], [0, 0]).map((v) => v / list.length);
+      const half = 4 * name.length + 2;
+      if (kept.some(([p, q, h]) => Math.abs(p - x) < h + half && Math.abs(q - y) < 16) || x < half || x > width - half) continue;
+      kept.push([x, y, half]);
+      pen.text([x, y], name);
     }
     const ends = [[upper[0], lower[1], lower[2]], [lower[0], upper[1], lower[2]], [lower[0], lower[1], upper[2]]];
     ends.forEach((p, k) => {
