@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from pages import browser, opened  # noqa: F401 (fixtures of test_page_drive.py and test_page_seen.py)
 
 from stt_codegen.pipeline import Controller, build
 

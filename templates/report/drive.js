@@ -15,7 +15,8 @@ function loopOf(setting) {
   const n = count, states = setting.order * n;
   const address = own.report_room_address();
   const [X, U, F, G, P, S] = [0, 2 * n, 3 * n, 4 * n, 4 * n + n * n, 4 * n + n * n + setting.constants.length];
-  const room = () => new Float64Array(own.memory.buffer, address, S + n); // anew: memory that grows lets go of the old view
+  let view = new Float64Array(own.memory.buffer, address, S + n);
+  const room = () => (view.length ? view : (view = new Float64Array(own.memory.buffer, address, S + n))); // memory that grows lets go of it
   const where = (k) => address + 8 * k;
 
   const loop = { t: 0, x: [], v: null, u: [], w: [], status: 0, margin: 0, lag: 0, trace: [], log: [], hand: null, broken: "", proved: false };
@@ -51,8 +52,8 @@ function loopOf(setting) {
     all.set(setting.constants, P);
     all.set(sample, S);
     own.loop_plant(where(X), where(P), where(S), where(F), where(G));
-    const view = room();
-    return Array.from({ length: n }, (_, i) => loop.u.reduce((sum, u, k) => sum + view[G + i * n + k] * u, view[F + i] + loop.w[i]));
+    const now = room();
+    return Array.from({ length: n }, (_, i) => loop.u.reduce((sum, u, k) => sum + now[G + i * n + k] * u, now[F + i] + loop.w[i]));
   }
   const rate = setting.order === 1 ? plant : (z) => [...z.slice(n), ...plant(z)];
 
@@ -162,10 +163,16 @@ function loopOf(setting) {
   function judge(given, good) {
     const why = fault(given, loop.status);
     clean = why ? 0 : clean + 1;
-    if (why) loop.broken = why;
+    if (why) suspect(why);
     else if (loop.broken && clean >= (setting.differs ? 2 : 1) && good && acting && late.every((one) => one[3]) && amongStarts()) loop.broken = "";
     loop.proved = !loop.broken;
   }
+  /* From here on something is not as the proof has it: neither are the inputs that act or are on their way. */
+  function suspect(why) {
+    [loop.broken, loop.proved, acting, clean] = [why, false, false, 0];
+    late = late.map(([when, u, of]) => [when, u, of, false]);
+  }
+
   /* At t = 0 the starts are those at rest (order 2: within the speeds that the task allows), whatever v + lambda x is. */
   function amongStarts() {
     const [low, high] = loop.tube(loop.t);
@@ -235,6 +242,6 @@ function loopOf(setting) {
   loop.hold = (where) => { loop.hand = where; touched(); for (const [i, value] of where) loop.x[i] = value; };
   loop.release = () => { loop.hand = null; };
   loop.shove = (i, by) => { loop.x[i] += by; touched(); };
-  function touched() { [loop.broken, loop.proved, acting, clean] = ["a hand", false, false, 0]; }
+  const touched = () => suspect("a hand");
   return loop;
 }
