@@ -148,7 +148,7 @@ class Scripts:
         self.page.set_content("<script id='data' type='application/json'></script>")
         text = json.dumps(data_of(made(kind)))
         self.page.evaluate("(text) => { document.getElementById('data').textContent = text; }", text)
-        self.page.add_script_tag(content="\n".join((folder / f"{name}.js").read_text() for name in ("scene", "drive")))
+        self.page.add_script_tag(content="\n".join((folder / f"{name}.js").read_text() for name in ("scene", "strips", "drive")))
 
     def run(self, body: str, given: Any = None) -> Any:
         return self.page.evaluate(f"(given) => {{ {body} }}", given)
@@ -269,6 +269,38 @@ def test_every_assumption_is_named_when_it_is_broken(browser: Any) -> None:
     body = """const found = []; for (const [name, value] of [["period", 1], ["latency", 1], ["noise", 1], ["wind", 100]]) {
     loop.begin(0); loop.step({ ...given, [name]: value }); found.push(loop.broken.split(", ")[0]); } return found;"""
     assert told(browser, "plain", body) == ["samples too rare", "delay", "noise", "wind"]
+
+
+def test_the_wind_blows_as_it_is_said_to(browser: Any) -> None:
+    """Towards the nearest edge, in a direction, at random: of the size that is asked, and what the plant gets."""
+    body = """const [low, high] = loop.tube(0), found = [];
+    for (const [i, share] of [[0, 0.9], [0, 0.1], [1, 0.8], [1, 0.2]]) {
+      loop.x = low.map((v, k) => v + (k === i ? share : 0.5) * (high[k] - v));
+      loop.step({ ...given, wind: 0.2 }); found.push([...loop.w]);
+    }
+    loop.step({ ...given, wind: 0.2, kind: "constant", angle: Math.PI / 2, plane: [0, 1] }); found.push([...loop.w]);
+    loop.step({ ...given, wind: 0.2, kind: "random" }); found.push([Math.hypot(...loop.w), 0]);
+    loop.begin(0); const x = [...loop.x]; const rest = [...loop.u];
+    loop.step({ ...given, wind: 3 }); const moved = loop.x.map((v, k) => (v - x[k]) / given.period - rest[k]);
+    return [...found, moved.map((v, k) => v - loop.w[k])];"""
+    *found, error = told(browser, "plain", body)
+    wanted = [[0.2, 0], [-0.2, 0], [0, 0.2], [0, -0.2], [0, 0.2], [0.2, 0]]
+    assert np.array(found) == pytest.approx(np.array(wanted), abs=1e-12)
+    assert error == pytest.approx([0, 0], abs=1e-9)
+
+
+def test_the_band_of_v_holds_every_v_that_the_tubes_leave(browser: Any) -> None:
+    """x at an edge of its tube and v + lambda x at one of its own: v between the band's edges, and at them in the extremes."""
+    with Scripts(browser, "three dimensions, order 2") as scripts:
+        speeds = scripts.run("return stripsOf()[1].map((one) => [one.low, one.high, one.i]);")
+    data = data_of(made("three dimensions, order 2"))
+    x = [np.array(data[name]) for name in ("low", "high")]
+    z = [np.array(data["filtered"][name]) for name in ("low", "high")]
+    assert [i for *_, i in speeds] == [0, 1, 2]
+    for low, high, i in speeds:
+        v = np.array([a[:, i] - data["filtered"]["lambda"][i] * b[:, i] for a in z for b in x])
+        assert np.array(low)[:, i] == pytest.approx(v.min(axis=0), abs=1e-12)
+        assert np.array(high)[:, i] == pytest.approx(v.max(axis=0), abs=1e-12)
 
 
 def test_who_comes_late_is_told_so(browser: Any) -> None:

@@ -6,9 +6,23 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pages import KINDS, controller_of
+from pages import KINDS, Open, controller_of
+
+from stt_codegen.pipeline import build_task
+from stt_codegen.report.design import design_report
+from stt_codegen.report.evidence import evidence
+from stt_codegen.report.page import page
+from stt_codegen.task import parse_task
 
 pytestmark = pytest.mark.xdist_group("page seen")  # one browser
+ROOM = """
+name = "hall"
+prescribed_time = 8
+initial_state = [1, 1]
+state_space = { lower = [0, 0], upper = [10, 6] }
+initial_set = { lower = [0.5, 0.5], upper = [1.5, 1.5] }
+target_set = { lower = [8.5, 0.5], upper = [9.5, 1.5] }
+"""
 
 # ---------------------------------------------------------------------------------------------- what a person sees
 
@@ -98,6 +112,18 @@ def test_the_certificate_leads_to_the_moment(opened: Any) -> None:
             if one.time is not None:
                 rows.nth(k).locator("button.go").click()
                 assert shown.page.inner_text("#now") == f"{float(sum(one.time) / 2):.2f} s"
+
+
+def test_of_many_sets_the_name_under_the_pointer_is_shown(browser: Any, tmp_path: Path) -> None:
+    """Up to forty names stand in the picture; of more the one that the pointer is on."""
+    boxes = [f'{{ name = "B{k}", lower = [{0.2 * k:.1f}, 5], upper = [{0.2 * k + 0.1:.1f}, 6] }}' for k in range(42)]
+    controller = build_task(parse_task(ROOM + f"unsafe = [{', '.join(boxes)}]\n"))
+    path = tmp_path / "page.html"
+    path.write_bytes(page(controller, design_report(controller, 0.0), evidence(controller)))
+    with Open(browser, path) as shown:
+        assert shown.page.locator("#arena text.name").all_text_contents() == ["start", "target", ""]
+        shown.page.locator("#arena [data-name=B7] .unsafe").hover()
+        assert shown.page.locator("#arena text.name").last.text_content() == "B7"
 
 
 def test_it_prints(opened: Any, tmp_path: Path) -> None:
