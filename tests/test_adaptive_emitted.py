@@ -70,7 +70,7 @@ def test_a_float_file_has_no_double_arithmetic_on_a_cortex_m4f(kind: str, tool, 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("name", ADAPTABLE)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "omni_heading" else n for n in ADAPTABLE])
 def test_every_example_task_is_within_its_bounds(name: str, kind: str) -> None:
     assert not [r for r in compare(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design=kind), 500) if not r.holds]
 

@@ -144,7 +144,8 @@ def test_every_command_speaks_one_json_document(tmp_path) -> None:
     rows = json.loads(run("compare", TASK, "--points", "50", "--json").stdout)
     assert rows["within_bounds"] is True
     assert json.loads(run("schema").stdout)["title"] == "stt_codegen task"
-    checked = json.loads(run("check", "generated", "--json").stdout)
+    run("generate", TASK, "--record", str(tmp_path / "kept"))
+    checked = json.loads(run("check", str(tmp_path / "kept"), "--json").stdout)
     assert checked["differences"] == []
 
 

@@ -31,7 +31,7 @@ from stt_codegen.report.page import page
 from stt_codegen.report.scene import SAMPLES
 from stt_codegen.task.motion import Moved, places
 
-pytestmark = pytest.mark.xdist_group("page drive")  # one browser
+pytestmark = pytest.mark.xdist_group("page")  # one browser, and every page made once
 
 
 # ---------------------------------------------------------------------------------------------- the C that is driven

@@ -176,7 +176,7 @@ MOVES = {
 }
 
 
-@pytest.mark.parametrize("name", MOVES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "slanted rod" else n for n in MOVES])
 def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the_truth_is(name: str, tmp_path: Path) -> None:
     """The first set is changed step by step for one tube. Both verdicts are one, it falls once, and it is that of the oracle, but for
     the room that is asked for the arithmetic and for normals that are not tried."""
