@@ -25,6 +25,7 @@ def timeless(results: list[Result]) -> list[str]:
     return sorted(repr(r) for r in plain)
 
 
+@pytest.mark.slow
 def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
     distributed = pytest.importorskip("distributed", reason="pip install stt-codegen[cluster]")
     here = timeless(list(spread(run, JOBS, 1, None)))

@@ -46,6 +46,7 @@ def test_a_new_deviation_is_found(tool, tmp_path) -> None:
     assert "7.1" in misra(tmp_path, tool("cppcheck"), tmp_path / "work") - DEVIATIONS
 
 
+@pytest.mark.slow
 def test_clang_tidy_has_nothing_to_say(tool) -> None:
     paths = sorted(map(str, (ROOT / "generated").rglob("*.c")))
     command = [tool("clang-tidy"), "--quiet", f"--checks={CHECKS}", *paths, "--", "-std=c99"]

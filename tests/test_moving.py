@@ -137,7 +137,9 @@ def test_a_tube_among_moving_sets_is_found_proved_checked_and_true(
     assert cost_of(controller.program, "control") == cost_of(plain.program, "control")
 
 
-@pytest.mark.parametrize("name", ["doubted cart", "doubted door", "growing disc", "wedge, body"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("doubted cart", marks=pytest.mark.slow), "doubted door", "growing disc", "wedge, body"]
+)
 def test_what_gets_harder_is_refused_where_the_truth_is(name: str, made: dict[str, Controller], tmp_path: Path) -> None:
     """More doubt, more growth, more clearance: tool and checker agree, refuse once and for all, and never too late."""
     design, verdicts = made[name].design, []
