@@ -10,7 +10,7 @@ PEERS := $(VENV)/.peers
 TASKS := $(sort $(wildcard tasks/*.toml))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test integration generate check peers ends lock clean help
+.PHONY: demo test integration generate check peers policies ends lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -49,7 +49,7 @@ integration: $(STAMP) $(if $(CI),$(PEERS))
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
 	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
 	$(BIN)/stt-codegen bench loop --count 100
-	$(BIN)/stt-codegen bench missions --count 30 --limit 0
+	$(BIN)/stt-codegen bench missions --count 30
 
 # Everything in generated/: refined from every task file, in both precisions; the case study with the paper's functions, sound
 # (adaptive, certified) and as the paper has it (literal, which collides and says so).
@@ -78,6 +78,13 @@ $(PEERS): peers.lock $(STAMP)
 	@$(BIN)/python .ci/install peers.lock
 	@touch $@
 
+# The policies of the reinforcement learning peer, in an environment of their own: about 70 minutes on one core. Weights are not in the
+# repository; without them the rows of `bench arenas --peers` and `bench loop --peers` on policies are left out.
+policies: $(STAMP)
+	@test -x build/rl/bin/python || $(PYTHON) -m venv build/rl
+	@build/rl/bin/python .ci/install peers-rl.lock
+	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python benchmarks/policy.py --out build/policies
+
 # The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
 ends: $(STAMP)
 	@$(BIN)/python benchmarks/ends.py
@@ -86,6 +93,7 @@ ends: $(STAMP)
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers pyproject.toml -o peers.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra peers-rl pyproject.toml -o peers-rl.lock
 
 clean:
 	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis
