@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import stt_codegen as stt
-from stt_codegen.bench import cascade, peers
+from stt_codegen.bench import barrier, cascade, peers
 from stt_codegen.bench.cascade import E_MAX, Filtered, Stage, drive, edges_at, inertial, pulled
 from stt_codegen.bench.families import FAMILIES, cubes, feasible
 from stt_codegen.errors import BadInput, MissingTool
@@ -101,7 +101,7 @@ def test_the_reach_avoid_tube_holds_the_start_where_and_only_where_the_target_ca
 
 def test_the_filter_never_collides_and_our_step_is_quicker_and_arrives() -> None:
     needs("osqp", "scipy", "gcc")
-    numbers = peers.step_times([BLOCKED[0], *OPEN[:4]])
+    numbers = barrier.step_times([BLOCKED[0], *OPEN[:4]])
     assert (numbers["arenas"], numbers["certified"]) == (5, 4)
     assert numbers["cbf_collides"] == numbers["own_collides"] == 0.0
     assert numbers["own_reaches"] == 1.0
@@ -111,13 +111,13 @@ def test_the_filter_never_collides_and_our_step_is_quicker_and_arrives() -> None
 
 def test_our_step_arrives_in_narrow_tubes_when_it_is_called_often_enough() -> None:
     needs("osqp", "scipy", "gcc")
-    numbers = peers.step_times([32, 40], hertz=2000)  # width^2 / (8 gain) is 0.92 and 0.75 ms
+    numbers = barrier.step_times([32, 40], hertz=2000)  # width^2 / (8 gain) is 0.92 and 0.75 ms
     assert (numbers["own_reaches"], numbers["own_collides"]) == (1.0, 0.0)
 
 
 def test_the_filter_serves_other_families() -> None:
     needs("osqp", "scipy", "gcc")
-    assert not peers.closed_loops(FAMILIES["space3"], 0)["cbf"].collided
+    assert not barrier.closed_loops(FAMILIES["space3"], 0)["cbf"].collided
 
 
 @pytest.mark.parametrize("name", ["ompl", "pyastar2d", "hj_reachability", "osqp"])
@@ -130,7 +130,7 @@ def test_a_missing_package_says_what_to_install(name, monkeypatch) -> None:
         return real(module)
 
     monkeypatch.setattr(importlib, "import_module", without)
-    for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, peers._generated_solver):
+    for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, barrier._generated_solver):
         cached.cache_clear()
     asked = {"ompl": 0, "pyastar2d": 2, "hj_reachability": 3, "osqp": 4}[name]
     with pytest.raises(MissingTool) as caught:

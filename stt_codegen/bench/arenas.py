@@ -15,6 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from multiprocessing import get_context
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -279,29 +280,21 @@ def failures(part: Part, s: Summary) -> list[str]:
     return lines
 
 
-def run_peers(count: int, processes: int) -> tuple[list[list[str]], dict[str, float]]:
-    """Rows for the peers on the paper's arenas, and the steps' times; one row a peer."""
-    from stt_codegen.bench.peers import PEERS, step_times
+def run_peers(count: int, processes: int, policies: Path) -> tuple[dict[str, list[Any]], dict[str, float]]:
+    """Outcomes of every peer on the paper's arenas, by name, and the steps' times."""
+    from stt_codegen.bench.barrier import step_times
+    from stt_codegen.bench.peers import all_peers
 
-    rows = []
-    for k, peer in enumerate(PEERS):
-        items = [(k, seed) for seed in range(min(count, peer.sample or count))]
-        outcomes = list(spread(ask_peer, items, max(processes, 2), None))  # never in this process: its threads are not ours
-        times = [1e3 * o.seconds for o in outcomes]
-        scale = 1e3 if peer.per == "step" else 1
-        unit = "us a step" if peer.per == "step" else "ms"
-        rows.append(
-            [
-                peer.name, peer.asks, f"{sum(o.success for o in outcomes)} of {len(outcomes)}",
-                f"{number(scale * float(np.median(times)))} / {number(scale * float(np.percentile(times, 95)))} {unit}",
-                peer.guarantees, peer.lacks,
-            ]
-        )  # fmt: skip
-    return rows, step_times(range(min(count, 100)))
+    found = {}
+    for k, peer in enumerate(all_peers(policies)):
+        items = [(k, seed, policies) for seed in range(min(count, peer.sample or count))]
+        # never in this process: a peer's threads are not ours
+        found[peer.name] = list(spread(ask_peer, items, max(processes, 2), None))
+    return found, step_times(range(min(count, 100)))
 
 
-def ask_peer(item: tuple[int, int]) -> Any:
+def ask_peer(item: tuple[int, int, Path]) -> Any:
     """One peer on one of the paper's arenas."""
-    from stt_codegen.bench.peers import PEERS
+    from stt_codegen.bench.peers import all_peers
 
-    return PEERS[item[0]].run(FAMILIES["paper"], item[1])
+    return all_peers(item[2])[item[0]].run(FAMILIES["paper"], item[1])

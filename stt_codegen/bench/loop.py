@@ -2,38 +2,41 @@
 
 For every certified arena: the gain of the longest proved sampling period, its C compiled, ten runs at the
 rate with |w| <= w_max from the whole share of gamma(0) that is proved, every second one from a corner. With peers, in the same
-loops and runs: the barrier filter (OSQP's generated C; as it is, and told w_max) and the paper's literal tube. And periods beyond
-the proved one, to see where tubes are left. One arena is one job, in this process, in processes or on a Dask cluster, as in the
-arenas benchmark.
+loops and runs: all of `contenders`. And periods beyond the proved one, to see where tubes are left. One arena is one job, in this
+process, in processes or on a Dask cluster, as in the arenas benchmark.
 """
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
-from stt_codegen.bench.families import FAMILIES, arena_task, cubes
+from stt_codegen.bench.contenders import DISTURBANCES, POLICIES, Ground, contenders
+from stt_codegen.bench.driven import seconds_a_step
+from stt_codegen.bench.families import FAMILIES, arena_task
+from stt_codegen.bench.policy import HERTZ
 from stt_codegen.bench.report import number
 from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_gain, with_wind
-from stt_codegen.loop.compiled import Own
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
-from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
+from stt_codegen.pipeline import Controller, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task import Task
 
-DISTURBANCES = ("none", "constant", "constant", "sinusoidal", "sinusoidal", "random", "nearest", "nearest", "outward", "outward")
+Array = npt.NDArray[Any]
 LONGER = (1, 2, 3, 4, 6, 8, 16)  # times the proved period
 
 
 @dataclass(frozen=True)
 class Job:
-    """One arena. rate in Hz; w_max: bound on |w|; peers, longer: whether these are run too."""
+    """One arena. rate in Hz; w_max: bound on |w|; peers, longer: whether these are run too; policies: the folder of trained
+    ones."""
 
     seed: int
     rate: float = 1000.0
@@ -41,12 +44,14 @@ class Job:
     runs: int = 10
     peers: bool = False
     longer: bool = False
+    policies: Path = POLICIES
 
 
 @dataclass(frozen=True)
 class Outcome:
     """Of one job: runs by controller; gain and proved period; for every LONGER whether some run left the tube; beyond: our runs,
-    at the rate and at the proved period, in which |e| or |u| passed its bound; why there is no tube."""
+    at the rate and at the proved period, in which |e| or |u| passed its bound; why there is no tube; seconds a step by
+    controller. A contender that has nothing to drive by in this arena has no runs."""
 
     job: Job
     runs: dict[str, tuple[Run, ...]]
@@ -55,6 +60,7 @@ class Outcome:
     left: tuple[bool, ...] = ()
     beyond: int = 0
     reason: str = ""
+    steps: dict[str, float] = field(default_factory=dict)
 
 
 def run(job: Job) -> Outcome:
@@ -73,7 +79,8 @@ def run(job: Job) -> Outcome:
     controller = with_gain(controller, gain)
     loop = Loop(controller, plant)
     scenarios = scenarios_of(job, controller, float(task.initial_set.share))
-    runs = {"own": tuple(map(loop.run, scenarios)), **_peers(job, loop, scenarios)}
+    others, steps = _peers(job, loop, scenarios)
+    runs = {"own": tuple(map(loop.run, scenarios)), **others}
     bound = [r for s, r in zip(scenarios, runs["own"], strict=True) if s.age <= period.seconds]
     left: tuple[bool, ...] = ()
     if job.longer:
@@ -81,7 +88,7 @@ def run(job: Job) -> Outcome:
         left = tuple(any(not r.kept for r in several) for several in slow)
         bound += slow[LONGER.index(1)]
     beyond = sum(any(a >= b for a, b in (*zip(r.e, period.e, strict=True), *zip(r.u, period.u, strict=True))) for r in bound)
-    return Outcome(job, runs, gain[0], period.seconds, left, beyond)
+    return Outcome(job, runs, gain[0], period.seconds, left, beyond, steps=steps)
 
 
 def _tube_of(task: Task) -> Controller:
@@ -106,37 +113,26 @@ def scenarios_of(job: Job, controller: Controller, e: float) -> tuple[Scenario, 
     return tuple(found)
 
 
-def _peers(job: Job, ours: Loop, scenarios: Sequence[Scenario]) -> dict[str, tuple[Run, ...]]:
-    """The same scenarios for the barrier filter and the literal tube (with our gain). Wind toward the nearest edge of a tube: for
-    the filter, of ours."""
+def _peers(job: Job, ours: Loop, scenarios: Sequence[Scenario]) -> tuple[dict[str, tuple[Run, ...]], dict[str, float]]:
+    """The same scenarios for everyone of `contenders`, and how long a step of each takes."""
     if not job.peers:
-        return {}
-    controller = ours.controller
-    family, plant = FAMILIES["paper"], PLANTS["integrator"]
-    from stt_codegen.bench.peers import filter_library
-
-    library = filter_library(family.count, family.dimension, family.side)
-    edges = np.ascontiguousarray(cubes(family, job.seed))
-    filters = {}
-    for name, allowed in (("barrier filter", 0.0), ("barrier filter told w_max", job.w_max)):
-        refill = partial(library.filter_boxes, ctypes.c_void_p(edges.ctypes.data), ctypes.c_double(allowed))
-        filters[name] = tuple(
-            map(Loop(controller, plant, Own(library.filter_next, ours.own.tube, None, refill, library)).run, scenarios)
-        )
-    literal = Loop(build_task(controller.task.with_options("literal"), uncertified=True), plant)
-    inside = [_moved(s, literal.controller) for s in scenarios]
-    return {**filters, "literal tube": tuple(map(literal.run, inside))}
+        return {}, {}
+    runs, steps = {}, {"own": seconds_a_step(ours.own, _way_of(ours, 1 / HERTZ))}
+    for contender in contenders(job.policies):
+        if contender.first is not None and job.seed >= contender.first:
+            continue
+        ready = contender.make(Ground(job.seed, job.w_max, ours, scenarios))
+        runs[contender.name] = () if ready is None else tuple(map(ready[0].run, ready[1]))
+        if ready is not None and ready[0].own.advance is None:
+            steps[contender.name] = seconds_a_step(ready[0].own, _way_of(ours, contender.period))
+    return runs, steps
 
 
-def _moved(scenario: Scenario, controller: Controller) -> Scenario:
-    """The start as near to the given one as the literal tube's gamma(0), narrower by the smooth maximum, allows."""
-    if scenario.start is None:
-        return scenario
-    held = [
-        min(max(x, float(a) + 0.05 * float(b - a)), float(b) - 0.05 * float(b - a))
-        for x, (a, b) in zip(scenario.start, controller.certificate.start, strict=True)
-    ]
-    return replace(scenario, start=tuple(held))
+def _way_of(ours: Loop, period: float) -> Array:
+    """t and x of an undisturbed run of ours, so far apart that everybody decides at each: what a step is timed at."""
+    trace = ours.run(Scenario(1 / period), trace=True).trace
+    assert trace is not None
+    return np.asarray(trace[:-1, : 1 + ours.controller.task.dimension])
 
 
 # ------------------------------------------------------------------------------------------------ tables
@@ -144,36 +140,60 @@ def _moved(scenario: Scenario, controller: Controller) -> Scenario:
 HEADINGS = (
     "controller",
     "arenas",
+    "has none",
     "runs",
     "collisions",
     "state space left",
     "tube left",
     "target reached",
+    "good",
     "least margin",
     "largest u",
+    "us a step",
 )
 
 
 def rows(outcomes: Iterable[Outcome]) -> list[list[str]]:
-    """One row a controller: how many runs failed in which way; medians over the runs."""
+    """One row a controller: how many runs failed in which way; good: no collision, never outside, the target reached.
+    Medians over the runs, of the time over the arenas."""
     by_name: dict[str, list[tuple[Run, ...]]] = {}
+    steps: dict[str, list[float]] = {}
+    tubes = {"own", *(c.name for c in contenders() if c.tube)}
     for o in outcomes:
         for name, runs in o.runs.items():
             by_name.setdefault(name, []).append(runs)
+        for name, seconds in o.steps.items():
+            steps.setdefault(name, []).append(seconds)
     found = []
     for name, arenas in by_name.items():
         all_runs = [r for several in arenas for r in several]
-        tube = not name.startswith("barrier")
+        tube = name in tubes
+
+        def share(count: int, of: int = len(all_runs)) -> str:
+            return f"{100 * count / of:.1f} %" if of else "-"
+
         found.append(
             [
-                name, str(len(arenas)), str(len(all_runs)), str(sum(r.hit is not None for r in all_runs)),
-                str(sum(r.left_at is not None for r in all_runs)), str(sum(not r.kept for r in all_runs)) if tube else "-",
-                f"{100 * sum(r.reached for r in all_runs) / len(all_runs):.1f} %",
-                number(float(np.median([r.margin for r in all_runs]))) if tube else "-",
-                number(float(np.median([max(r.u) for r in all_runs]))),
+                name, str(len(arenas)), str(sum(not several for several in arenas)), str(len(all_runs)),
+                str(sum(r.hit is not None for r in all_runs)), str(sum(r.left_at is not None for r in all_runs)),
+                str(sum(not r.kept for r in all_runs)) if tube else "-", share(sum(r.reached for r in all_runs)),
+                share(sum(r.good for r in all_runs)), _median([r.margin for r in all_runs]) if tube else "-",
+                _median([max(r.u) for r in all_runs]), _median([1e6 * v for v in steps.get(name, [])]),
             ]
         )  # fmt: skip
     return found
+
+
+def _median(values: Sequence[float]) -> str:
+    return number(float(np.median(values))) if values else "-"
+
+
+def worth(policies: Path = POLICIES) -> list[list[str]]:
+    """What each does better than ours, and what it guarantees."""
+    return [[c.name, c.better, c.guarantees] for c in contenders(policies)]
+
+
+WORTH = ("controller", "better than ours", "guarantees")
 
 
 def lines(outcomes: Sequence[Outcome], seconds: float, processes: int) -> list[str]:
@@ -207,6 +227,6 @@ def lines(outcomes: Sequence[Outcome], seconds: float, processes: int) -> list[s
     return found
 
 
-def jobs(count: int, rate: float, w_max: float, runs: int, peers: bool) -> list[Job]:
-    """Longer periods for the first hundred arenas; peers, where asked for, in all."""
-    return [Job(seed, rate, w_max, runs, peers, seed < 100) for seed in range(count)]
+def jobs(count: int, rate: float, w_max: float, runs: int, peers: bool, policies: Path = POLICIES) -> list[Job]:
+    """Longer periods for the first hundred arenas; peers, where asked for, in all, but for those that take long."""
+    return [Job(seed, rate, w_max, runs, peers, seed < 100, policies) for seed in range(count)]

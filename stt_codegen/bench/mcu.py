@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from stt_codegen.bench.driven import as_control
 from stt_codegen.bench.families import FAMILIES, Family, arena_task
 from stt_codegen.bench.report import command, record, table
 from stt_codegen.bench.rivals import casadi_text, floor_text, hand_text
@@ -69,6 +70,16 @@ def measured(controller: Controller, board: Board, label: str, points: int) -> t
     rows = compare_backend(controller, make, points)
     counts = next(backend.counts["control"] for backend in made if "control" in backend.counts)
     return line_of(controller, board, label, counts, all(r.holds for r in rows)), counts
+
+
+def others(board: Board, sources: dict[str, str], points: int = 200) -> Iterator[Line]:
+    """C texts with `decide` (driven.py) on a board, beside the emitted `control`: the same points of the same arena."""
+    controller = variant("refined", "float", "libm")
+    line, counts = measured(controller, board, "emitted, refined", points)
+    yield line
+    yield measured(variant("refined", "float", "inline"), board, "emitted, refined, inline", points)[0]
+    for label, source in sources.items():
+        yield rival(controller, board, label, as_control(controller.task.name, source), counts)
 
 
 def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None) -> Line:

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from stt_codegen.bench.milp import between, solved
-from stt_codegen.bench.report import command, machine, number, record, table
+from stt_codegen.bench.report import command, machine, number, record, table, versions
 from stt_codegen.bench.scenarios import FAMILIES, Scenario, connected_stones, moving_mission, random_mission
 from stt_codegen.certify.claims import units_of_error
 from stt_codegen.certify.mission import certify_mission
@@ -30,6 +30,19 @@ PUBLISHED = (  # names of tasks, and seconds as the authors state them in their 
 RANDOM = ((2, 10, 100), (2, 30, 100), (3, 10, 50))  # dimensions, unsafe sets, missions
 MOVING = ((2, 8, 40), (3, 10, 20))
 DEMAND = 0.98  # of random missions among sets that stand are carried out, or the command fails
+WORTH = (
+    (
+        "stlpy's programs",
+        "any linear predicate, not only boxes; the most robust plan or the one of least cost; limits of u and dynamics in one "
+        "program; says when there is no plan at its samples",
+        "the formula at the samples, of the model, without wind: nothing between them and no feedback",
+    ),
+    (
+        "tubes by an SMT solver (arXiv 2505.05323)",
+        "the same laws for unknown plants; polynomials in time, so no table of segments",
+        "the tube at sampled times; between them where a Lipschitz constant of the whole is known and the samples are that dense",
+    ),
+)
 REPEATS = 5  # of each published task
 
 
@@ -162,4 +175,5 @@ def _told(scenarios: list[tuple[Scenario, Run]], peers: dict[str, list[str]], ma
         "tubes for plants that nobody knows, proved for all times. Published seconds are the authors', for synthesis by an SMT "
         'solver at sampled times on another machine; of "one of two waypoints" those of the faster choice.'
     )
-    return f"## Missions\n\nMade by `{command()}`; {machine()}.\n\n{first}\n\n{note}\n\n{second}\n\n{third}"
+    worth = f"{table(['who', 'better than ours', 'guarantees'], WORTH)}\n\n" if peers else ""
+    return f"## Missions\n\nMade by `{command()}`; {machine()}{versions()}.\n\n{first}\n\n{note}\n\n{worth}{second}\n\n{third}"

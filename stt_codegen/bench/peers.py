@@ -13,11 +13,7 @@ Long because every peer is set up in full, so that a reader can check that it wa
 
 from __future__ import annotations
 
-import ctypes
-import importlib
 import os
-import subprocess
-import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -29,28 +25,30 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.bench.families import BOX, FAMILIES, Array, Family, arena_task, cubes
-from stt_codegen.compare.toolchain import find_compiler, run_compiler
-from stt_codegen.emit.render import template_folder
-from stt_codegen.errors import BadInput, MissingTool, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.bench.barrier import SPEED, closed_loops
+from stt_codegen.bench.contenders import GRIDS, POLICIES, ROBOT, SAMPLED, drive
+from stt_codegen.bench.families import BOX, Array, Family, cubes
+from stt_codegen.bench.freeways import curve_is_safe, drake, fast_path
+from stt_codegen.bench.optional import need
+from stt_codegen.bench.policy import load_policy
+from stt_codegen.bench.symbolic import Abstraction, synthesize
+from stt_codegen.errors import BadInput
+from stt_codegen.loop.simulate import Run
 
 MARGIN = 0.02  # by which OMPL's obstacles grow
 CELLS = 100  # of the grids, by dimension
 SEED = 1  # of OMPL's random numbers, for each problem anew: the path does not depend on the problems before
 GIVE_UP = 1.0  # seconds after which a random planner stops
-SPEED = 1.0  # bound of each input: the straight way (4.25) takes half of the 9 s
-# Filter: class-K term CLASS_K h, and the barrier's sharpness: at most ln(2)/40 = 0.017 below the distance to the box.
-FILTER = {"SPEED": SPEED, "GAIN": 2.0, "CLASS_K": 10.0, "SHARPNESS": 40.0}
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One peer on one arena: seconds are for what `Peer.per` says."""
+    """One peer on one arena: seconds are for what `Peer.per` says; the runs of one that is tried."""
 
     success: bool
     seconds: float
     note: str = ""
+    runs: tuple[Run, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -64,14 +62,6 @@ class Peer:
     run: Callable[[Family, int], Outcome]
     sample: int | None = None
     per: str = "problem"
-
-
-def need(module: str) -> Any:
-    """A module of an optional package. Raises `MissingTool`."""
-    try:
-        return importlib.import_module(module)
-    except ImportError as error:
-        raise MissingTool(f"{module} cannot be imported ({error}): make peers, or pip install stt-codegen[peers]") from error
 
 
 Planner = Callable[[Family, Array], Array | None]  # family, boxes -> a path, shape (points, dimension), if it finds one
@@ -177,6 +167,33 @@ def a_star(family: Family, boxes: Array) -> Array | None:
     return None if path is None else axis[path]
 
 
+def curve(planner: Callable[[Family, Array], list[Array] | None], family: Family, seed: int) -> Outcome:
+    """A planner of curves over free boxes, as `plan`."""
+    _warm_curve(planner, family)
+    boxes, begin = cubes(family, seed), time.perf_counter()
+    pieces = planner(family, boxes)
+    seconds = time.perf_counter() - begin
+    note = "no curve found" if pieces is None else "" if curve_is_safe(family, boxes, pieces) else "its curve is not safe"
+    return Outcome(not note, seconds, note)
+
+
+@cache
+def _warm_curve(planner: Callable[[Family, Array], Any], family: Family) -> None:
+    planner(family, cubes(family, 0))
+
+
+def symbolic(abstraction: Abstraction, family: Family, seed: int) -> Outcome:
+    """Success: from every state of the start's box, in the target within 9 s whatever the wind."""
+    made = synthesize(family, cubes(family, seed), abstraction)
+    return Outcome(made.wins, made.seconds)
+
+
+def learned(path: Path, family: Family, seed: int) -> Outcome:
+    """Success: all of ten runs, under the winds of `bench loop`, arrive and meet nothing; seconds are for a decision."""
+    runs, seconds = drive(load_policy(path), family, seed)
+    return Outcome(all(r.good for r in runs), seconds, runs=runs)
+
+
 def _axis(family: Family) -> Array:
     """The coordinates of the grid points along one axis."""
     if family.dimension != 2:
@@ -227,100 +244,11 @@ def _reach_avoid_solver(family: Family) -> Callable[[Array, Array], Any]:
     return compiled
 
 
-@dataclass(frozen=True)
-class Loop:
-    """xdot = u for 9 s in closed loop, from the start's centre; `failed`: steps without solution or outside our tube."""
-
-    seconds: float
-    reached: int
-    collided: int
-    failed: int
-
-
 def barrier_filter(family: Family, seed: int) -> Outcome:
     """Success: the filtered go-to-goal law ends in the target after 9 s and no step lies in a box; seconds are for a step."""
     loop = closed_loops(family, seed)["cbf"]
     note = "collides" if loop.collided else "" if loop.reached else "not at the target in time"
     return Outcome(not note, loop.seconds, note)
-
-
-def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz: int = 1000) -> dict[str, Loop]:
-    """The filter ("cbf") and, where given, our controller ("own"), one after the other in a process: templates/cbf_step.c.
-
-    The filter: min |u - u_nominal|^2 over u with grad h_j . u >= -CLASS_K h_j for each box j. h_j is a smooth lower bound
-    (log-sum-exp) of the largest-component distance to the box. Walls and |u_i| <= SPEED bound u itself; the nominal law is
-    GAIN (target - x), clamped. OSQP's generated C solves it, its matrix and bounds new at every step; u = 0 without solution.
-    """
-    solver = _generated_solver(family.count, family.dimension).name
-    numbers = {"BOXES": family.count, "N": family.dimension, "SIDE": family.side, "END": BOX, "HERTZ": hertz, **FILTER}
-    defined = [f"-D{name}={value}" for name, value in numbers.items()]
-    with tempfile.TemporaryDirectory() as folder:
-        if own is not None:
-            for name, data in own.files.items():
-                Path(folder, name).write_bytes(data)
-            defined += ["-DOWN", f"-I{folder}", f"{folder}/arena.c"]
-        _compile(solver, f"{folder}/loops", *defined, str(template_folder() / "cbf_step.c"), f"{solver}/osqp.o", "-lm")
-        edges = " ".join(repr(v) for v in cubes(family, seed).ravel().tolist())
-        result = subprocess.run([f"{folder}/loops"], input=edges, capture_output=True, text=True, check=True)
-    rows = (line.split() for line in result.stdout.splitlines())
-    return {name: Loop(float(seconds), *map(int, counts)) for name, seconds, *counts in rows}
-
-
-@cache
-def filter_library(count: int, dimension: int, side: float, hertz: int = 1000) -> ctypes.CDLL:
-    """The filter as a library for the loops of `stt_codegen.loop`: filter_boxes(edges), filter_next(t, x, u)."""
-    solver = _generated_solver(count, dimension).name
-    numbers = {"BOXES": count, "N": dimension, "SIDE": side, "END": BOX, "HERTZ": hertz, **FILTER}
-    defined = [f"-D{name}={value}" for name, value in numbers.items()]
-    with tempfile.TemporaryDirectory() as folder:
-        made, source = f"{folder}/filter.so", str(template_folder() / "cbf_step.c")
-        _compile(solver, made, *defined, "-DLIBRARY", "-shared", "-fPIC", source, f"{solver}/osqp.o", "-lm")
-        return ctypes.CDLL(made)
-
-
-@cache
-def _generated_solver(count: int, dimension: int) -> tempfile.TemporaryDirectory[str]:
-    """OSQP's generated C for that many boxes, compiled to `osqp.o`; the folder lives as long as this process."""
-    osqp, sparse, folder = need("osqp"), need("scipy.sparse"), tempfile.TemporaryDirectory()
-    rows = np.vstack([np.ones((count, dimension)), np.eye(dimension)])  # only its pattern counts
-    bound = np.ones(len(rows))
-    data = sparse.eye(dimension, format="csc"), np.zeros(dimension), sparse.csc_matrix(rows), -bound, bound
-    problem = osqp.OSQP()
-    problem.setup(*data, scaling=0, check_termination=1, adaptive_rho=False, verbose=False)
-    problem.codegen(folder.name, parameters="matrices", extension_name=None, force_rewrite=True, prefix="cbf_")
-    sources = (str(p) for p in Path(folder.name).glob("**/*.c") if p.name != "emosqp.c")  # that one is an example's main
-    _compile(folder.name, f"{folder.name}/osqp.o", "-fPIC", "-r", "-nostdlib", *sorted(sources))
-    return folder
-
-
-def _compile(solver: str, output: str, *arguments: str) -> None:
-    includes = [f"-I{solver}/{part}" for part in ("inc/public", "inc/private", ".")]
-    run_compiler([find_compiler(), "-O2", "-std=c99", *includes, *arguments, "-o", output])
-
-
-def step_times(seeds: Sequence[int], hertz: int = 1000) -> dict[str, float]:
-    """The filter's step beside our emitted one, on the paper's arenas: medians in microseconds and shares of the arenas.
-
-    Times, their ratio and `own_...` are over the arenas with a certified design (`certified` of `arenas`). Ours leaves a tube
-    so narrow that width^2 / (8 gain) is below the period: the certificate is for continuous time, the limit for sampled.
-    """
-    family, loops = FAMILIES["paper"], []
-    for seed in seeds:
-        try:
-            own = build_task(arena_task(family, seed))
-        except NotCertified:
-            own = None
-        loops.append(closed_loops(family, seed, own, hertz))
-    both = np.array([[pair["cbf"].seconds, pair["own"].seconds] for pair in loops if "own" in pair]) * 1e6
-    if not both.size:
-        raise BadInput("step_times: needs the seed of at least one arena with a certified design")
-    numbers = {"arenas": len(loops), "certified": len(both), "ratio": float(np.median(both[:, 0] / both[:, 1]))}
-    numbers["cbf_microseconds"], numbers["own_microseconds"] = (float(v) for v in np.median(both, axis=0))
-    for name in ("cbf", "own"):
-        ran = [pair[name] for pair in loops if name in pair]
-        numbers[f"{name}_reaches"] = sum(loop.reached and not loop.collided for loop in ran) / len(ran)
-        numbers[f"{name}_collides"] = sum(loop.collided for loop in ran) / len(ran)
-    return numbers
 
 
 PEERS = (
@@ -362,4 +290,55 @@ PEERS = (
         sample=100,
         per="step",
     ),
+    Peer(
+        "Drake GcsTrajectoryOptimization (Clarabel)",
+        "a curve of pieces of order 5, twice differentiable, through free boxes, obstacles grown by 2 cm",
+        "its curve misses every obstacle at all times; a bound on how far it is from the shortest; rounding may fail",
+        "no tube, no controller, no wind, and no time prescribed over all of the way",
+        partial(curve, drake),
+        sample=100,
+    ),
+    Peer(
+        "fastpathplanning (Clarabel)",
+        "a curve of pieces of order 5 in 9 s, least squared acceleration, through free boxes, obstacles grown by 2 cm",
+        "its curve misses every obstacle at all times, and takes the time that is prescribed; says where there is none",
+        "no tube, no controller, no wind; the nearest neighbour of what is designed here",
+        partial(curve, fast_path),
+        sample=100,
+    ),
+    *(
+        Peer(
+            f"symbolic control, {name}",
+            "a feedback for the room, |u_i| <= 1.5, |w_i| <= 0.3; success: the whole start's box is in the target in 9 s",
+            SAMPLED if not GRIDS[name].swept else SAMPLED.replace("at its samples", "at all times"),
+            "needs the model; grows exponentially with the dimension; misses passages of about two reachable boxes",
+            partial(symbolic, GRIDS[name]),
+            sample=50 if name.startswith("200") else None,
+        )
+        for name in GRIDS
+    ),
+    Peer(
+        "symbolic control, the robot of three states, 100 x 100 x 72",
+        "the same for equation (14), |v_i| <= 2, at every heading",
+        SAMPLED.replace("xdot = u + w", "(14)"),
+        "as above",
+        partial(symbolic, ROBOT),
+        sample=4,
+    ),
 )
+
+
+def _policy(path: Path) -> Peer:
+    return Peer(
+        f"reinforcement learning (PPO), seed {path.stem.removeprefix('policy_')}",
+        "all of ten runs in the target at 9 s, no obstacle met, |u_i| <= 1, winds of at most 0.3; one policy for all arenas",
+        "none",
+        "whoever wants to know must try; trained for long on what it will meet",
+        partial(learned, path),
+        per="step",
+    )
+
+
+def all_peers(policies: Path = POLICIES) -> tuple[Peer, ...]:
+    """PEERS, and a row for every policy that has been trained."""
+    return (*PEERS, *map(_policy, sorted(policies.glob("policy_*.npz"))))

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 import platform
 import re
 import sys
 from collections.abc import Sequence
+from importlib import metadata
 from pathlib import Path
 
 from stt_codegen.errors import BadInput
 
 
 def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table, columns aligned so that it reads well as text too."""
-    lines = [list(headings), *map(list, rows)]
+    """A Markdown table, columns aligned so that it reads well as text too. A bar in a cell is no end of it."""
+    lines = [[re.sub(r"(?<!\\)\|", r"\\|", cell) for cell in row] for row in (headings, *rows)]
     widths = [max(len(line[c]) for line in lines) for c in range(len(headings))]
 
     def text(line: Sequence[str]) -> str:
         return "| " + " | ".join(cell.ljust(w) for cell, w in zip(line, widths, strict=True)) + " |"
 
-    return "\n".join([text(headings), "|" + "|".join("-" * (w + 2) for w in widths) + "|", *map(text, rows)])
+    return "\n".join([text(lines[0]), "|" + "|".join("-" * (w + 2) for w in widths) + "|", *map(text, lines[1:])])
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -40,6 +42,18 @@ def machine() -> str:
     except OSError:
         pass
     return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
+
+
+PEERS = ("clarabel", "drake", "fastpathplanning", "highspy", "hj-reachability", "jax", "ompl", "osqp", "pyastar2d")
+
+
+def versions() -> str:
+    """What is said of every peer that is installed: "; name version"."""
+    found = []
+    for name in PEERS:
+        with contextlib.suppress(metadata.PackageNotFoundError):
+            found.append(f"; {name} {metadata.version(name)}")
+    return "".join(found)
 
 
 def command() -> str:

@@ -65,7 +65,8 @@ static double size_of(const double *face, int n)
  * anew. Boxes are done in one round; `way` is the whole push. Returns the distance, 0 inside. */
 static double toward(const double *faces, int count, double growth, const double *x, double *way, int n)
 {
-    double pushed[FACES] = {0}, y[MOST];
+    double pushed[FACES], y[MOST];
+    memset(pushed, 0, (size_t)count * sizeof *pushed); /* of these alone: all of FACES cost more than the whole loop */
     memset(way, 0, (size_t)n * sizeof *way);
     memcpy(y, x, (size_t)n * sizeof *x);
     for (int round = 0; round < ROUNDS; round++) {

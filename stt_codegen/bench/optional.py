@@ -1,0 +1,16 @@
+"""Packages that only the peers need."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from stt_codegen.errors import MissingTool
+
+
+def need(module: str) -> Any:
+    """A module of an optional package. Raises `MissingTool`."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise MissingTool(f"{module} cannot be imported ({error}): make peers, or pip install stt-codegen[peers]") from error
