@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 from test_peers import needs
 
-from stt_codegen.bench import contenders, funnels, predictive
+from stt_codegen.bench import contenders, funnels, predictive, printed
 from stt_codegen.bench.contenders import CONTENDERS, GRIDS, Ground
 from stt_codegen.bench.driven import held, seconds_a_step
 from stt_codegen.bench.families import BOX, FAMILIES, cubes
 from stt_codegen.bench.freeways import cells, curve_is_safe, drake, fast_path, largest, neighbours
 from stt_codegen.bench.loop import Job, rows, worth
 from stt_codegen.bench.loop import run as run_job
+from stt_codegen.bench.peers import PEERS, Outcome
 from stt_codegen.bench.policy import DIRECTIONS, HERTZ, SEEN, SPEED, Policy, load_policy, observe, rays
 from stt_codegen.bench.report import table
 from stt_codegen.bench.symbolic import NEVER, NONE, Abstraction, Controller, synthesize, tried
+from stt_codegen.loop.simulate import Run
 
 PAPER = FAMILIES["paper"]
 OPEN = 0  # an arena with room
@@ -322,11 +324,27 @@ def test_a_trained_policy_joins(tmp_path: Path) -> None:
 
 
 def test_everyone_says_what_is_better_and_what_is_guaranteed() -> None:
-    from stt_codegen.bench.peers import PEERS
-
     assert all(c.better and c.guarantees for c in CONTENDERS)
     assert all(p.guarantees and p.lacks for p in PEERS)
     assert len({p.name for p in PEERS}) == len(PEERS)
+
+
+def test_table_i_keeps_the_papers_figures_and_counts_ours(tmp_path: Path) -> None:
+    """Every printed algorithm has its figures once, whoever of its kind ran; what was not trained is said to be left out; runs
+    are counted by how they ended."""
+    run = Run(None, None, None, 0, None, True, 0.1, (0.5,), (1.0,), (4.6,))
+    hit, late = replace(run, hit="O1", hit_at=1.0), replace(run, reached=False)
+    found = {p.name: [Outcome(k < 3, 0.001 * (k + 1)) for k in range(4)] for p in printed.all_peers(tmp_path)}
+    rows = printed.table_i(found, [], tmp_path)
+    assert [r[:3] for r in rows if r[0]] == [[n, f"{s:.1f} %", f"{t:g}"] for n, s, t, _ in printed.PRINTED]
+    assert [r[3:] for r in rows if r[0] == "RL"] == [["left out: `make policies` trains them", "", ""]]
+    assert [r[4:] for r in rows if r[0] == "A*"] == [["3 of 4", "2.5 / 3.85 ms"]]
+    assert sum(r[3].startswith("symbolic control") for r in rows) == len(GRIDS) + 1
+    a_policy(1).save(tmp_path / "policy_1.npz")
+    (learned,) = [p.name for p in printed.all_peers(tmp_path) if p.name not in found]
+    found[learned] = [Outcome(False, 1e-6, runs=(run, hit)), Outcome(True, 3e-6, runs=(late, run))]
+    assert [r[3:5] for r in printed.table_i(found, [], tmp_path) if r[0] == "RL"] == [[learned, "1 of 2"]]
+    assert printed.policy_rows(found, tmp_path) == [[learned, "4", "3", "1", "0", "2", "2 / 2.9 us a step"]]
 
 
 def test_a_bar_in_a_cell_does_not_end_it() -> None:
