@@ -347,6 +347,16 @@ def test_table_i_keeps_the_papers_figures_and_counts_ours(tmp_path: Path) -> Non
     assert printed.policy_rows(found, tmp_path) == [[learned, "4", "3", "1", "0", "2", "2 / 2.9 us a step"]]
 
 
+def test_a_grids_row_is_as_long_as_its_headings(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(printed, "GRIDS", {"coarse": Abstraction(50, Fraction(1, 4), GRIDS["50 x 50"].speeds)})
+    (row,) = printed.symbolic_rows(robot=False)
+    assert len(row) == len(printed.SYMBOLIC)
+    assert dict(zip(printed.SYMBOLIC, row, strict=True)) | {"memory, MB": "", "hit between": ""} == {
+        "grid": "coarse", "inputs": "49", "period, ms": "250", "table, B": "2,500", "memory, MB": "", "states that win": "81 %",
+        "runs": "1,000", "hit at samples": "0", "hit between": "", "arrive": "1,000",
+    }  # fmt: skip
+
+
 def test_a_bar_in_a_cell_does_not_end_it() -> None:
     lines = table(("a", "b"), [["|x| < 1", r"\|y\|"]]).split("\n")
     assert lines[2] == r"| \|x\| < 1 | \|y\| |"

@@ -38,7 +38,6 @@ SYMBOLIC = (
     "table, B",
     "memory, MB",
     "states that win",
-    "s, this arena",
     "runs",
     "hit at samples",
     "hit between",
