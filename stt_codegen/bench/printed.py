@@ -147,7 +147,9 @@ def board_rows(policies: Path = POLICIES) -> list[list[str]]:
     from stt_codegen.board.emulated import BOARDS
 
     squares = cubes(PAPER, 0)
-    sources = {f"symbolic control, {n}": synthesize(PAPER, squares, GRIDS[n]).source() for n in ("50 x 50", "100 x 100")}
+    sources = {
+        f"symbolic control, {n}": synthesize(PAPER, squares, GRIDS[n]).source() for n in ("50 x 50", "100 x 100", "200 x 200")
+    }
     for path in sorted(policies.glob("policy_*.npz"))[:1]:
         sources["reinforcement learning"] = load_policy(path).source(squares)
     try:
