@@ -74,6 +74,11 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         source: template("controller.c.j2").render(**common, c=printer),
         module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
+    if True:
+        from stt_codegen.program.print.rust import RustPrinter
+        r = RustPrinter(program)
+        literals = [r.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
+        files[task.name + ".rs"] = template("controller.rs.j2").render(**common, rust=r, t_c_literal=r.literal(t_c), step_literals=literals)
     if task.emit.selftest and any(f.name == "control" for f in program.functions):  # a probe has none
         from stt_codegen.emit.selftest import suites
 
