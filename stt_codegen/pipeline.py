@@ -46,15 +46,18 @@ class Controller:
     files: dict[str, bytes]
 
 
-def build(path: str | Path, design: str | None = None, scalar: str | None = None, uncertified: bool = False) -> Controller:
-    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options.
+def build(
+    path: str | Path, design: str | None = None, scalar: str | None = None, uncertified: bool = False, rust: bool = False
+) -> Controller:
+    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options, `rust`
+    adds the Rust.
 
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
     """
     task = load_task(path)
     with about(path):
-        task = task.with_options(design, scalar)
+        task = task.with_options(design, scalar, rust)
     with about(path):
         return build_task(task, uncertified)
 

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from stt_codegen.compare.backends import Backend
 from stt_codegen.compare.comparison import Row, compare_backend
+from stt_codegen.compare.rust import board_objects
 from stt_codegen.compare.toolchain import run_compiler
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError
@@ -52,9 +53,10 @@ class Board:
     scalars: tuple[str, ...] = ("float", "double")
     lacks: tuple[str, ...] = ()
     paint: int = 4096  # bytes of stack that board.h paints
+    rust: str = ""  # Rust's name of such a target, with the same calling convention
 
 
-def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
+def _arm(name: str, title: str, cpu: str, machine: str, rust: str, fpu: str = "") -> Board:
     hard = ("-mfloat-abi=hard", f"-mfpu={fpu}") if fpu else ("-mfloat-abi=soft",)
     return Board(
         name, title, "arm-none-eabi-gcc", (f"-mcpu={cpu}", "-mthumb", *hard), ("arm.c",), "arm.h",
@@ -63,17 +65,17 @@ def _arm(name: str, title: str, cpu: str, machine: str, fpu: str = "") -> Board:
             "qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-serial", "none",
             "-semihosting-config", "enable=on,target=native", "-icount", "shift=10,align=off,sleep=off", "-kernel",
         ),
-        "gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm", 25.6,
+        "gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm", 25.6, rust=rust,
     )  # fmt: skip
 
 
 BOARDS = {
     b.name: b
     for b in (
-        _arm("m0", "Cortex-M0 code on a Cortex-M3", "cortex-m0", "mps2-an385"),
-        _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385"),
-        _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "fpv4-sp-d16"),
-        _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "fpv5-sp-d16"),
+        _arm("m0", "Cortex-M0 code on a Cortex-M3", "cortex-m0", "mps2-an385", "thumbv6m-none-eabi"),
+        _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385", "thumbv7m-none-eabi"),
+        _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "thumbv7em-none-eabihf", "fpv4-sp-d16"),
+        _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "thumbv7em-none-eabihf", "fpv5-sp-d16"),
         Board(
             "rv32",
             "RISC-V RV32IMAC, no FPU",
@@ -161,7 +163,9 @@ class Counts:
 class Emulated(Backend):
     """The emitted C on a board. `counts` collects what each function's calls took."""
 
-    def __init__(self, controller: Controller, board: Board, extra: tuple[str, ...] = ()) -> None:
+    def __init__(self, controller: Controller, board: Board, extra: tuple[str, ...] = (), rust: bool = False) -> None:
+        if rust and not board.rust:
+            raise BadInput(f"--board {board.name}: Rust is linked with C on ARM boards alone: {', '.join(rust_boards())}")
         if controller.program.scalar not in board.scalars:
             raise BadInput(f"--board {board.name}: its compiler has no 64-bit {controller.program.scalar}; use --scalar float")
         source = controller.files[f"{controller.program.prefix}.c"].decode()
@@ -171,9 +175,9 @@ class Emulated(Backend):
         for tool in (board.compiler, board.command[0]):
             if shutil.which(tool) is None:
                 raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")
-        self.controller, self.board, self.flags = controller, board, (*CFLAGS, *extra)
+        self.controller, self.board, self.flags, self.rust = controller, board, (*CFLAGS, *extra), rust
         self.program, self.scalar = controller.program, controller.program.scalar
-        self.name = f"C {self.scalar} on {board.name}"
+        self.name = f"{'Rust' if rust else 'C'} {self.scalar} on {board.name}"
         self.number = np.float32 if self.scalar == "float" else np.float64
         self.counts: dict[str, Counts] = {}
 
@@ -210,7 +214,7 @@ class Emulated(Backend):
     def _run(self, f: Function, words: Array) -> Array:
         """One image with these points: rows of status, ticks, bytes of stack, and output words."""
         with tempfile.TemporaryDirectory() as folder:
-            image = build_image(self.controller, self.board, f, words, Path(folder), self.flags)
+            image = build_image(self.controller, self.board, f, words, Path(folder), self.flags, self.rust)
             try:
                 result = subprocess.run(  # semihosting writes to either stream
                     [*self.board.command, str(image)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
@@ -230,7 +234,14 @@ class Emulated(Backend):
         return np.array(rows, dtype=np.uint32)
 
 
-def build_image(controller: Controller, board: Board, f: Function, words: Array, folder: Path, flags: Sequence[str]) -> Path:
+def rust_boards() -> list[str]:
+    """The boards whose images take the Rust in place of the C."""
+    return [b.name for b in BOARDS.values() if b.rust]
+
+
+def build_image(
+    controller: Controller, board: Board, f: Function, words: Array, folder: Path, flags: Sequence[str], rust: bool = False
+) -> Path:
     """The image that calls `f` at these points (words of their bits), in `folder`."""
     program = controller.program
     templates = template_folder() / "board"
@@ -241,9 +252,11 @@ def build_image(controller: Controller, board: Board, f: Function, words: Array,
     shutil.copy(templates / board.header, folder / "board.h")
     (folder / "harness.c").write_text(_harness(program.prefix, program.scalar, f, words))
     libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
-    sources = [str(folder / v) for v in (*board.sources, "harness.c", f"{program.prefix}.c")]
+    sources = [str(folder / v) for v in (*board.sources, "harness.c")]
+    sources += board_objects(controller, board.rust, folder) if rust else [str(folder / f"{program.prefix}.c")]
     image = folder / "image.elf"
-    run_compiler([board.compiler, *board.flags, *flags, f"-I{folder}", *sources, "-o", str(image), *libraries])
+    thin = ("-Wl,--gc-sections",) if rust else ()  # of the core library what is called
+    run_compiler([board.compiler, *board.flags, *flags, *thin, f"-I{folder}", *sources, "-o", str(image), *libraries])
     return image
 
 
@@ -268,13 +281,13 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
     )  # fmt: skip
 
 
-def run_on_board(controller: Controller, board: Board, points: int) -> tuple[list[Row], dict[str, CallCost]]:
+def run_on_board(controller: Controller, board: Board, points: int, rust: bool = False) -> tuple[list[Row], dict[str, CallCost]]:
     """The comparison with the reference on so many random points and the edges; and for each public function what its calls
     took: least, median and most in the board's unit, the inputs of the longest, and the most stack."""
     made: list[Emulated] = []
 
     def make(given: Controller) -> Emulated:
-        made.append(Emulated(given, board))
+        made.append(Emulated(given, board, rust=rust))
         return made[-1]
 
     rows = compare_backend(controller, make, points)

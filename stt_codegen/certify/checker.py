@@ -58,7 +58,7 @@ KNOWN = {
     "mission": "visit between stay then within never before patrol every until formula",
     "tube": "design clearance min_width prefer max_speed max_acceleration filter segments seed adaptive",
     "control": "gain e_max u_max period latency outside velocity period_min saturate",
-    "emit": "scalar math tick_period selftest", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
+    "emit": "scalar math tick_period selftest rust", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 LISTS = ("unsafe", "region", "mission")
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set

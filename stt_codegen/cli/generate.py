@@ -23,7 +23,8 @@ def generate(
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
     package: Annotated[
-        Literal["plain", "cmake", "arduino", "platformio"], typer.Option(help="the files as they are, or as a library <name>/")
+        Literal["plain", "cmake", "arduino", "platformio", "rust"],
+        typer.Option(help="the files as they are, or as a library or crate <name>/"),
     ] = "plain",
     json: Json = False,
 ) -> None:
@@ -40,7 +41,7 @@ def generate(
     made = []
     for task in tasks:  # all of them, before any is written
         with patience(f"designing {task}"):
-            made.append((task, build(task, design, scalar, uncertified)))
+            made.append((task, build(task, design, scalar, uncertified, package == "rust")))
     names = [controller.task.name for _, controller in made]
     lowered = [name.lower() for name in names]
     for name in names:

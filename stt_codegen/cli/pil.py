@@ -15,17 +15,18 @@ def pil(
     design: DesignOption = None,
     scalar: ScalarOption = None,
     points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 2000,
+    rust: Annotated[bool, typer.Option("--rust", help="the emitted Rust in place of the C, on an ARM board")] = False,
     json: Json = False,
 ) -> None:
-    """Processor in the loop: run the emitted C on an emulated board, compare with the reference, count what a call takes."""
+    """Processor in the loop: run the emitted code on an emulated board, compare with the reference, count what a call takes."""
     from dataclasses import asdict
 
     with patience(f"running {task} on {board}"):
         from stt_codegen.board.emulated import BOARDS, run_on_board
         from stt_codegen.pipeline import build
 
-        controller = build(task, design, scalar)
-        rows, costs = run_on_board(controller, BOARDS[board], points)
+        controller = build(task, design, scalar, rust=rust)
+        rows, costs = run_on_board(controller, BOARDS[board], points, rust)
     good = all(r.holds for r in rows)
     if json:
         compared = [{**asdict(r), "holds": r.holds} for r in rows]

@@ -35,12 +35,13 @@ from stt_codegen.compare.backends import Backend, CompiledC, GeneratedPython
 from stt_codegen.compare.casadi_backends import CasadiAdaptive, CasadiRefined
 from stt_codegen.compare.law_bounds import law_spread, logarithm_error
 from stt_codegen.compare.points import random_alpha, random_states, random_times, with_trajectory
+from stt_codegen.compare.rust import CompiledRust, find_rustc
 from stt_codegen.controller.arithmetic import edge_error, rate_error
 from stt_codegen.controller.probes import probe_program
 from stt_codegen.controller.ticks import ticks_of
 from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
 from stt_codegen.designs.grid import parameters_of
-from stt_codegen.errors import NotCertified
+from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
 from stt_codegen.program.number import FORMATS
 from stt_codegen.program.running import Runner
@@ -69,8 +70,8 @@ class Row:
 
 
 def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = lambda _: None) -> list[Row]:
-    """Compare CasADi, the emitted Python, and the emitted C in both precisions with the reference. A task of doubles for which
-    no float has room (far from the origin) is compared in double alone, and `progress` says so."""
+    """Compare CasADi, the emitted Python, and the emitted C (and Rust) in both precisions with the reference. A task of doubles
+    for which no float has room (far from the origin) is compared in double alone, and `progress` says so."""
     rows: list[Row] = []
     known: dict[str, _Truth] = {}
     for controller, make in _backends(task, progress):
@@ -96,6 +97,20 @@ def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Con
         progress(f"{task.name}: a float has no room for this task, so double alone is compared")
     else:
         yield single, CompiledC
+        yield from _rust(single, progress)
+    yield from _rust(double, progress)
+
+
+def _rust(controller: Controller, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
+    """The Rust, where the task asks for it and there is a compiler."""
+    if not controller.task.emit.rust:
+        return
+    try:
+        find_rustc()
+    except MissingTool as error:
+        progress(f"{controller.task.name}: the {controller.task.emit.scalar} Rust is not compared: {error}")
+    else:
+        yield controller, CompiledRust
 
 
 def compare_backend(

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from stt_codegen.program import Assign, Call, For, Program, Return, Statement
-from stt_codegen.task.reserved import C_WORDS, CPP_WORDS
+from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, RUST_WORDS
 
 SUFFIXES = (".h", ".c", ".py", ".certificate.json")
 MATH_WORDS = frozenset("j0 j1 jn y0 y1 yn gamma lgamma signgam isfinite NAN INFINITY".split())
@@ -40,8 +40,13 @@ def wrap_name(prefix: str) -> str:
     return f"{prefix}_wrap.c"
 
 
+def rust_name(prefix: str) -> str:
+    """The file that `emit.rust` adds."""
+    return f"{prefix}.rs"
+
+
 def check_names(program: Program) -> None:
-    """Raise ValueError when two externals collide, a local is assigned twice, or a name is a word of C, C++ or <math.h>."""
+    """Raise ValueError when two externals collide, a local is assigned twice, or a name is a word of C, C++, <math.h> or Rust."""
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
     external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "exponent", "mantissa"]
     _unique(external, "the file")
@@ -71,6 +76,6 @@ def _unique(names: list[str], where: str) -> None:
     for name in names:
         if name in seen:
             raise ValueError(f"{where}: the name {name!r} is used twice")
-        if name in C_WORDS | CPP_WORDS | MATH_WORDS:
-            raise ValueError(f"{where}: {name!r} is a word of C, C++ or <math.h>")
+        if name in C_WORDS | CPP_WORDS | MATH_WORDS | RUST_WORDS:
+            raise ValueError(f"{where}: {name!r} is a word of C, C++, <math.h> or Rust")
         seen.add(name)

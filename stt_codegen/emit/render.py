@@ -20,7 +20,7 @@ from stt_codegen.certify.schedule import phases, sentence, served
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.document import certificate_text
-from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, selftest_name, wrap_name
+from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, rust_name, selftest_name, wrap_name
 from stt_codegen.program import Const, Program, Status
 from stt_codegen.program.number import FORMATS, round_down, round_to, round_up
 from stt_codegen.program.print.c import CPrinter
@@ -74,11 +74,15 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         source: template("controller.c.j2").render(**common, c=printer),
         module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
     }
-    if True:
+    if task.emit.rust:
         from stt_codegen.program.print.rust import RustPrinter
-        r = RustPrinter(program)
-        literals = [r.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
-        files[task.name + ".rs"] = template("controller.rs.j2").render(**common, rust=r, t_c_literal=r.literal(t_c), step_literals=literals)
+
+        rust = RustPrinter(program)
+        steps = [rust.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
+        t_c_rust = rust.literal(t_c)
+        files[rust_name(task.name)] = template("controller.rs.j2").render(
+            **common, rust=rust, t_c_literal=t_c_rust, step_literals=steps
+        )
     if task.emit.selftest and any(f.name == "control" for f in program.functions):  # a probe has none
         from stt_codegen.emit.selftest import suites
 

@@ -1,16 +1,21 @@
-"""The emitted files as something that a build system takes as it is: a CMake package, an Arduino or PlatformIO library."""
+"""The emitted files as something that a build system takes: a CMake package, an Arduino or PlatformIO library, a crate."""
 
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from fractions import Fraction
+from typing import Any
 
-from stt_codegen.emit.naming import file_names, guard_name, phase_name, selftest_name, wrap_name
+from stt_codegen.emit.naming import file_names, guard_name, phase_name, rust_name, selftest_name, wrap_name
 from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.emit.selftest import suites
+from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
+from stt_codegen.program.print.rust import RustPrinter
 from stt_codegen.report.design import input_report
 
-KINDS = ("plain", "cmake", "arduino", "platformio")
+KINDS = ("plain", "cmake", "arduino", "platformio", "rust")
 PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
@@ -32,11 +37,13 @@ def loop_period(controller: Controller) -> Fraction:
 
 def package(controller: Controller, kind: str) -> Files:
     """The files by path: `plain` as they are emitted; else in a folder <p>/ with sources in src/, the certificate and the
-    Python in extras/, and what the build system reads."""
+    Python in extras/, and what the build system reads. `rust` is for a task with emit.rust."""
     prefix = controller.task.name
     header, source, module, proof = file_names(prefix)
     if kind == "plain":
         return controller.files
+    if kind == "rust":
+        return {f"{prefix}/{path}": data for path, data in _crate(controller).items()}
     inline = controller.task.emit.math == "inline"
     period = loop_period(controller)
     words = {
@@ -72,3 +79,24 @@ def package(controller: Controller, kind: str) -> Files:
     files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
     files |= {path: template(f"package/{name}.j2").render(**words).encode() for path, name in own.items()}
     return {f"{prefix}/{path}": data for path, data in files.items()}
+
+
+def _crate(controller: Controller) -> Files:
+    """A crate without dependencies, or where it calls mathematics with libm for who has no std. `cargo test` calls it where u is
+    known (as `emit.selftest` does), where so much can be told of u."""
+    task, printer = controller.task, RustPrinter(controller.program)
+    words: dict[str, Any] = {
+        "prefix": task.name,
+        "kind": controller.design.kind,
+        "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "hash": design_hash(task, controller.design),
+        "mathematics": printer.library(),
+        "rust": printer,
+    }
+    files = {"Cargo.toml": template("package/Cargo.toml.j2").render(**words).encode()}
+    files["src/lib.rs"] = controller.files[rust_name(task.name)]
+    with suppress(BadInput):  # too much rounding to tell
+        words["suites"] = suites(task, controller.design, controller.program)
+        files["tests/selftest.rs"] = template("package/selftest.rs.j2").render(**words).encode()
+    _, _, module, proof = file_names(task.name)
+    return files | {f"extras/{name}": controller.files[name] for name in (module, proof)}

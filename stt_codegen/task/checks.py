@@ -12,7 +12,7 @@ from stt_codegen.decimals import decimal
 from stt_codegen.task.mission_checks import mission_problem
 from stt_codegen.task.motion import Course, places
 from stt_codegen.task.polytopes import spanned
-from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES
+from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, LIBRARY_NAMES, RUST_WORDS
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.set_checks import axes_problem, entries_problem, motion_problem, set_problem
 from stt_codegen.task.sets import BoxSet, Normal
@@ -24,7 +24,7 @@ def first_problem(task: TaskTables) -> str | None:
     """The first thing that no schema can see, in the words of the message; None when there is none."""
     n = task.dimension
     return (
-        _name_problem(task.name)
+        _name_problem(task)
         or _shape_problem(task, n)
         or mission_problem(task)
         or _options_problem(task)
@@ -33,12 +33,15 @@ def first_problem(task: TaskTables) -> str | None:
     )
 
 
-def _name_problem(name: str) -> str | None:
+def _name_problem(task: TaskTables) -> str | None:
+    name = task.name
     reserved = C_WORDS | CPP_WORDS | set(keyword.kwlist) | set(keyword.softkwlist)
     if name in reserved:
         return f"name: {name!r} is a reserved word of C, C++ or Python; choose another"
     if name.lower() in LIBRARY_NAMES:
         return f"name: {name!r} would shadow a header or module of the standard library; choose another"
+    if task.emit.rust and name in RUST_WORDS:
+        return f"name: {name!r} is a reserved word or a crate of Rust (emit.rust); choose another"
     return None
 
 

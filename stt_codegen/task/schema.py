@@ -122,6 +122,7 @@ class EmitOptions(Table):
     math: Literal["libm", "inline"] = "libm"
     tick_period: Positive | None = Field(default=None, description="seconds; adds an entry point with an integer tick")
     selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
+    rust: StrictBool = Field(default=False, description="adds <name>.rs, a no_std module")
 
 
 class PlantBounds(Table):

@@ -53,13 +53,14 @@ class Task(TaskTables):
         """The task as the text of a file with the sets of its map spelled out; None for a task without a map."""
         return self._written
 
-    def with_options(self, design: str | None = None, scalar: str | None = None) -> Task:
+    def with_options(self, design: str | None = None, scalar: str | None = None, rust: bool = False) -> Task:
         """The same task with the options that the command line may override. Raises `BadInput` where its other options are not
         for that design."""
         tube = self.tube.model_copy(update={"design": design}) if design else self.tube
-        emit = self.emit.model_copy(update={"scalar": scalar}) if scalar else self.emit
+        chosen = ({"scalar": scalar} if scalar else {}) | ({"rust": True} if rust else {})
+        emit = self.emit.model_copy(update=chosen) if chosen else self.emit
         changed = self.model_copy(update={"tube": tube, "emit": emit})
-        problem = first_problem(changed) if design else None
+        problem = first_problem(changed) if design or rust else None
         if problem:
             raise BadInput(problem)
         return changed

@@ -20,6 +20,7 @@ from stt_codegen.program.nodes import (
     Op,
     Operand,
     Param,
+    Program,
     Return,
     Select,
     Statement,
@@ -45,8 +46,8 @@ _STD = {"log": "ln", "log1p": "ln_1p", "expm1": "exp_m1", "pow": "powf"}
 class RustPrinter(Printer):
     """Arrays come in as references and go out as values; one that is read and changed is a mutable reference."""
 
-    def __init__(self, program: object) -> None:
-        super().__init__(program)  # type: ignore[arg-type]
+    def __init__(self, program: Program) -> None:
+        super().__init__(program)
         self.real = {"float": "f32", "double": "f64"}[self.program.scalar]
 
     # ---- what stands before the kernels
@@ -69,7 +70,8 @@ class RustPrinter(Printer):
             parts.append(
                 [
                     '#[cfg(feature = "std")]', "#[inline]", head, f"    x.{own}({'y' if two else ''})", "}", "",
-                    '#[cfg(not(feature = "std"))]', "#[inline]", head, f"    libm::{theirs}(x{', y' if two else ''})", "}",
+                    '#[cfg(all(feature = "libm", not(feature = "std")))]', "#[inline]", head,
+                    f"    libm::{theirs}(x{', y' if two else ''})", "}",
                 ]
             )  # fmt: skip
         if any(isinstance(a.value, Op) and a.value.name == "fabs" for k in self.program.kernels for a in k.body):
@@ -183,7 +185,8 @@ class RustPrinter(Printer):
     def format_call(self, call: Call) -> list[str]:
         names = [self._bound(r) for r in call.results]
         taken = names[0] if len(names) == 1 else f"({', '.join(names)})"
-        return [f"let {taken} = {call.kernel}({', '.join(self.expression(a) for a in call.args)});"]
+        # By its path, for an argument may have the kernel's name.
+        return [f"let {taken} = self::{call.kernel}({', '.join(self.expression(a) for a in call.args)});"]
 
     def _bound(self, var: Var) -> str:
         """A name that nothing reads begins with a low line, or the compiler warns."""
@@ -211,6 +214,10 @@ class RustPrinter(Printer):
     def table(self, table: Table) -> list[str]:
         head = f"static {table.name.upper()}: [Real; {len(table.values)}] = ["
         return [*self.comment(table.doc, "//"), head, *self.rows(table), "];"]
+
+    def numbers(self, table: Table, row: int) -> str:
+        """One row of a table."""
+        return ", ".join(self.literal(Const(v)) for v in table.values[row * table.row : (row + 1) * table.row])
 
     def kernel(self, kernel: Kernel) -> list[str]:
         inputs = [f"{v.name}: {self.type_name(v.type)}" for v in kernel.inputs]
