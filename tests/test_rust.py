@@ -266,6 +266,31 @@ def test_guards_phases_and_wrapping_are_those_of_the_python(shape: str, tmp_path
         assert {row[2] for row in wanted} >= {0, 1}
 
 
+HAL = """#![no_std]
+pub mod pwm {
+    pub trait ErrorType { type Error; }
+    pub trait SetDutyCycle: ErrorType {
+        fn max_duty_cycle(&self) -> u16;
+        fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Self::Error>;
+    }
+}
+"""  # as embedded-hal 1.0 has them
+
+
+def test_the_pages_drive_compiles(tmp_path, tool) -> None:
+    rustc = tool("rustc")
+    page = (ROOT / "docs" / "rust.md").read_text()
+    (source,) = re.findall(r"^```rust\n(use .*?)^```", page, re.M | re.S)
+    controller = build_task(load_task(ROOT / "tasks" / "crawler.toml"))
+    (tmp_path / "crawler.rs").write_bytes(controller.files["crawler.rs"])
+    (tmp_path / "embedded_hal.rs").write_text(HAL)
+    (tmp_path / "drive.rs").write_text("#![no_std]\n" + source)
+    extern = ("-L", ".", "--extern", "crawler", "--extern", "embedded_hal")
+    for name, flags in (("crawler", ()), ("embedded_hal", ()), ("drive", extern)):
+        made = run(tmp_path, rustc, "--edition", "2021", "--crate-type", "rlib", "-D", "warnings", *flags, f"{name}.rs")
+        assert made.returncode == 0, made.stderr
+
+
 def test_a_word_of_rust_is_no_name() -> None:
     task = task_of("omni_s2")
     for word in ("crate", "libm", "fn"):

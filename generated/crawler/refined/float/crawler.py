@@ -1,0 +1,553 @@
+"""crawler: prescribed-time reach-avoid-stay controller, refined tube.
+
+Certified (crawler.certificate.json): for every t the tube keeps 0.05 from every
+unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+The state stays in it (P9) sampled every 0.005 s or faster, from every start with |e(0)| <= 0.9, for |f +
+w| <= 0.1, g_ii = 1, |g_ij| <= 0: |e| < 0.9001, |u| <= [53.1, 57.6].
+
+The same functions as crawler.c (single precision there) in double arithmetic on the same constants.
+Arrays come in as sequences of 2 numbers and go out as tuples.
+Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+"""
+
+import math
+
+N = 2
+T_C = 6.0  # prescribed time, seconds
+TICK_PERIOD = 0.0010000000474974513  # seconds of one tick of control_tick
+TICKS = 6000  # the first tick that is not before t_c
+DESIGN_HASH = "6b77fe7992b32820"
+
+OK = 0
+OUTSIDE_TUBE = 1
+BAD_INPUT = 2
+
+# B-spline control points divided by 6, one row for each of 32 + 3 points:
+# lower[0], upper[0], lower[1], upper[1]
+# Multiples of 2^-21: exact in float and double.
+COEFFICIENTS = (
+    -0.009665489196777344, 0.1619091033935547, -0.0220184326171875, 0.14955615997314453,
+    5.245208740234375e-6, 0.16666173934936523, 5.245208740234375e-6, 0.16666173934936523,
+    0.00967550277709961, 0.17141389846801758, 0.02202892303466797, 0.18376731872558594,
+    0.019346237182617188, 0.17616653442382812, 0.0440521240234375, 0.20087289810180664,
+    0.029016494750976562, 0.18091917037963867, 0.06607580184936523, 0.21797847747802734,
+    0.03868722915649414, 0.18567132949829102, 0.08809947967529297, 0.23508405685424805,
+    0.048357486724853516, 0.19042396545410156, 0.1101231575012207, 0.25218963623046875,
+    0.058028221130371094, 0.1951766014099121, 0.13214683532714844, 0.26929521560668945,
+    0.06769847869873047, 0.19992923736572266, 0.15417051315307617, 0.28640079498291016,
+    0.07736921310424805, 0.204681396484375, 0.1761941909790039, 0.30350637435913086,
+    0.08703994750976562, 0.20943403244018555, 0.19821786880493164, 0.32061195373535156,
+    0.096710205078125, 0.2141866683959961, 0.22024154663085938, 0.33771753311157227,
+    0.10638093948364258, 0.21893882751464844, 0.2422652244567871, 0.35482311248779297,
+    0.11605119705200195, 0.22860956192016602, 0.26428890228271484, 0.3768467903137207,
+    0.12572193145751953, 0.2382798194885254, 0.2863121032714844, 0.39887046813964844,
+    0.14577245712280273, 0.2583308219909668, 0.3083357810974121, 0.42089414596557617,
+    0.16582345962524414, 0.27838134765625, 0.33035945892333984, 0.4429178237915039,
+    0.18587398529052734, 0.2984323501586914, 0.3523831367492676, 0.46494150161743164,
+    0.20592498779296875, 0.3184828758239746, 0.35822582244873047, 0.47078418731689453,
+    0.22597551345825195, 0.338533878326416, 0.36406850814819336, 0.4766268730163574,
+    0.24602651596069336, 0.3585844039916992, 0.36991119384765625, 0.4824695587158203,
+    0.26607704162597656, 0.3786354064941406, 0.37575387954711914, 0.4883122444152832,
+    0.28612804412841797, 0.39868593215942383, 0.38159656524658203, 0.4941549301147461,
+    0.30617856979370117, 0.41873693466186523, 0.3874392509460449, 0.499997615814209,
+    0.3262295722961426, 0.43878746032714844, 0.3874392509460449, 0.499997615814209,
+    0.3462800979614258, 0.45883846282958984, 0.3874392509460449, 0.499997615814209,
+    0.3663311004638672, 0.47888898849487305, 0.3874392509460449, 0.499997615814209,
+    0.3863816261291504, 0.49893999099731445, 0.3874392509460449, 0.499997615814209,
+    0.4064326286315918, 0.5189905166625977, 0.3874392509460449, 0.499997615814209,
+    0.426483154296875, 0.5390415191650391, 0.3874392509460449, 0.499997615814209,
+    0.4465341567993164, 0.5590920448303223, 0.3874392509460449, 0.499997615814209,
+    0.4665846824645996, 0.5791430473327637, 0.3874392509460449, 0.499997615814209,
+    0.486635684967041, 0.5991935729980469, 0.3874392509460449, 0.499997615814209,
+    0.5066862106323242, 0.6192440986633301, 0.3874392509460449, 0.499997615814209,
+    0.486635684967041, 0.5991935729980469, 0.3874392509460449, 0.499997615814209,
+)
+
+# Gain k of the control law, by component.
+GAIN = (
+    0.578000009059906, 0.6269999742507935,
+)
+
+
+def _vector(name, values, length):
+    """The values as floats; ValueError when there are not `length` of them."""
+    numbers = [float(v) for v in values]
+    if len(numbers) != length:
+        raise ValueError(f"{name} has {len(numbers)} entries, {length} are needed")
+    return numbers
+
+
+def _count(name, value):
+    """A count from 0 to 2^32 - 1; ValueError for anything else."""
+    if int(value) != value or not 0 <= value < 2**32:
+        raise ValueError(f"{name} is {value!r}, it must be a whole number from 0 to 2^32 - 1")
+    return int(value)
+
+
+def _split(y):
+    """m and e with y = m 2^e, m in [1/sqrt 2, sqrt 2)."""
+    m, e = math.frexp(y)
+    return (m, e) if m >= 0.7071067690849304 else (2.0 * m, e - 1)
+
+
+def _segment(t):
+    """Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+    Before 0 the start; from t_c on the last number below 32 (t_c = 6 s).
+    """
+    positive = 0.0 < t
+    started = t if positive else 0.0
+    scaled = started * 5.333333492279053
+    early = scaled < 31.999998092651367
+    u = scaled if early else 31.999998092651367
+    segment = int(u)
+    base = float(segment)
+    place = u - base
+    first = segment * 4
+    return first, place
+
+
+def _segment_at_tick(tick):
+    """As segment, for a count of ticks: one is 2/375 of a segment, in integers; only s is rounded.
+    From tick 6000 on the last segment and s = 1, which is t_c.
+    """
+    running = tick < 6000
+    held = tick if running else 6000
+    count = held
+    passed = count * 2
+    early = passed < 12000
+    place = passed if early else 12000
+    whole = place // 375
+    before_last = whole < 31
+    segment = whole if before_last else 31
+    base = segment * 375
+    rest = place - base
+    part = float(rest)
+    share = part / 375.0
+    first = segment * 4
+    return first, share
+
+
+def _basis(s):
+    """6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6."""
+    v0 = 1.0 - s
+    v1 = v0 * v0
+    v2 = v1 * v0
+    v3 = v0 * s
+    v4 = 1.0 + v3
+    v5 = 3.0 * v4
+    v6 = v0 * v5
+    v7 = 1.0 + v6
+    v8 = s * v5
+    v9 = 1.0 + v8
+    v10 = s * s
+    v11 = v10 * s
+    return v2, v7, v9, v11
+
+
+def _basis_rate(s):
+    """Derivative of the weights with respect to s."""
+    v0 = 1.0 - s
+    v1 = v0 + v0
+    v2 = v0 * v1
+    v3 = v0 * v0
+    v4 = v2 + v3
+    v5 = -v4
+    v6 = v0 - s
+    v7 = 3.0 * v6
+    v8 = v0 * v7
+    v9 = v0 * s
+    v10 = 1.0 + v9
+    v11 = 3.0 * v10
+    v12 = v8 - v11
+    v13 = s * v7
+    v14 = v11 + v13
+    v15 = s + s
+    v16 = s * v15
+    v17 = s * s
+    v18 = v16 + v17
+    return v5, v12, v14, v18
+
+
+def _blend(w0, w1, w2, w3, q0, q1, q2, q3):
+    """An edge of the tube (or its slope in spline time): sum of w_j q_j."""
+    v0 = w0 * q0
+    v1 = w1 * q1
+    v2 = v0 + v1
+    v3 = w2 * q2
+    v4 = w3 * q3
+    v5 = v3 + v4
+    v6 = v2 + v5
+    return v6
+
+
+def _normalized_error(a, b, width):
+    """Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x."""
+    v0 = a - b
+    v1 = v0 / width
+    return v1
+
+
+def _transformed_error(a, b):
+    """Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b.
+    ln y by y = m 2^e as e ln 2 + 2 atanh((m - 1)/(m + 1)), with a relative error below 2^-14.
+    """
+    v0 = b / a
+    exponent = _split(v0)[1]
+    base = float(exponent)
+    mantissa = _split(v0)[0]
+    below = mantissa - 1.0
+    above = mantissa + 1.0
+    s = below / above
+    z = s * s
+    bent = z * 0.6766043901443481
+    around = bent + 2.0
+    part = s * around
+    whole = base * 0.6931471824645996
+    v1 = whole + part
+    v2 = -v1
+    v3 = 1.0 + v0
+    v4 = v3 / b
+    return v2, v4
+
+
+def _law(k, xi, epsilon):
+    """Control law (13): u = -k xi epsilon."""
+    v0 = k * xi
+    v1 = v0 * epsilon
+    v2 = -v1
+    return v2
+
+
+def tube(t):
+    """Edges of the tube gamma at time t (seconds), in the task's units.
+    t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+    """
+    t = float(t)
+    lower = [0.0] * 2
+    upper = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower[j] = math.nan
+            upper[j] = math.nan
+        return tuple(lower), tuple(upper)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower[i] = lower_edge
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper[i] = upper_edge
+    return tuple(lower), tuple(upper)
+
+
+def tube_rate(t):
+    """Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+    The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+    """
+    t = float(t)
+    lower_rate = [0.0] * 2
+    upper_rate = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            lower_rate[j] = math.nan
+            upper_rate[j] = math.nan
+        return tuple(lower_rate), tuple(upper_rate)
+    row, s = _segment(t)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    moving = t < 6.0
+    per_second = 5.333333492279053 if moving else 0.0
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_speed = lower_slope * per_second
+        lower_rate[i] = lower_speed
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_speed = upper_slope * per_second
+        upper_rate[i] = upper_speed
+    return tuple(lower_rate), tuple(upper_rate)
+
+
+def control(t, x):
+    """Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+    t: seconds since the start (held within [0, t_c]); x: state; u: input.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
+    (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    outside = False
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        gain_i = GAIN[i]
+        gain_minus = -gain_i
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = gain_minus if upper_nearer else gain_i
+        least = room * 0.004999999888241291
+        clear = least < nearest
+        near = nearest if clear else least
+        far = room - near
+        within = 0.0 < nearest
+        outside_any = outside if within else True
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
+        u[i] = push
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
+
+
+def control_tick(tick, x):
+    """Control law (13), u = -k xi epsilon, k = [0.578, 0.627], e clamped to [-0.99, 0.99] by component.
+    tick: periods of 0.001 s since the start (it must not wrap to 0: stop counting at t_c); x: state; u: input.
+    OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
+    (0 where the tube is empty). BAD_INPUT: x has a NaN or an infinity; u is 0. u may be the array x itself.
+    """
+    tick = _count("tick", tick)
+    x = _vector("x", x, 2)
+    u = [0.0] * 2
+    zero = 0.0
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            u[j2] = 0.0
+        return BAD_INPUT, tuple(u)
+    row, s = _segment_at_tick(tick)
+    w0, w1, w2, w3 = _basis(s)
+    outside = False
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        gain_i = GAIN[i]
+        gain_minus = -gain_i
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = gain_minus if upper_nearer else gain_i
+        least = room * 0.004999999888241291
+        clear = least < nearest
+        near = nearest if clear else least
+        far = room - near
+        within = 0.0 < nearest
+        outside_any = outside if within else True
+        epsilon, xi = _transformed_error(near, far)
+        push = _law(gain, xi, epsilon)
+        u[i] = push
+        outside = outside_any
+    return OUTSIDE_TUBE if outside else OK, tuple(u)
+
+
+def margin(t, x):
+    """How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+    components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+    Watch it: act while there is margin, not when the tube is left.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(2):
+        x_j = x[j]
+        x_zero = x_j * 0.0
+        zeros = zero + x_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        return math.nan
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    margin = 0.5
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / room
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        less = held_share < margin
+        margin_next = held_share if less else margin
+        margin = margin_next
+    return margin
+
+
+def transform(lower, upper, x):
+    """Error transform of section IV for the state x in the box (lower, upper), by component:
+      e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+      epsilon = ln((1 + e) / (1 - e))
+      xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+    0 in a component with upper <= lower; a width below 2^-20 counts as that.
+    NaN where an edge, x or upper - lower is not finite.
+    """
+    lower = _vector("lower", lower, 2)
+    upper = _vector("upper", upper, 2)
+    x = _vector("x", x, 2)
+    e = [0.0] * 2
+    epsilon = [0.0] * 2
+    xi = [0.0] * 2
+    for i in range(2):
+        lower_edge = lower[i]
+        upper_edge = upper[i]
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        filled = 0.0 < room
+        empty = not filled
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        gain = -1.0 if upper_nearer else 1.0
+        least = width * 0.004999999888241291
+        widened = width - room
+        spare = widened * 0.5
+        distance = nearest + spare
+        farther = least < distance
+        clear = filled and farther
+        near = distance if clear else least
+        far = width - near
+        a = far if upper_nearer else near
+        b = near if upper_nearer else far
+        e_raw = _normalized_error(a, b, width)
+        e_held_above = -0.9900000095367432 < e_raw
+        e_held_raised = e_raw if e_held_above else -0.9900000095367432
+        e_held_over = 0.9900000095367432 < e_held_raised
+        e_held = 0.9900000095367432 if e_held_over else e_held_raised
+        epsilon_near, xi_i = _transformed_error(near, far)
+        epsilon_i = gain * epsilon_near
+        finite_x = math.isfinite(x_i)
+        finite_room = math.isfinite(room)
+        finite = finite_x and finite_room
+        e_settled = 0.0 if empty else e_held
+        e_out = e_settled if finite else math.nan
+        e[i] = e_out
+        epsilon_settled = 0.0 if empty else epsilon_i
+        epsilon_out = epsilon_settled if finite else math.nan
+        epsilon[i] = epsilon_out
+        xi_settled = 0.0 if empty else xi_i
+        xi_out = xi_settled if finite else math.nan
+        xi[i] = xi_out
+    return tuple(e), tuple(epsilon), tuple(xi)
