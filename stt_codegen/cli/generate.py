@@ -23,19 +23,27 @@ def generate(
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
     package: Annotated[
-        Literal["plain", "cmake", "arduino", "platformio", "rust"],
-        typer.Option(help="the files as they are, or as a library or crate <name>/"),
+        Literal["plain", "cmake", "arduino", "platformio", "rust", "fmu"],
+        typer.Option(help="the files as they are, as a library or crate <name>/, or as units of FMI 3.0 and 2.0"),
     ] = "plain",
+    plant: Annotated[
+        str | None,
+        typer.Option(metavar="PLANT", help="with --package fmu: units of this plant too (as for simulate), a name or a .py"),
+    ] = None,
     json: Json = False,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
     from stt_codegen.pipeline import build
+    from stt_codegen.plants import plant_of
     from stt_codegen.record.files import write_files
+    from stt_codegen.record.fmu import units
     from stt_codegen.record.manifest import record as record_controller
     from stt_codegen.record.package import package as packed
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
+    if plant is not None and package != "fmu":
+        raise BadInput("--plant: is for --package fmu; leave it out")
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
     made = []
@@ -51,24 +59,31 @@ def generate(
     if record is None:
         for _, controller in made:
             _keep_certified(out or Path(), controller)
-    for task, controller in made:
+    packages = []
+    for _, controller in made:
+        if package == "fmu":
+            model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
+            packages.append(units(controller, model))
+        else:
+            packages.append(packed(controller, package))
+    for (task, controller), files in zip(made, packages, strict=True):
         _tell_what_is_not_proved(controller)
         if record is not None:
             folder = record_controller(record, task, controller, uncertified)
         else:
             folder = out or Path()
-            write_files(folder, packed(controller, package))
+            write_files(folder, files)
         written.append(
             {
                 "task": controller.task.name,
                 "certified": controller.certificate.holds,
                 "folder": str(folder),
-                "files": list(packed(controller, package)),
+                "files": list(files),
             }
         )
         if not json:
             verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
-            print(f"{controller.task.name}: {verdict}; {', '.join(packed(controller, package))} in {folder}")
+            print(f"{controller.task.name}: {verdict}; {', '.join(files)} in {folder}")
     if json:
         print_json({"written": written})
 

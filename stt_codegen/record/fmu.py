@@ -1,0 +1,368 @@
+"""Units of co-simulation (FMI 3.0 and 2.0) of a controller and of a plant: sources, a binary of this machine, a description.
+reads.
+
+An output follows the inputs at once, as in the reference units of the standard: set x, read u, step. So a controller and a plant,
+joined elsewhere, exchange what a board and a robot do at a sample.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import platform
+import re
+import sys
+import tempfile
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
+from stt_codegen.decimals import decimal
+from stt_codegen.emit.driven import driven_sources
+from stt_codegen.emit.naming import file_names, phase_name
+from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model, model
+from stt_codegen.program import Program
+from stt_codegen.program.lower import lower
+from stt_codegen.program.number import round_to, shortest
+from stt_codegen.program.print.c import CPrinter
+from stt_codegen.task import Task
+
+EPOCH = (1980, 1, 1, 0, 0, 0)  # of every file in a unit, so that its bytes say nothing of when
+BASE = {"m": {"m": "1"}, "rad": {"rad": "1"}, "deg": {"rad": "1", "factor": repr(math.pi / 180)}}  # of these units
+NOT_OFFERED_2 = """GetBoolean GetString SetInteger SetBoolean SetString SerializedFMUstateSize SerializeFMUstate
+DeSerializeFMUstate GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives CancelStep GetStatus GetRealStatus
+GetIntegerStatus GetBooleanStatus GetStringStatus""".split()
+NOT_OFFERED_3 = """EnterEventMode GetFloat32 GetInt8 GetUInt8 GetInt16 GetUInt16 GetUInt32 GetInt64 GetUInt64 GetBoolean GetString
+GetBinary GetClock SetFloat32 SetInt8 SetUInt8 SetInt16 SetUInt16 SetInt32 SetUInt32 SetInt64 SetUInt64 SetBoolean SetString
+SetBinary SetClock GetNumberOfVariableDependencies GetVariableDependencies SerializedFMUStateSize SerializeFMUState
+DeserializeFMUState GetDirectionalDerivative GetAdjointDerivative EnterConfigurationMode ExitConfigurationMode GetIntervalDecimal
+GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetIntervalFraction SetShiftDecimal SetShiftFraction
+EvaluateDiscreteStates UpdateDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates
+GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates GetNumberOfEventIndicators
+GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives ActivateModelPartition""".split()
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One number of a unit. causality: independent, input, output, parameter or local (a constant); begin: its literal in C
+    before the first step; whole: an int32."""
+
+    name: str
+    causality: str
+    description: str
+    begin: str = "0.0"
+    unit: str = ""
+    whole: bool = False
+
+    @property
+    def settable(self) -> bool:
+        return self.causality in ("input", "parameter")
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit before it is packed: variables in the order of their references, the knowns that every output depends on, C files
+    beside fmi2.c or fmi3.c, more files for people."""
+
+    name: str
+    token: str
+    description: str
+    variables: tuple[Variable, ...]
+    direct: bool
+    sources: Files
+    kept: tuple[str, ...]
+    stop: str
+    step: str
+    extras: Files
+
+
+def units(controller: Controller, plant: Model | None = None) -> Files:
+    """`<p>.fmu` and `<p>.fmi2.fmu` of a controller, and with a plant `<p>_plant.fmu` and `<p>_plant.fmi2.fmu`. Raises `BadInput`,
+    and `MissingTool` without a C compiler."""
+    made = [controller_unit(controller)]
+    if plant is not None:
+        made.append(plant_unit(controller.task, plant))
+    return {f"{u.name}{end}": packed(u, version) for u in made for version, end in ((3, ".fmu"), (2, ".fmi2.fmu"))}
+
+
+# ------------------------------------------------------------------------------------------------ what is in them
+
+
+def _named(task: Task, letter: str) -> list[str]:
+    """x.heading where the task names its dimensions, else x1."""
+    if task.axes is None:
+        return [f"{letter}{i + 1}" for i in range(task.dimension)]
+    return [f"{letter}.{re.sub(r'[^A-Za-z0-9_]', '_', axis)}" for axis in task.axes]
+
+
+def _per_second(unit: str, order: int) -> str:
+    return f"{unit}/s{'' if order == 1 else order}" if unit else ""
+
+
+def controller_unit(controller: Controller) -> Unit:
+    """The emitted C, t being the importer's time. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
+    task, n = controller.task, controller.task.dimension
+    if controller.design.stateful:
+        raise BadInput(f"--package fmu: is for refined tubes; the {controller.design.kind} one has steps of its own")
+    if task.differs:
+        raise BadInput("--package fmu: velocity by differences depends on when x is sampled, which no importer says; measure v")
+    units = task.units or ("",) * n
+    literal = [shortest(round_to(v, "double"), "double") for v in task.initial_state]
+    groups = {
+        "x": ("input", "measured state", literal, 0),
+        **({"v": ("input", "measured velocity", ["0.0"] * n, 1)} if task.order == 2 else {}),
+        "u": ("output", "input of the plant, held until the next sample", ["0.0"] * n, task.order),
+        "lower": ("output", "lower edge of the tube", ["0.0"] * n, 0),
+        "upper": ("output", "upper edge of the tube", ["0.0"] * n, 0),
+    }
+    variables, places = [Variable("time", "independent", "since the start", unit="s")], dict[str, int]()
+    for letter, (causality, what, begin, order) in groups.items():
+        places[letter] = len(variables)
+        variables += [
+            Variable(name, causality, what, b, _per_second(u, order) if order else u)
+            for name, b, u in zip(_named(task, letter), begin, units, strict=True)
+        ]
+    places["margin"] = len(variables)
+    variables.append(Variable("margin", "output", "distance to the nearest edge over the width: 0.5 in the middle, 0 at an edge"))
+    t_c = shortest(round_to(task.prescribed_time, "double"), "double")
+    variables.append(Variable("t_c", "local", "prescribed time", t_c, "s"))
+    proved = controller.certificate.proved_period
+    if proved is not None:
+        longest = shortest(round_to(proved.period, "double"), "double")
+        variables.append(Variable("period_proved", "local", "between samples, at most (P9)", longest, "s"))
+    variables.append(Variable("status", "output", "0: inside the tube, 1: outside, 2: an input is not finite", whole=True))
+    header, _, _, proof = file_names(task.name)
+    phases = phase_name(task.name) in controller.files
+    if phases:
+        variables.append(Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True))
+    kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
+    own = template("fmu/controller.c.j2").render(
+        prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside, repeats=task.repeat,
+        phases=phases, places=places,
+    )  # fmt: skip
+    names = [header, *driven_sources(task), *([phase_name(task.name)] if phases else [])]
+    verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
+    told = f"Prescribed-time reach-avoid-stay controller {task.name}, {controller.design.kind} tube, {verdict}"
+    return Unit(
+        task.name, f"{task.name}-{design_hash(task, controller.design)}",
+        told, tuple(variables), True,
+        {"unit.c": own.encode()} | {name: controller.files[name] for name in names}, () if kept is None else (kept,), t_c,
+        "" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
+        {proof: controller.files[proof]},
+    )  # fmt: skip
+
+
+def plant_unit(task: Task, plant: Model) -> Unit:
+    """A plant in the task's dimensions, from the task's initial state; order 2: at rest."""
+    n, order, name = task.dimension, task.order, f"{task.name}_plant"
+    units = task.units or ("",) * n
+    literal = [shortest(round_to(v, "double"), "double") for v in task.initial_state]
+    state = [("x", literal, 0), *([("v", ["0.0"] * n, 1)] if order == 2 else [])]
+    variables, places = [Variable("time", "independent", "since the start", unit="s")], dict[str, int]()
+
+    def add(letter: str, causality: str, what: str, begin: Sequence[str], speed: int, begins: str = "") -> None:
+        places.setdefault(begins or letter, len(variables))
+        variables.extend(
+            Variable(named, causality, what, b, _per_second(u, speed) if speed else u)
+            for named, b, u in zip(_named(task, letter), begin, units, strict=True)
+        )
+
+    add("u", "input", "input, held between two steps", ["0.0"] * n, order)
+    add("w", "input", "disturbance, held between two steps", ["0.0"] * n, order)
+    for letter, begin, speed in state:
+        add(letter, "output", "state" if letter == "x" else "velocity", begin, speed)
+    for letter, begin, speed in state:
+        add(f"{letter}_start", "parameter", "at the start", begin, speed, "start")
+    places["p"] = len(variables)
+    variables += [
+        Variable(f"p{k + 1}", "parameter", f"a constant of the plant, from {a:g} to {b:g}", repr((a + b) / 2))
+        for k, (a, b) in enumerate(plant.constants)
+    ]
+    kernel = lower(model(plant, n, order))
+    lines = CPrinter(Program("plant", n, "double", (), (kernel,), ())).kernel(kernel)
+    sizes = {"x": order * n, "p": len(plant.constants), "sample": n if plant.mixing else 0}
+    given = [f"{what}[{i}]" for what, size in sizes.items() for i in range(size)]
+    outputs = [f"&f[{i}]" for i in range(n)] + [f"&g[{i}]" for i in range(n * n)]
+    own = template("fmu/plant.c.j2").render(
+        name=plant.name, kernel="\n".join(lines), n=n, order=order, places=places, arguments=", ".join([*given, *outputs])
+    )
+    t_c = decimal(task.prescribed_time)
+    return Unit(
+        name, f"{name}-{task.digest[:16]}", f"Plant {plant.name} for {task.name}", tuple(variables), False,
+        {"unit.c": own.encode()}, (), t_c, "", {},
+    )  # fmt: skip
+
+
+# ------------------------------------------------------------------------------------------------ how they are packed
+
+
+def packed(unit: Unit, version: int) -> bytes:
+    """The unit's archive, stored without compression and without dates. Of the same sources, compiler and machine the same bytes;
+    on other machines than 64-bit x86 Linux it has sources alone."""
+    numbers, wholes = [v for v in unit.variables if not v.whole], [v for v in unit.variables if v.whole]
+    words = {
+        "name": unit.name, "token": unit.token, "numbers": numbers, "wholes": wholes, "kept": unit.kept,
+        "not_offered": NOT_OFFERED_2 if version == 2 else NOT_OFFERED_3,
+    }  # fmt: skip
+    interface = f"fmi{version}.c"
+    sources = unit.sources | {
+        "unit.h": template("fmu/unit.h.j2").render(**words).encode(),
+        interface: template(f"fmu/{interface}.j2").render(**words).encode(),
+    }
+    compiled = [name for name in sources if name.endswith(".c")]
+    description = (_description_2 if version == 2 else _description_3)(unit, compiled)
+    files = {"modelDescription.xml": _text(description)}
+    files |= {f"sources/{name}": data for name, data in sources.items()}
+    if version == 3:
+        files["sources/buildDescription.xml"] = _text(_build_description(unit, compiled))
+    files |= {f"resources/{name}": data for name, data in unit.extras.items()}
+    if sys.platform == "linux" and platform.machine() == "x86_64":
+        folder = "binaries/x86_64-linux" if version == 3 else "binaries/linux64"
+        files[f"{folder}/{unit.name}.so"] = _binary(unit.name, sources, compiled)
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:
+        for name, data in sorted(files.items()):
+            archive.writestr(zipfile.ZipInfo(name, EPOCH), data)
+    return out.getvalue()
+
+
+def _binary(name: str, sources: Files, compiled: Sequence[str]) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        for file, data in sources.items():
+            Path(folder, file).write_bytes(data)
+        made = Path(folder, f"{name}.so")
+        flags = [f for f in STRICT if f not in ("-Wcast-qual", "-Wconversion", "-Wsign-conversion")]
+        text = [str(Path(folder, file)) for file in compiled]
+        flags += ["-s", f"-ffile-prefix-map={folder}=.", "-shared", "-fPIC", "-Wno-unused-parameter"]
+        run_compiler([find_compiler(), *flags, "-o", str(made), *text, "-lm"])
+        return made.read_bytes()
+
+
+def _text(root: ET.Element) -> bytes:
+    ET.indent(root)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"
+
+
+def _units(root: ET.Element, unit: Unit) -> None:
+    """What units are in SI, of those that are known."""
+    names = sorted({v.unit for v in unit.variables if v.unit})
+    definitions = ET.SubElement(root, "UnitDefinitions") if names else root
+    for name in names:
+        own = ET.SubElement(definitions, "Unit", name=name)
+        plain, _, per = name.partition("/s")
+        base = dict(BASE.get(plain, {"s": "1"} if name == "s" else {}))
+        if base:
+            if "/s" in name:
+                base["s"] = f"-{per or 1}"
+            ET.SubElement(own, "BaseUnit", base)
+
+
+def _attributes(v: Variable, reference: int, version: int) -> dict[str, str]:
+    found = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
+    found["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, "discrete" if v.whole else "continuous")
+    if v.causality == "output":
+        found["initial"] = "calculated"
+    return found
+
+
+def _description_3(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+    root = ET.Element(
+        "fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token, description=unit.description,
+        generationTool="stt_codegen", variableNamingConvention="structured",
+    )  # fmt: skip
+    ET.SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=unit.name,
+        canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUState="true",
+    )
+    _units(root, unit)
+    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
+    variables = ET.SubElement(root, "ModelVariables")
+    for k, v in enumerate(_ordered(unit)):
+        given = _attributes(v, k, 3)
+        if v.settable or v.causality == "local":
+            given["start"] = v.begin
+        if v.unit:
+            given["unit"] = v.unit
+        ET.SubElement(variables, "Int32" if v.whole else "Float64", given)
+    structure = ET.SubElement(root, "ModelStructure")
+    for tag, initial in (("Output", False), ("InitialUnknown", True)):
+        for k, known in _dependencies(unit, initial):
+            ET.SubElement(structure, tag, {"valueReference": str(k)} | _known(known))
+    return root
+
+
+def _description_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+    root = ET.Element(
+        "fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token, description=unit.description,
+        generationTool="stt_codegen", variableNamingConvention="structured", numberOfEventIndicators="0",
+    )  # fmt: skip
+    own = ET.SubElement(
+        root, "CoSimulation", modelIdentifier=unit.name, canHandleVariableCommunicationStepSize="true",
+        canGetAndSetFMUstate="true", canNotUseMemoryManagementFunctions="true",
+    )  # fmt: skip
+    files = ET.SubElement(own, "SourceFiles")
+    for name in compiled:
+        ET.SubElement(files, "File", name=name)
+    _units(root, unit)
+    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
+    variables = ET.SubElement(root, "ModelVariables")
+    for k, v in enumerate(_ordered(unit)):
+        number = ET.SubElement(variables, "ScalarVariable", _attributes(v, k, 2))
+        given = {"start": v.begin} if v.settable or v.causality == "local" else {}
+        if v.unit:
+            given["unit"] = v.unit
+        ET.SubElement(number, "Integer" if v.whole else "Real", given)
+    structure = ET.SubElement(root, "ModelStructure")
+    for tag, initial in (("Outputs", False), ("InitialUnknowns", True)):
+        table = ET.SubElement(structure, tag)
+        for k, known in _dependencies(unit, initial):  # counted from 1
+            ET.SubElement(table, "Unknown", {"index": str(k + 1)} | _known([j + 1 for j in known]))
+    return root
+
+
+def _ordered(unit: Unit) -> list[Variable]:
+    """By value reference."""
+    return sorted(unit.variables, key=lambda v: v.whole)
+
+
+def _dependencies(unit: Unit, initial: bool) -> list[tuple[int, list[int]]]:
+    """What every output is made of, beside the time: of a controller all inputs, since one that is not finite stops all of u, but
+    the tube's edges none; of a plant its own start at the start, and later nothing that comes in."""
+    ordered = _ordered(unit)
+    inputs = [k for k, v in enumerate(ordered) if v.causality == "input"]
+    starts = {v.name.replace("_start", ""): k for k, v in enumerate(ordered) if v.causality == "parameter"}
+    found = []
+    for k, v in enumerate(ordered):
+        if v.causality == "output":
+            edge = v.description.endswith("edge of the tube") or v.name == "phase"
+            own = starts.get(v.name) if initial else None
+            found.append((k, inputs if unit.direct and not edge else [] if own is None else [own]))
+    return found
+
+
+def _known(known: Sequence[int]) -> dict[str, str]:
+    dependent = {"dependenciesKind": " ".join(["dependent"] * len(known))} if known else {}
+    return {"dependencies": " ".join(map(str, known))} | dependent
+
+
+def _experiment(unit: Unit) -> dict[str, str]:
+    return {"startTime": "0", "stopTime": unit.stop} | ({"stepSize": unit.step} if unit.step else {})
+
+
+def _build_description(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+    root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
+    own = ET.SubElement(root, "BuildConfiguration", modelIdentifier=unit.name)
+    files = ET.SubElement(own, "SourceFileSet", language="C99", compilerOptions="-ffp-contract=off")
+    for name in compiled:
+        ET.SubElement(files, "SourceFile", name=name)
+    ET.SubElement(own, "Library", name="m", external="true")
+    return root

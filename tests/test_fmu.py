@@ -1,0 +1,266 @@
+"""Units of FMI: valid by FMPy, the C's bits, a closed loop of two units, what an importer may do to one, the same bytes again."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+import zipfile
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import ROOT
+from fmpy import extract, read_model_description
+from fmpy.build import build_platform_binary
+from fmpy.fmi2 import FMU2Slave
+from fmpy.fmi3 import FMU3Slave
+from fmpy.validation import validate_fmu
+from typer.testing import CliRunner
+
+from stt_codegen.cli.main import app
+from stt_codegen.compare.backends import CompiledC
+from stt_codegen.compare.toolchain import load_module
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.plants import PLANTS, plant_of
+from stt_codegen.record.fmu import NOT_OFFERED_2, NOT_OFFERED_3, units
+from stt_codegen.task import load_task
+
+# Every shape that the unit has: axes with names, order 2, a mission that repeats, both guards.
+SHAPES: dict[str, dict[str, Any]] = {
+    "omni_s2": {},
+    "attitude": {},
+    "watchman": {},
+    "hold": {"control": {"outside": "hold"}},
+    "stop": {"control": {"outside": "stop"}},
+}
+VERSIONS = {"fmu": 3, "fmi2.fmu": 2}
+
+
+@cache
+def made(shape: str) -> Controller:
+    named = shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2"
+    return build_task(load_task(ROOT / "tasks" / f"{named}.toml").changed(**SHAPES[shape]))
+
+
+class Slave:
+    """One instance of a unit, by the names of its variables."""
+
+    def __init__(self, data: bytes, folder: Path, version: int) -> None:
+        folder.mkdir(parents=True)
+        (folder / "unit.fmu").write_bytes(data)
+        self.description = read_model_description(folder / "unit.fmu")
+        self.version, self.at = version, {v.name: v for v in self.description.modelVariables}
+        kind = FMU3Slave if version == 3 else FMU2Slave
+        self.unit = kind(
+            guid=self.description.guid, unzipDirectory=extract(folder / "unit.fmu", str(folder / "unit")),
+            modelIdentifier=self.description.coSimulation.modelIdentifier, instanceName="one",
+        )  # fmt: skip
+        self.unit.instantiate()
+
+    def start(self, **values: float) -> None:
+        if self.version == 2:
+            self.unit.setupExperiment(startTime=0.0)
+        self.unit.enterInitializationMode()
+        self.set(values)
+        self.unit.exitInitializationMode()
+
+    def set(self, values: dict[str, float]) -> None:
+        put = self.unit.setFloat64 if self.version == 3 else self.unit.setReal
+        put([self.at[name].valueReference for name in values], list(values.values()))
+
+    def get(self, *names: str) -> list[float]:
+        get = self.unit.getFloat64 if self.version == 3 else self.unit.getReal
+        return list(get([self.at[name].valueReference for name in names]))
+
+    def whole(self, name: str) -> int:
+        get = self.unit.getInt32 if self.version == 3 else self.unit.getInteger
+        return int(get([self.at[name].valueReference])[0])
+
+    def step(self, now: float, seconds: float) -> None:
+        self.unit.doStep(currentCommunicationPoint=now, communicationStepSize=seconds)
+
+    def names(self, letter: str) -> list[str]:
+        """x1, x2 or x.east, x.north."""
+        return [n for n in self.at if re.fullmatch(rf"{letter}(\d+|\.\w+)", n)]
+
+
+def slave(shape: str, version: int, folder: Path, plant: str | None = None) -> Slave:
+    controller = made(shape)
+    model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
+    ending = {n: e for e, n in VERSIONS.items()}[version]
+    name = f"{controller.task.name}{'' if plant is None else '_plant'}.{ending}"
+    return Slave(units(controller, model)[name], folder, version)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_every_unit_is_valid_and_the_same_again(shape: str, tmp_path) -> None:
+    controller = made(shape)
+    plant = PLANTS["integrator"]
+    files = units(controller, plant)
+    assert files == units(controller, plant)
+    assert sorted(files) == sorted(f"{controller.task.name}{p}.{e}" for p in ("", "_plant") for e in VERSIONS)
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+        assert validate_fmu(str(tmp_path / name)) == [], name
+        with zipfile.ZipFile(tmp_path / name) as archive:
+            root = ET.fromstring(archive.read("modelDescription.xml"))
+            assert all(info.date_time == (1980, 1, 1, 0, 0, 0) for info in archive.infolist())
+        structure = root.find("ModelStructure")
+        assert structure is not None
+        known = [e.get("dependencies") for e in structure.iter() if e.tag in ("Output", "InitialUnknown", "Unknown")]
+        assert known
+        assert None not in known  # an importer that sorts equations goes by these
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("shape", ["omni_s2", "attitude", "watchman"])
+def test_a_unit_gives_the_cs_bits_in_any_order_of_calls(shape: str, version: int, tmp_path) -> None:
+    controller = made(shape)
+    task, unit, c = controller.task, slave(shape, version, tmp_path / "a"), CompiledC(controller)
+    unit.start()
+    dice, n, now = np.random.default_rng(5), task.dimension, 0.0
+    x_names, v_names = unit.names("x"), unit.names("v") if task.order == 2 else []
+    assert len(x_names) == n
+    for k in range(60):
+        t = np.array([np.float32(now)])
+        low, high = (a[0] for a in c.tube(t))
+        x = low + dice.uniform(-0.1, 1.1, n).astype(np.float32) * (high - low)
+        v = dice.uniform(-0.1, 0.1, n).astype(np.float32)
+        unit.set(dict(zip(x_names, map(float, x), strict=True)) | dict(zip(v_names, map(float, v), strict=False)))
+        given = [t, x[None], *([v[None]] if v_names else [])]
+        status, u = c.control(*given)
+        for _ in range(2):  # asked twice, the same
+            assert unit.get(*unit.names("u")) == [float(value) for value in u[0]]
+            assert unit.whole("status") == status[0]
+        assert unit.get(*unit.names("lower"), *unit.names("upper")) == [float(value) for value in (*low, *high)]
+        assert unit.get("margin") == [float(c.margin(*given)[0])]
+        h = [0.001, 0.0, 0.37][k % 3] * float(task.prescribed_time) / 9
+        unit.step(now, h)
+        now = now + h if now + h < float(task.prescribed_time) else 0.0
+        if now == 0.0:
+            unit.step(now, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("shape", "plant", "version"), [("omni_s2", "integrator", 3), ("attitude", str(ROOT / "tasks" / "attitude.py"), 2)]
+)
+def test_a_controller_and_a_plant_that_are_joined_arrive(shape: str, plant: str, version: int, tmp_path) -> None:
+    """Both units in a loop at the period of the task, or 1 kHz: in the target at t_c, never outside the tube."""
+    controller = made(shape)
+    task, t_c = controller.task, float(controller.task.prescribed_time)
+    period = float(task.control.period or 0.001)
+    brain, body = slave(shape, version, tmp_path / "a"), slave(shape, version, tmp_path / "b", plant)
+    brain.start()
+    body.start()
+    letters = ["x", "v"] if task.order == 2 else ["x"]
+    measured = [name for letter in letters for name in brain.names(letter)]
+    for k in range(round(t_c / period)):
+        brain.set(dict(zip(measured, body.get(*measured), strict=True)))
+        assert brain.whole("status") == 0
+        body.set(dict(zip(body.names("u"), brain.get(*brain.names("u")), strict=True)))
+        body.step(k * period, period)
+        brain.step(k * period, period)
+    x = body.get(*body.names("x"))
+    assert task.target_set is not None
+    assert all(float(a) <= value <= float(b) for a, value, b in zip(task.target_set.lower, x, task.target_set.upper, strict=True))
+
+
+def test_a_plant_integrates_its_equations_and_takes_its_constants(tmp_path) -> None:
+    unit = slave("omni_s2", 3, tmp_path / "a", "integrator")
+    unit.start(x_start1=1.0, x_start2=2.0)
+    assert unit.get("x1", "x2") == [1.0, 2.0]
+    unit.set({"u1": 0.5, "w2": -0.25})
+    unit.step(0.0, 0.8)
+    assert unit.get("x1", "x2") == pytest.approx([1.4, 1.8], rel=1e-12)  # 800 sums, each rounded once
+    with pytest.raises(Exception, match="fmi3SetFloat64"):
+        unit.set({"x1": 0.0})
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("shape", ["hold", "stop"])
+def test_a_guard_moves_on_once_a_step_and_a_state_can_be_put_back(shape: str, version: int, tmp_path) -> None:
+    """A drive that leaves the tube and returns, beside the guard of the Python, in bits of the C. An importer that looks twice, or
+    goes back to a state that it kept, sees the same."""
+    controller = made(shape)
+    c = CompiledC(controller)
+    unit = slave(shape, version, tmp_path / "a")
+    python = load_module("omni_s2", controller.files["omni_s2.py"])
+    unit.start()
+    held: Any = (0.0, 0.0) if shape == "hold" else False
+    now, h = 0.0, 0.0625  # exact in both precisions
+    seen = set()
+    for k in range(100):
+        at = np.array([np.float32(now - (held[0] if shape == "hold" else 0.0))])
+        low, high = (a[0].astype(float) for a in c.tube(at))
+        x = [float(np.float32((a + b) / 2 + (0.5 if 30 <= k < 36 else 0.0))) for a, b in zip(low, high, strict=True)]
+        unit.set(dict(zip(unit.names("x"), x, strict=True)))
+        state = unit.unit.getFMUState()
+        status, after, u = python.guard(now, x, held)
+        for _ in range(2):
+            assert unit.whole("status") == status
+            assert unit.get(*unit.names("u")) == pytest.approx(u, rel=1e-3, abs=1e-3)
+            unit.step(now, h)
+            unit.unit.setFMUState(state)
+        unit.unit.freeFMUState(state)
+        unit.step(now, h)
+        held, now = after, now + h
+        seen.add(status)
+    assert seen == {0, 1}
+
+
+def test_another_token_makes_no_instance(tmp_path) -> None:
+    for version in (2, 3):
+        unit = slave("omni_s2", version, tmp_path / str(version))
+        unit.unit.guid = "{of another design}"
+        with pytest.raises(Exception, match="nstantiate"):
+            unit.unit.instantiate()
+
+
+def test_a_unit_builds_from_its_sources(tmp_path, tool) -> None:
+    """As importers on another machine do it, which find no binary of theirs."""
+    tool("cmake")
+    for name, data in units(made("omni_s2")).items():
+        folder = tmp_path / name
+        folder.mkdir()
+        with zipfile.ZipFile(tmp_path / "of.fmu", "w") as archive, zipfile.ZipFile(BytesIO(data)) as given:
+            for info in given.infolist():
+                if not info.filename.startswith("binaries/"):
+                    archive.writestr(info, given.read(info))
+        extract(str(tmp_path / "of.fmu"), str(folder))
+        build_platform_binary(str(folder), configuration="Release")
+        assert list(folder.glob("binaries/*/omni_s2.so"))
+
+
+def test_everything_of_the_standard_is_there_once() -> None:
+    assert len(set(NOT_OFFERED_2)) == len(NOT_OFFERED_2)
+    assert len(set(NOT_OFFERED_3)) == len(NOT_OFFERED_3)
+
+
+def test_what_has_no_unit_is_refused_and_the_command_writes_the_others(tmp_path) -> None:
+    adaptive = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").with_options("adaptive"))
+    with pytest.raises(BadInput, match="--package fmu: is for refined tubes"):
+        units(adaptive)
+    task = str(ROOT / "tasks" / "omni_s2.toml")
+    result = CliRunner().invoke(app, ["generate", task, "--package", "fmu", "--plant", "integrator", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == units(made("omni_s2"), PLANTS["integrator"])
+    refused = CliRunner().invoke(app, ["generate", task, "--plant", "integrator", "--out", str(tmp_path)])
+    assert "--plant: is for --package fmu" in str(refused.exception)
+
+
+def test_the_pages_example_runs(tmp_path, monkeypatch) -> None:
+    (source,) = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "fmu.md").read_text(), re.M | re.S)
+    (tmp_path / "units").mkdir()
+    for name, data in units(made("omni_s2")).items():
+        (tmp_path / "units" / name).write_bytes(data)
+    monkeypatch.chdir(tmp_path)
+    printed: list[Any] = []
+    exec(source, {"print": lambda *values: printed.append(values)})
+    (((u1, u2, margin), (status,)),) = printed
+    assert status == 0
+    assert margin == pytest.approx(0.5, abs=1e-3)  # the middle of the first box, less room for rounding
+    assert abs(u1) + abs(u2) < 0.01
