@@ -1,5 +1,4 @@
 """Units of co-simulation (FMI 3.0 and 2.0) of a controller and of a plant: sources, a binary of this machine, a description.
-reads.
 
 An output follows the inputs at once, as in the reference units of the standard: set x, read u, step. So a controller and a plant,
 joined elsewhere, exchange what a board and a robot do at a sample.
