@@ -7,15 +7,12 @@ joined elsewhere, exchange what a board and a robot do at a sample.
 from __future__ import annotations
 
 import io
-import math
 import platform
 import re
 import sys
 import tempfile
-import xml.etree.ElementTree as ET
 import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
@@ -30,10 +27,10 @@ from stt_codegen.program import Program
 from stt_codegen.program.lower import lower
 from stt_codegen.program.number import round_to, shortest
 from stt_codegen.program.print.c import CPrinter
+from stt_codegen.record.fmu_description import Unit, Variable, build_description, description_2, description_3, text
 from stt_codegen.task import Task
 
 EPOCH = (1980, 1, 1, 0, 0, 0)  # of every file in a unit, so that its bytes say nothing of when
-BASE = {"m": {"m": "1"}, "rad": {"rad": "1"}, "deg": {"rad": "1", "factor": repr(math.pi / 180)}}  # of these units
 NOT_OFFERED_2 = """GetBoolean GetString SetInteger SetBoolean SetString SerializedFMUstateSize SerializeFMUstate
 DeSerializeFMUstate GetDirectionalDerivative SetRealInputDerivatives GetRealOutputDerivatives CancelStep GetStatus GetRealStatus
 GetIntegerStatus GetBooleanStatus GetStringStatus""".split()
@@ -45,40 +42,6 @@ GetIntervalFraction GetShiftDecimal GetShiftFraction SetIntervalDecimal SetInter
 EvaluateDiscreteStates UpdateDiscreteStates EnterContinuousTimeMode CompletedIntegratorStep SetTime SetContinuousStates
 GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominalsOfContinuousStates GetNumberOfEventIndicators
 GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives ActivateModelPartition""".split()
-
-
-@dataclass(frozen=True)
-class Variable:
-    """One number of a unit. causality: independent, input, output, parameter or local (a constant); begin: its literal in C
-    before the first step; whole: an int32."""
-
-    name: str
-    causality: str
-    description: str
-    begin: str = "0.0"
-    unit: str = ""
-    whole: bool = False
-
-    @property
-    def settable(self) -> bool:
-        return self.causality in ("input", "parameter")
-
-
-@dataclass(frozen=True)
-class Unit:
-    """A unit before it is packed: variables in the order of their references, the knowns that every output depends on, C files
-    beside fmi2.c or fmi3.c, more files for people."""
-
-    name: str
-    token: str
-    description: str
-    variables: tuple[Variable, ...]
-    direct: bool
-    sources: Files
-    kept: tuple[str, ...]
-    stop: str
-    step: str
-    extras: Files
 
 
 def units(controller: Controller, plant: Model | None = None) -> Files:
@@ -215,11 +178,11 @@ def packed(unit: Unit, version: int) -> bytes:
         interface: template(f"fmu/{interface}.j2").render(**words).encode(),
     }
     compiled = [name for name in sources if name.endswith(".c")]
-    description = (_description_2 if version == 2 else _description_3)(unit, compiled)
-    files = {"modelDescription.xml": _text(description)}
+    description = (description_2 if version == 2 else description_3)(unit, compiled)
+    files = {"modelDescription.xml": text(description)}
     files |= {f"sources/{name}": data for name, data in sources.items()}
     if version == 3:
-        files["sources/buildDescription.xml"] = _text(_build_description(unit, compiled))
+        files["sources/buildDescription.xml"] = text(build_description(unit, compiled))
     files |= {f"resources/{name}": data for name, data in unit.extras.items()}
     if sys.platform == "linux" and platform.machine() == "x86_64":
         folder = "binaries/x86_64-linux" if version == 3 else "binaries/linux64"
@@ -241,127 +204,3 @@ def _binary(name: str, sources: Files, compiled: Sequence[str]) -> bytes:
         flags += ["-s", f"-ffile-prefix-map={folder}=.", "-shared", "-fPIC", "-Wno-unused-parameter"]
         run_compiler([find_compiler(), *flags, "-o", str(made), *text, "-lm"])
         return made.read_bytes()
-
-
-def _text(root: ET.Element) -> bytes:
-    ET.indent(root)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"
-
-
-def _units(root: ET.Element, unit: Unit) -> None:
-    """What units are in SI, of those that are known."""
-    names = sorted({v.unit for v in unit.variables if v.unit})
-    definitions = ET.SubElement(root, "UnitDefinitions") if names else root
-    for name in names:
-        own = ET.SubElement(definitions, "Unit", name=name)
-        plain, _, per = name.partition("/s")
-        base = dict(BASE.get(plain, {"s": "1"} if name == "s" else {}))
-        if base:
-            if "/s" in name:
-                base["s"] = f"-{per or 1}"
-            ET.SubElement(own, "BaseUnit", base)
-
-
-def _attributes(v: Variable, reference: int, version: int) -> dict[str, str]:
-    found = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
-    found["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, "discrete" if v.whole else "continuous")
-    if v.causality == "output":
-        found["initial"] = "calculated"
-    return found
-
-
-def _description_3(unit: Unit, compiled: Sequence[str]) -> ET.Element:
-    root = ET.Element(
-        "fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token, description=unit.description,
-        generationTool="stt_codegen", variableNamingConvention="structured",
-    )  # fmt: skip
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=unit.name,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-    )
-    _units(root, unit)
-    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
-    variables = ET.SubElement(root, "ModelVariables")
-    for k, v in enumerate(_ordered(unit)):
-        given = _attributes(v, k, 3)
-        if v.settable or v.causality == "local":
-            given["start"] = v.begin
-        if v.unit:
-            given["unit"] = v.unit
-        ET.SubElement(variables, "Int32" if v.whole else "Float64", given)
-    structure = ET.SubElement(root, "ModelStructure")
-    for tag, initial in (("Output", False), ("InitialUnknown", True)):
-        for k, known in _dependencies(unit, initial):
-            ET.SubElement(structure, tag, {"valueReference": str(k)} | _known(known))
-    return root
-
-
-def _description_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
-    root = ET.Element(
-        "fmiModelDescription", fmiVersion="2.0", modelName=unit.name, guid=unit.token, description=unit.description,
-        generationTool="stt_codegen", variableNamingConvention="structured", numberOfEventIndicators="0",
-    )  # fmt: skip
-    own = ET.SubElement(
-        root, "CoSimulation", modelIdentifier=unit.name, canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUstate="true", canNotUseMemoryManagementFunctions="true",
-    )  # fmt: skip
-    files = ET.SubElement(own, "SourceFiles")
-    for name in compiled:
-        ET.SubElement(files, "File", name=name)
-    _units(root, unit)
-    ET.SubElement(root, "DefaultExperiment", _experiment(unit))
-    variables = ET.SubElement(root, "ModelVariables")
-    for k, v in enumerate(_ordered(unit)):
-        number = ET.SubElement(variables, "ScalarVariable", _attributes(v, k, 2))
-        given = {"start": v.begin} if v.settable or v.causality == "local" else {}
-        if v.unit:
-            given["unit"] = v.unit
-        ET.SubElement(number, "Integer" if v.whole else "Real", given)
-    structure = ET.SubElement(root, "ModelStructure")
-    for tag, initial in (("Outputs", False), ("InitialUnknowns", True)):
-        table = ET.SubElement(structure, tag)
-        for k, known in _dependencies(unit, initial):  # counted from 1
-            ET.SubElement(table, "Unknown", {"index": str(k + 1)} | _known([j + 1 for j in known]))
-    return root
-
-
-def _ordered(unit: Unit) -> list[Variable]:
-    """By value reference."""
-    return sorted(unit.variables, key=lambda v: v.whole)
-
-
-def _dependencies(unit: Unit, initial: bool) -> list[tuple[int, list[int]]]:
-    """What every output is made of, beside the time: of a controller all inputs, since one that is not finite stops all of u, but
-    the tube's edges none; of a plant its own start at the start, and later nothing that comes in."""
-    ordered = _ordered(unit)
-    inputs = [k for k, v in enumerate(ordered) if v.causality == "input"]
-    starts = {v.name.replace("_start", ""): k for k, v in enumerate(ordered) if v.causality == "parameter"}
-    found = []
-    for k, v in enumerate(ordered):
-        if v.causality == "output":
-            edge = v.description.endswith("edge of the tube") or v.name == "phase"
-            own = starts.get(v.name) if initial else None
-            found.append((k, inputs if unit.direct and not edge else [] if own is None else [own]))
-    return found
-
-
-def _known(known: Sequence[int]) -> dict[str, str]:
-    dependent = {"dependenciesKind": " ".join(["dependent"] * len(known))} if known else {}
-    return {"dependencies": " ".join(map(str, known))} | dependent
-
-
-def _experiment(unit: Unit) -> dict[str, str]:
-    return {"startTime": "0", "stopTime": unit.stop} | ({"stepSize": unit.step} if unit.step else {})
-
-
-def _build_description(unit: Unit, compiled: Sequence[str]) -> ET.Element:
-    root = ET.Element("fmiBuildDescription", fmiVersion="3.0")
-    own = ET.SubElement(root, "BuildConfiguration", modelIdentifier=unit.name)
-    files = ET.SubElement(own, "SourceFileSet", language="C99", compilerOptions="-ffp-contract=off")
-    for name in compiled:
-        ET.SubElement(files, "SourceFile", name=name)
-    ET.SubElement(own, "Library", name="m", external="true")
-    return root
