@@ -235,6 +235,24 @@ def test_a_unit_builds_from_its_sources(tmp_path, tool) -> None:
         assert list(folder.glob("binaries/*/omni_s2.so"))
 
 
+@pytest.mark.parametrize(
+    ("axes", "names"),
+    [
+        (["heading (deg)", "2nd"], ["x.heading__deg_", "x._2nd"]),
+        (["a b", "a_b"], ["x1", "x2"]),  # the same name twice is none
+        (None, ["x1", "x2"]),
+    ],
+)
+def test_names_of_axes_become_names_of_variables(axes: list[str] | None, names: list[str], tmp_path) -> None:
+    given = {} if axes is None else {"axes": axes, "units": ["deg", "m"]}
+    controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(**given))
+    (tmp_path / "unit.fmu").write_bytes(units(controller)["omni_s2.fmu"])
+    assert validate_fmu(str(tmp_path / "unit.fmu")) == []
+    variables = {v.name: v for v in read_model_description(tmp_path / "unit.fmu").modelVariables}
+    assert [n for n in variables if n.startswith("x")] == names
+    assert [variables[n].unit for n in names] == ([None, None] if axes is None else ["deg", "m"])
+
+
 def test_everything_of_the_standard_is_there_once() -> None:
     assert len(set(NOT_OFFERED_2)) == len(NOT_OFFERED_2)
     assert len(set(NOT_OFFERED_3)) == len(NOT_OFFERED_3)

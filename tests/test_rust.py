@@ -41,11 +41,14 @@ SHAPES = {
     "watchman": {},
     "hold": {"control": {"outside": "hold"}},
     "stop": {"control": {"outside": "stop"}},
+    "named": {"name": "Cart__A"},  # no name that Rust would choose
+    "differences": {"control": {"velocity": "differences"}, "plant": {"noise": 0.0001, "noise_v": None}},
 }
+FROM = {"differences": "drone"}  # tasks of these shapes; else of their name, else omni_s2
 
 
 def task_of(shape: str) -> Task:
-    named = shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2"
+    named = FROM.get(shape, shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2")
     return load_task(ROOT / "tasks" / f"{named}.toml").changed(**SHAPES[shape])
 
 
@@ -144,7 +147,7 @@ def points(controller: Controller, function: str, count: int = 400) -> list[np.n
 
 
 @pytest.mark.parametrize("scalar", ["float", "double"])
-@pytest.mark.parametrize("shape", ["omni_s2", "adaptive", "omni_board", "attitude", "watchman"])
+@pytest.mark.parametrize("shape", ["omni_s2", "adaptive", "omni_board", "attitude", "watchman", "named", "differences"])
 def test_the_rust_gives_the_cs_bits(shape: str, scalar: str, tool) -> None:
     tool("rustc")
     controller = made(shape, scalar)

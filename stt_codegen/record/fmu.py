@@ -57,10 +57,11 @@ def units(controller: Controller, plant: Model | None = None) -> Files:
 
 
 def _named(task: Task, letter: str) -> list[str]:
-    """x.heading where the task names its dimensions, else x1."""
-    if task.axes is None:
+    """x.heading where the task names its dimensions, else x1; also where two names would be the same."""
+    words = [re.sub(r"^(?=\d)|[^A-Za-z0-9_]", "_", axis) for axis in task.axes or ()]
+    if not words or "" in words or len(set(words)) < len(words):
         return [f"{letter}{i + 1}" for i in range(task.dimension)]
-    return [f"{letter}.{re.sub(r'[^A-Za-z0-9_]', '_', axis)}" for axis in task.axes]
+    return [f"{letter}.{word}" for word in words]
 
 
 def _per_second(unit: str, order: int) -> str:

@@ -11,8 +11,8 @@
 #![no_std]
 #![cfg_attr(rustfmt, rustfmt_skip)]
 #![forbid(unsafe_code)]
-// One statement a line, every value assigned once, as in crawler.c; constants are those of the table.
-#![allow(clippy::let_and_return, clippy::too_many_arguments, clippy::approx_constant, clippy::excessive_precision)]
+// One statement a line, every value assigned once, as in crawler.c; constants are those of the table; the name is the task's.
+#![allow(non_snake_case, clippy::let_and_return, clippy::too_many_arguments, clippy::approx_constant, clippy::excessive_precision)]
 
 pub type Real = f64;
 
