@@ -116,6 +116,22 @@ def test_every_unit_is_valid_and_the_same_again(shape: str, tmp_path) -> None:
         assert None not in known  # an importer that sorts equations goes by these
 
 
+def test_an_output_names_what_it_is_made_of(tmp_path) -> None:
+    """By name, in both versions: u of all that comes in, an edge of nothing, a plant's state of its start at the start."""
+    files = units(made("omni_s2"), PLANTS["integrator"])
+    for name, data in files.items():
+        (tmp_path / name).write_bytes(data)
+        described = read_model_description(tmp_path / name)
+        at = {u.variable.name: sorted(v.name for v in u.dependencies) for u in described.outputs}
+        begun = {u.variable.name: sorted(v.name for v in u.dependencies) for u in described.initialUnknowns}
+        if "plant" in name:
+            assert at == {"x1": [], "x2": []}
+            assert begun == {"x1": ["x_start1"], "x2": ["x_start2"]}
+        else:
+            edges = {f"{edge}{i}": [] for edge in ("lower", "upper") for i in (1, 2)}
+            assert at == begun == edges | {key: ["x1", "x2"] for key in ("u1", "u2", "margin", "status")}
+
+
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("shape", ["omni_s2", "attitude", "watchman"])
 def test_a_unit_gives_the_cs_bits_in_any_order_of_calls(shape: str, version: int, tmp_path) -> None:
@@ -197,6 +213,8 @@ def test_a_guard_moves_on_once_a_step_and_a_state_can_be_put_back(shape: str, ve
         at = np.array([np.float32(now - (held[0] if shape == "hold" else 0.0))])
         low, high = (a[0].astype(float) for a in c.tube(at))
         x = [float(np.float32((a + b) / 2 + (0.5 if 30 <= k < 36 else 0.0))) for a, b in zip(low, high, strict=True)]
+        unit.set(dict(zip(unit.names("x"), [value + 1.0 for value in x], strict=True)))  # an importer tries something
+        assert unit.whole("status") == 1
         unit.set(dict(zip(unit.names("x"), x, strict=True)))
         state = unit.unit.getFMUState()
         status, after, u = python.guard(now, x, held)
