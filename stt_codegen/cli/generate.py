@@ -23,8 +23,10 @@ def generate(
     scalar: ScalarOption = None,
     uncertified: Uncertified = False,
     package: Annotated[
-        Literal["plain", "cmake", "arduino", "platformio", "rust", "fmu"],
-        typer.Option(help="the files as they are, as a library or crate <name>/, or as units of FMI 3.0 and 2.0"),
+        Literal["plain", "cmake", "arduino", "platformio", "rust", "fmu", "ros2"],
+        typer.Option(
+            help="the files as they are, as a library or crate <name>/, as units of FMI 3.0 and 2.0, or a package of ROS 2"
+        ),
     ] = "plain",
     plant: Annotated[
         str | None,
@@ -39,6 +41,7 @@ def generate(
     from stt_codegen.record.fmu import units
     from stt_codegen.record.manifest import record as record_controller
     from stt_codegen.record.package import package as packed
+    from stt_codegen.record.ros2 import ros2_package
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
@@ -64,6 +67,8 @@ def generate(
         if package == "fmu":
             model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
             packages.append(units(controller, model))
+        elif package == "ros2":
+            packages.append(ros2_package(controller))
         else:
             packages.append(packed(controller, package))
     for (task, controller), files in zip(made, packages, strict=True):

@@ -1,0 +1,80 @@
+"""A package of ROS 2 (ament_python) about the emitted C: a node, its parameters, a launch file."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from stt_codegen.certify.mission import cycle_of
+from stt_codegen.decimals import decimal
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.emit.driven import driven_sources
+from stt_codegen.emit.naming import file_names
+from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller
+from stt_codegen.task import Task
+
+ODOMETRY = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "heading": "yaw", "theta": "yaw"}  # axes that a base has
+PERIOD = Fraction(1, 50)  # seconds, where the task says nothing
+OWN = {
+    "package.xml": "package.xml", "setup.py": "setup.py", "config/{p}.yaml": "params.yaml", "launch/{p}.launch.py": "launch.py",
+    "{package}/controller.py": "controller.py", "{package}/drive.py": "drive.py", "{package}/node.py": "node.py",
+}  # fmt: skip
+
+
+def sources_of(task: Task) -> tuple[str, str, list[str]]:
+    """What the node listens to and sends unless its parameters say otherwise, and the axes by the messages' names: a base by its
+    odometry, joints by their names, else arrays."""
+    if task.axes is None:
+        return "array", "array", list(task.axis_names)
+    known = [ODOMETRY.get(axis) for axis in task.axes]
+    if None not in known and len(set(known)) == len(known):
+        return "odometry", "twist", [str(axis) for axis in known]
+    return "joints", "array", list(task.axes)
+
+
+def ros2_package(controller: Controller) -> Files:
+    """The package's files, in a folder <p>_ros2/. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
+    task = controller.task
+    design = controller.design
+    if not isinstance(design, RefinedDesign):
+        raise BadInput(f"--package ros2: is for refined tubes; the {design.kind} one has steps of its own")
+    if task.differs:
+        raise BadInput("--package ros2: a velocity by differences needs samples at even times; measure v")
+    proved, cycle = controller.certificate.proved_period, cycle_of(design)
+    period = task.control.period or task.emit.tick_period or PERIOD
+    stale = task.control.latency or 2 * period
+    state, command, axes = sources_of(task)
+    package = f"{task.name.lower()}_ros2"
+    header, _, module, proof = file_names(task.name)
+    sources = [header, *driven_sources(task)]
+    words: dict[str, Any] = {
+        "prefix": task.name,
+        "package": package,
+        "kind": design.kind,
+        "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
+        "hash": design_hash(task, design),
+        "n": task.dimension,
+        "order": task.order,
+        "scalar": task.emit.scalar,
+        "outside": task.control.outside,
+        "repeats": task.repeat,
+        "t_c": decimal(task.prescribed_time),
+        "cycle": None if cycle is None else decimal(cycle.length),
+        "proved": proved is not None,
+        "period": decimal(period),
+        "stale_after": decimal(stale),
+        "state": state,
+        "command": command,
+        "axes": repr(axes),
+        "turn": command == "twist",
+        "sources": ", ".join(f'"src/{name}"' for name in sources if name.endswith(".c")),
+    }
+    named = {path.format(p=task.name, package=package): name for path, name in OWN.items()}
+    files = {path: template(f"ros2/{name}.j2").render(**words).encode() for path, name in named.items()}
+    files |= {f"{package}/__init__.py": b"", f"resource/{package}": b""}
+    files["setup.cfg"] = f"[develop]\nscript_dir=$base/lib/{package}\n[install]\ninstall_scripts=$base/lib/{package}\n".encode()
+    files |= {f"src/{name}": controller.files[name] for name in sources}
+    files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    return {f"{package}/{path}": data for path, data in files.items()}
