@@ -10,7 +10,7 @@ PEERS := $(VENV)/.peers
 TASKS := $(sort $(wildcard tasks/*.toml))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test integration generate check peers policies ends lock clean help
+.PHONY: demo test integration generate check peers policies ros ends lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -33,7 +33,7 @@ test: $(STAMP) $(if $(CI),$(PEERS))
 
 # Each command fails where a law is broken: a mutant that passes, a lemma that no mutant moves, a sampled statement that is violated, an
 # arena with a way and no certificate, a closed loop that collides or leaves.
-integration: $(STAMP) $(if $(CI),$(PEERS))
+integration: $(STAMP) $(if $(CI),$(PEERS) build/ros/.done)
 	@.ci/tools test
 	$(BIN)/pytest -n auto --dist loadgroup -m slow
 	$(BIN)/python benchmarks/mutations.py
@@ -85,6 +85,14 @@ policies: $(STAMP)
 	@build/rl/bin/python .ci/install peers-rl.lock
 	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python benchmarks/policy.py --out build/policies
 
+# ROS 2's Python client as wheels, in an environment of its own (270 MB): the node is tried in it by the slow tests and benchmarks/ros.py.
+ros: build/ros/.done
+
+build/ros/.done: ros.lock $(STAMP)
+	@test -x build/ros/bin/python || $(PYTHON) -m venv build/ros
+	@build/ros/bin/python .ci/install ros.lock
+	@touch $@
+
 # The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
 ends: $(STAMP)
 	@$(BIN)/python benchmarks/ends.py
@@ -94,6 +102,7 @@ lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers pyproject.toml -o peers.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra peers-rl pyproject.toml -o peers-rl.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra ros pyproject.toml -o ros.lock
 
 clean:
 	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis

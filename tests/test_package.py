@@ -61,7 +61,7 @@ def test_a_wheel_built_from_the_source_distribution_holds_the_same_files(wheel, 
         assert {n: one.read(n) for n in one.namelist()} == {n: other.read(n) for n in other.namelist()}
 
 
-LOCKS = {"requirements.lock": ("test",), "peers.lock": ("test", "peers"), "peers-rl.lock": ("peers-rl",)}
+LOCKS = {"requirements.lock": ("test",), "peers.lock": ("test", "peers"), "peers-rl.lock": ("peers-rl",), "ros.lock": ("ros",)}
 
 
 @pytest.mark.parametrize("lock", LOCKS)
@@ -80,7 +80,7 @@ def test_the_lock_pins_every_package_with_a_hash_and_names_no_host(lock: str) ->
 
 
 def split(wanted: str) -> tuple[str, str, str]:
-    name, relation, version = re.match(r"([\w-]+)(==|>=)([\w.]+)", wanted).groups()  # type: ignore[union-attr]
+    name, relation, version = re.match(r"([\w-]+)(?:\[\w+\])?(==|>=)([\w.]+)", wanted).groups()  # type: ignore[union-attr]
     return name, relation, version
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
@@ -185,3 +186,42 @@ def test_what_has_no_package_is_refused_and_the_command_writes_the_others(tmp_pa
     assert result.exit_code == 0, result.output
     files = {p.relative_to(tmp_path).as_posix(): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
     assert files == ros2_package(made("crawler"))
+
+
+PYTHON = ROOT / "build" / "ros" / "bin" / "python"  # `make ros`
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("period", "stale_after"), [(0.001, 0.05), (0.005, 0.05)])
+def test_the_node_arrives_and_stops_with_ros(period: float, stale_after: float, tmp_path) -> None:
+    """The real node in a process of its own beside a plant's: at the target at t_c; zeros once no state comes."""
+    if not PYTHON.exists():
+        pytest.skip("ROS 2 is not installed: make ros")
+    write_files(tmp_path, ros2_package(made("crawler")))
+    installed = [
+        str(PYTHON),
+        "-m",
+        "pip",
+        "install",
+        "-q",
+        "--no-build-isolation",
+        "--no-deps",
+        "--target",
+        str(tmp_path / "site"),
+    ]
+    subprocess.run([*installed, str(tmp_path / "crawler_ros2")], check=True)
+    result = subprocess.run(
+        [str(PYTHON), str(ROOT / "benchmarks" / "ros.py"), str(tmp_path / "site"), str(period), str(stale_after)],
+        capture_output=True, text=True, check=False, timeout=120,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    found = json.loads(result.stdout.strip().splitlines()[-1])
+    task = made("crawler").task
+    assert task.target_set is not None
+    assert all(
+        float(a) <= v <= float(b) for a, v, b in zip(task.target_set.lower, found["x"], task.target_set.upper, strict=True)
+    )
+    assert found["before"] == [0.0, 0.0]  # nothing moves before the start
+    assert found["after"] == [0.0, 0.0]  # nor when the plant is silent
+    assert found["outside"] == 0
+    assert "the last state is" in found["message"]
