@@ -17,10 +17,7 @@ from stt_codegen.task import Task
 
 ODOMETRY = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "heading": "yaw", "theta": "yaw"}  # axes that a base has
 PERIOD = Fraction(1, 50)  # seconds, where the task says nothing
-OWN = {
-    "package.xml": "package.xml", "setup.py": "setup.py", "config/{p}.yaml": "params.yaml", "launch/{p}.launch.py": "launch.py",
-    "{package}/controller.py": "controller.py", "{package}/drive.py": "drive.py", "{package}/node.py": "node.py",
-}  # fmt: skip
+MODULES = ("controller", "drive", "node")
 
 
 def sources_of(task: Task) -> tuple[str, str, list[str]]:
@@ -71,7 +68,8 @@ def ros2_package(controller: Controller) -> Files:
         "turn": command == "twist",
         "sources": ", ".join(f'"src/{name}"' for name in sources if name.endswith(".c")),
     }
-    named = {path.format(p=task.name, package=package): name for path, name in OWN.items()}
+    named = {"package.xml": "package.xml", "setup.py": "setup.py", f"config/{task.name}.yaml": "params.yaml"}
+    named |= {f"{package}/{name}.py": f"{name}.py" for name in MODULES} | {f"launch/{task.name}.launch.py": "launch"}
     files = {path: template(f"ros2/{name}.j2").render(**words).encode() for path, name in named.items()}
     files |= {f"{package}/__init__.py": b"", f"resource/{package}": b""}
     files["setup.cfg"] = f"[develop]\nscript_dir=$base/lib/{package}\n[install]\ninstall_scripts=$base/lib/{package}\n".encode()
