@@ -16,7 +16,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
-from stt_codegen.decimals import decimal
 from stt_codegen.emit.driven import driven_sources
 from stt_codegen.emit.naming import file_names, phase_name
 from stt_codegen.emit.render import Files, design_hash, template
@@ -64,8 +63,14 @@ def _named(task: Task, letter: str) -> list[str]:
     return [f"{letter}.{word}" for word in words]
 
 
-def _per_second(unit: str, order: int) -> str:
-    return f"{unit}/s{'' if order == 1 else order}" if unit else ""
+def _over_time(unit: str, order: int) -> str:
+    """unit, unit/s or unit/s2; a unit that is a quotient stands in brackets."""
+    whole = f"({unit})" if "/" in unit and order else unit
+    return f"{whole}/s{'' if order == 1 else order}" if unit and order else whole
+
+
+def _seconds(name: str, causality: str, told: str, begin: str = "0.0") -> Variable:
+    return Variable(name, causality, told, begin, "s", base="s")
 
 
 def controller_unit(controller: Controller) -> Unit:
@@ -75,7 +80,7 @@ def controller_unit(controller: Controller) -> Unit:
         raise BadInput(f"--package fmu: is for refined tubes; the {controller.design.kind} one has steps of its own")
     if task.differs:
         raise BadInput("--package fmu: velocity by differences depends on when x is sampled, which no importer says; measure v")
-    units = task.units or ("",) * n
+    units, waits = task.units or ("",) * n, task.control.outside == "hold"  # then the tube's time depends on x
     literal = [shortest(round_to(v, "double"), "double") for v in task.initial_state]
     groups = {
         "x": ("input", "measured state", literal, 0),
@@ -84,26 +89,31 @@ def controller_unit(controller: Controller) -> Unit:
         "lower": ("output", "lower edge of the tube", ["0.0"] * n, 0),
         "upper": ("output", "upper edge of the tube", ["0.0"] * n, 0),
     }
-    variables, places = [Variable("time", "independent", "since the start", unit="s")], dict[str, int]()
+    variables, places = [_seconds("time", "independent", "since the start")], dict[str, int]()
     for letter, (causality, what, begin, order) in groups.items():
         places[letter] = len(variables)
         variables += [
-            Variable(name, causality, what, b, _per_second(u, order) if order else u)
+            Variable(name, causality, what, b, _over_time(u, order), base=u, order=order, direct=letter == "u" or waits)
             for name, b, u in zip(_named(task, letter), begin, units, strict=True)
         ]
     places["margin"] = len(variables)
-    variables.append(Variable("margin", "output", "distance to the nearest edge over the width: 0.5 in the middle, 0 at an edge"))
+    told = "distance to the nearest edge over the width: 0.5 in the middle, 0 at an edge"
+    variables.append(Variable("margin", "output", told, direct=True))
     t_c = shortest(round_to(task.prescribed_time, "double"), "double")
-    variables.append(Variable("t_c", "local", "prescribed time", t_c, "s"))
+    variables.append(_seconds("t_c", "local", "prescribed time", t_c))
     proved = controller.certificate.proved_period
     if proved is not None:
         longest = shortest(round_to(proved.period, "double"), "double")
-        variables.append(Variable("period_proved", "local", "between samples, at most (P9)", longest, "s"))
-    variables.append(Variable("status", "output", "0: inside the tube, 1: outside, 2: an input is not finite", whole=True))
+        variables.append(_seconds("period_proved", "local", "between samples, at most (P9)", longest))
+    variables.append(
+        Variable("status", "output", "0: inside the tube, 1: outside, 2: an input is not finite", whole=True, direct=True)
+    )
     header, _, _, proof = file_names(task.name)
     phases = phase_name(task.name) in controller.files
     if phases:
-        variables.append(Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True))
+        variables.append(
+            Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True, direct=waits)
+        )
     kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
     own = template("fmu/controller.c.j2").render(
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside, repeats=task.repeat,
@@ -114,7 +124,7 @@ def controller_unit(controller: Controller) -> Unit:
     told = f"Prescribed-time reach-avoid-stay controller {task.name}, {controller.design.kind} tube, {verdict}"
     return Unit(
         task.name, f"{task.name}-{design_hash(task, controller.design)}",
-        told, tuple(variables), True,
+        told, tuple(variables),
         {"unit.c": own.encode()} | {name: controller.files[name] for name in names}, () if kept is None else (kept,), t_c,
         "" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
         {proof: controller.files[proof]},
@@ -127,13 +137,14 @@ def plant_unit(task: Task, plant: Model) -> Unit:
     units = task.units or ("",) * n
     literal = [shortest(round_to(v, "double"), "double") for v in task.initial_state]
     state = [("x", literal, 0), *([("v", ["0.0"] * n, 1)] if order == 2 else [])]
-    variables, places = [Variable("time", "independent", "since the start", unit="s")], dict[str, int]()
+    variables, places = [_seconds("time", "independent", "since the start")], dict[str, int]()
 
     def add(letter: str, causality: str, what: str, begin: Sequence[str], speed: int, begins: str = "") -> None:
         places.setdefault(begins or letter, len(variables))
+        of = _named(task, letter.removesuffix("_start")) if begins else [""] * n
         variables.extend(
-            Variable(named, causality, what, b, _per_second(u, speed) if speed else u)
-            for named, b, u in zip(_named(task, letter), begin, units, strict=True)
+            Variable(named, causality, what, b, _over_time(u, speed), base=u, order=speed, of=start_of)
+            for named, b, u, start_of in zip(_named(task, letter), begin, units, of, strict=True)
         )
 
     add("u", "input", "input, held between two steps", ["0.0"] * n, order)
@@ -155,9 +166,9 @@ def plant_unit(task: Task, plant: Model) -> Unit:
     own = template("fmu/plant.c.j2").render(
         name=plant.name, kernel="\n".join(lines), n=n, order=order, places=places, arguments=", ".join([*given, *outputs])
     )
-    t_c = decimal(task.prescribed_time)
+    t_c = shortest(round_to(task.prescribed_time, "double"), "double")
     return Unit(
-        name, f"{name}-{task.digest[:16]}", f"Plant {plant.name} for {task.name}", tuple(variables), False,
+        name, f"{name}-{task.digest[:16]}", f"Plant {plant.name} for {task.name}", tuple(variables),
         {"unit.c": own.encode()}, (), t_c, "", {},
     )  # fmt: skip
 

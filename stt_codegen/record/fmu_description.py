@@ -9,7 +9,12 @@ from dataclasses import dataclass
 
 from stt_codegen.emit.render import Files
 
-BASE = {"m": {"m": "1"}, "rad": {"rad": "1"}, "deg": {"rad": "1", "factor": repr(math.pi / 180)}}  # of these units
+BASE = {
+    "s": {"s": "1"},
+    "m": {"m": "1"},
+    "rad": {"rad": "1"},
+    "deg": {"rad": "1", "factor": repr(math.pi / 180)},
+}  # of these units
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,10 @@ class Variable:
     begin: str = "0.0"
     unit: str = ""
     whole: bool = False
+    base: str = ""  # the task's unit that `unit` is, over seconds to the power `order`
+    order: int = 0
+    direct: bool = False  # an output that follows the inputs at once
+    of: str = ""  # the output that a parameter is the start of
 
     @property
     def settable(self) -> bool:
@@ -31,14 +40,13 @@ class Variable:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit before it is packed: variables in the order of their references, the knowns that every output depends on, C files
-    beside fmi2.c or fmi3.c, more files for people."""
+    """A unit before it is packed: variables in the order of their references, C files beside fmi2.c or fmi3.c, more files for
+    people."""
 
     name: str
     token: str
     description: str
     variables: tuple[Variable, ...]
-    direct: bool
     sources: Files
     kept: tuple[str, ...]
     stop: str
@@ -53,16 +61,12 @@ def text(root: ET.Element) -> bytes:
 
 def _units(root: ET.Element, unit: Unit) -> None:
     """What units are in SI, of those that are known."""
-    names = sorted({v.unit for v in unit.variables if v.unit})
-    definitions = ET.SubElement(root, "UnitDefinitions") if names else root
-    for name in names:
+    definitions = ET.SubElement(root, "UnitDefinitions")
+    named = {v.unit: v for v in sorted(unit.variables, key=lambda v: v.base in BASE) if v.unit}  # what is known comes last
+    for name, v in sorted(named.items()):
         own = ET.SubElement(definitions, "Unit", name=name)
-        plain, _, per = name.partition("/s")
-        base = dict(BASE.get(plain, {"s": "1"} if name == "s" else {}))
-        if base:
-            if "/s" in name:
-                base["s"] = f"-{per or 1}"
-            ET.SubElement(own, "BaseUnit", base)
+        if v.base in BASE:
+            ET.SubElement(own, "BaseUnit", BASE[v.base] | ({"s": str(-v.order)} if v.order else {}))
 
 
 def _attributes(v: Variable, reference: int, version: int) -> dict[str, str]:
@@ -138,17 +142,15 @@ def _ordered(unit: Unit) -> list[Variable]:
 
 def _dependencies(unit: Unit, initial: bool) -> list[tuple[int, list[int]]]:
     """What every output is made of, beside the time: of a controller all inputs, since one that is not finite stops all of u, but
-    the tube's edges none; of a plant its own start at the start, and later nothing that comes in."""
+    the tube's edges none, unless the tube waits; of a plant its own start at the start, and later nothing that comes in."""
     ordered = _ordered(unit)
     inputs = [k for k, v in enumerate(ordered) if v.causality == "input"]
-    starts = {v.name.replace("_start", ""): k for k, v in enumerate(ordered) if v.causality == "parameter"}
-    found = []
-    for k, v in enumerate(ordered):
-        if v.causality == "output":
-            edge = v.description.endswith("edge of the tube") or v.name == "phase"
-            own = starts.get(v.name) if initial else None
-            found.append((k, inputs if unit.direct and not edge else [] if own is None else [own]))
-    return found
+    starts = {v.of: [k] for k, v in enumerate(ordered) if v.of}
+    return [
+        (k, inputs if v.direct else starts.get(v.name, []) if initial else [])
+        for k, v in enumerate(ordered)
+        if v.causality == "output"
+    ]
 
 
 def _known(known: Sequence[int]) -> dict[str, str]:
