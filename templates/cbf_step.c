@@ -1,5 +1,5 @@
 /* A control barrier function filter, solved at every step by OSQP's generated C, beside our emitted step (-DOWN): both in
- * closed loop with xdot = u for 9 s, timed in one process. Reads the boxes' edges; stt_codegen/bench/peers.py says the rest.
+ * closed loop with xdot = u for 9 s, timed in one process. Reads the boxes' edges; stt_codegen/bench/barrier.py says the rest.
  *
  * Prints for each: seconds a step, whether the state ends in the target, whether it was ever inside a box, steps without
  * a solution.

@@ -75,26 +75,24 @@ def _abi(program: Program, folder: str, board: bool) -> str:
 def core_library(target: str) -> tuple[str, str]:
     """A rustc that can compile for the target, and its core library: the one that is installed, or made from its source (about
     half a minute, once a process). Raises `MissingTool`."""
-    for rustc in dict.fromkeys(filter(None, (os.environ.get("RUSTC"), shutil.which("rustc"), "/usr/bin/rustc"))):
-        if shutil.which(rustc) is None:
-            continue
-        said = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
-        root = Path(said.stdout.strip()) / "lib" / "rustlib"
-        installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
-        if installed:
-            return rustc, str(installed[0])
-        source = root / "src" / "rust" / "library" / "core" / "src" / "lib.rs"
-        if source.is_file():
-            made = f"{_kept().name}/{target}/libcore.rlib"
-            Path(made).parent.mkdir()
-            own = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED, str(source), "-o", made)
-            run_rustc([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
-            _no_builtins(rustc, target, Path(made).parent)
-            return rustc, made
-    raise MissingTool(
-        f"no core library of Rust for {target}: rustup target add {target}, or install its source (Debian: apt-get install rustc "
-        "rust-src)"
-    )
+    rustc = find_rustc()
+    said = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
+    root = Path(said.stdout.strip()) / "lib" / "rustlib"
+    installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
+    if installed:
+        return rustc, str(installed[0])
+    source = root / "src" / "rust" / "library" / "core" / "src" / "lib.rs"
+    if not source.is_file():
+        raise MissingTool(
+            f"{rustc} has no core library for {target}: rustup target add {target}, or set RUSTC to one that has the source "
+            "(Debian: apt-get install rustc rust-src)"
+        )
+    made = f"{_kept().name}/{target}/libcore.rlib"
+    Path(made).parent.mkdir()
+    own = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED, str(source), "-o", made)
+    run_rustc([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
+    _no_builtins(rustc, target, Path(made).parent)
+    return rustc, made
 
 
 def _no_builtins(rustc: str, target: str, folder: Path) -> None:
@@ -125,8 +123,12 @@ def board_objects(controller: Controller, target: str, folder: Path) -> list[str
     to = ("--target", target, "-L", str(Path(core).parent))
     suffix, real = ("f", "f32") if program.scalar == "float" else ("", "f64")
     names = [name + suffix for name in RustPrinter(program).library()]
-    declared = " ".join(f'#[link_name = "{n}"] fn c_{n}(x: {real}) -> {real};' for n in names)
-    defined = "\n".join(f"#[inline]\npub fn {n}(x: {real}) -> {real} {{ unsafe {{ c_{n}(x) }} }}" for n in names)
+    given = {n: ("x", "y") if n.removesuffix(suffix) == "pow" else ("x",) for n in names}
+    typed = {n: ", ".join(f"{v}: {real}" for v in values) for n, values in given.items()}
+    declared = " ".join(f'#[link_name = "{n}"] fn c_{n}({typed[n]}) -> {real};' for n in names)
+    defined = "\n".join(
+        f"#[inline]\npub fn {n}({typed[n]}) -> {real} {{ unsafe {{ c_{n}({', '.join(given[n])}) }} }}" for n in names
+    )
     Path(folder, "libm.rs").write_text(MATH.format(declared=declared, defined=defined))
     mathematics = f"{where}/liblibm.rlib"
     run_rustc(
