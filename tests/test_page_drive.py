@@ -251,6 +251,15 @@ def test_what_is_proved_comes_back_only_with_a_start(browser: Any) -> None:
     assert told(browser, "plain", body) == [True, False, True, 0]
 
 
+@pytest.mark.parametrize("kind", ["plain", "for ever", "adaptive", "literal"])
+def test_what_is_said_at_the_beginning_is_said_after_calm_samples_too(browser: Any, kind: str) -> None:
+    """The reader may look before or after the first frame of the animation: why nothing is proved must not depend on that."""
+    body = "const first = loop.broken; many(3, { ...given, period: data.drive.period }); return [first, loop.broken];"
+    first, later = told(browser, kind, body)
+    assert first == later
+    assert bool(first) == (kind in ("adaptive", "literal"))
+
+
 def test_a_loop_that_was_stopped_is_proved_no_more(browser: Any) -> None:
     body = """many(20, given); loop.shove(0, 3); loop.step(given); loop.shove(0, -3); many(20, given);
     return [loop.proved, loop.status, loop.broken];"""
