@@ -87,7 +87,8 @@ function loopOf(setting) {
     if (setting.order === 2) loop.v = t > 0 ? data.filtered.lambda.map((l, i) => (low[n + i] + high[n + i]) / 2 - l * loop.x[i]) : new Array(n).fill(0);
     sample = [...loop.x];
     if (setting.differs && t > 0) loop.control(t - setting.period, loop.x.map((v, i) => v - setting.period * loop.v[i]).concat(loop.v));
-    const calm = { period: setting.period, latency: 0, noise: 0, wind: 0 };
+    const known = setting.proved;
+    const calm = { period: known ? known.period : setting.period, latency: 0, noise: 0, wind: 0 }; // no sample was yet, so none is too rare
     observe(calm, true);
     loop.broken = fault(calm, 0) || (loop.status === 0 && amongStarts() ? "" : "not one of the starts");
     loop.proved = acting = !loop.broken;
