@@ -8,6 +8,7 @@ import sys
 import xml.etree.ElementTree as ET
 from functools import cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
@@ -27,15 +28,20 @@ TASKS = ROOT / "tasks"
 INSIDE, OUTSIDE, BAD = 0, 1, 2
 
 
+def parameters_of(name: str) -> dict[str, Any]:
+    return yaml.safe_load(ros2_package(made(name))[f"{name}_ros2/config/{name}.yaml"])[name]["ros__parameters"]
+
+
 @cache
 def made(name: str, outside: str = "return") -> Controller:
     task = load_task(TASKS / f"{name}.toml")
     return build_task(task if outside == "return" else task.changed(control={"outside": outside}))
 
 
-def drive_module() -> ModuleType:
+@cache
+def drive_module(name: str, outside: str = "return") -> ModuleType:
     sys.modules["drive"] = module = ModuleType("drive")  # dataclasses look their module up
-    exec(ros2_package(made("crawler"))["crawler_ros2/crawler_ros2/drive.py"], module.__dict__)
+    exec(ros2_package(made(name, outside))[f"{name}_ros2/{name}_ros2/drive.py"], module.__dict__)
     return module
 
 
@@ -57,6 +63,9 @@ class Scripted:
         return control
 
 
+START = (0.5, 0.5)
+
+
 @pytest.fixture
 def scripted() -> Scripted:
     return Scripted()
@@ -64,62 +73,176 @@ def scripted() -> Scripted:
 
 @pytest.fixture
 def drive(scripted: Scripted):
-    return drive_module().Drive(scripted.make, period=0.01, stale_after=0.05, leap=0.5)
+    """The crawler's: a state each 5 ms at most is proved, acted on at once; none for 50 ms is none."""
+    return drive_module("crawler").Drive(scripted.make, stale_after=0.05, leap=0.5)
 
 
-def test_nothing_moves_before_a_start_and_none_starts_without_a_fresh_state(drive, scripted) -> None:
-    assert (drive.tick(1.0).u, drive.tick(1.0).message) == ((0.0, 0.0), "waits to be started")
-    assert not drive.start(1.0)
-    drive.measured(1.0, (0.1, 0.2))
-    assert not drive.start(1.06)
-    assert not drive.start(0.9)  # of a clock that went back
+@pytest.fixture
+def running(drive):
+    drive.measured(0.0, START)
+    assert drive.start(0.0) == ""
+    assert drive.decide(0.0).u == (1.0, -1.0)
+    return drive
+
+
+def test_nothing_is_sent_before_a_start_and_none_starts_without_a_fresh_state(drive, scripted) -> None:
+    assert (drive.watch(1.0).u, drive.watch(1.0).message) == (None, "waits to be started")
+    assert drive.start(1.0) == "there is no fresh state to start from"
+    assert drive.measured(1.0, START).u is None  # who drives it to the start is not disturbed
+    assert drive.start(1.06) == "there is no fresh state to start from"
+    assert drive.start(0.9) == "there is no fresh state to start from"  # of a clock that went back
     assert scripted.calls == []
-    assert drive.start(1.03)
-    assert drive.tick(1.04).u == (1.0, -1.0)
-    assert scripted.calls == [(pytest.approx(0.01), (0.1, 0.2))]
+    drive.measured(1.01, START)
+    assert drive.start(1.03) == ""
+    assert drive.decide(1.03).u == (1.0, -1.0)
+    assert scripted.calls == [(0.0, START)]
 
 
-def test_a_state_that_is_too_old_stops_it_until_there_is_another(drive, scripted) -> None:
-    drive.measured(0.0, (0.1, 0.2))
-    drive.start(0.0)
-    said = [drive.tick(0.01 * k) for k in range(1, 9)]
-    assert [d.u == (0.0, 0.0) for d in said] == [False] * 5 + [True] * 3
-    assert said[-1].level == 2
-    assert said[-1].message == "stopped: the last state is 0.080 s old"
-    drive.measured(0.085, (0.3, 0.4))
-    assert drive.tick(0.09).u == (1.0, -1.0)
-    assert scripted.calls[-1] == (pytest.approx(0.09), (0.3, 0.4))  # mission time went on
+def test_a_state_is_acted_on_when_it_comes(running, scripted) -> None:
+    told = running.measured(0.004, (0.51, 0.5))
+    assert (told.u, told.level, told.message) == ((1.0, -1.0), 0, "inside the tube")
+    assert scripted.calls[-1] == (0.004, (0.51, 0.5))
+    assert running.watch(0.005) is None  # nothing more to send
+    assert running.measured(0.0055, START, delay=0.003).u is None  # older than the last
+    assert len(scripted.calls) == 2
+
+
+def test_who_drives_is_not_started_again(running, scripted) -> None:
+    running.measured(0.004, START)
+    assert running.start(0.004) == "it drives: stop it first"
+    running.measured(0.008, START)
+    assert scripted.calls[-1][0] == 0.008  # the mission's time goes on
+    running.stop("asked to")
+    assert running.start(0.009) == ""
+    assert scripted.starts == 2
+
+
+@pytest.mark.parametrize("name", ["crawler", "base", "arm", "drone"])
+def test_it_starts_from_the_proofs_starts_alone(name: str, scripted) -> None:
+    """Those of the certificate: the share of gamma(0), at rest; less what a measurement may be wrong by."""
+    module, controller = drive_module(name), made(name)
+    task = controller.task
+    noise, share = float(task.plant.noise or 0), float(task.initial_set.share)
+    speeds = [float(v) for v in task.start_speed] if task.order == 2 else []
+    middle = [float(a + b) / 2 for a, b in controller.certificate.start]
+    for k, (low, high) in enumerate(controller.certificate.start):
+        for side in (-1, 1):
+            edge = middle[k] + side * (share * float(high - low) / 2 - noise)
+            for x, good in ((edge - side * 1e-9, True), (edge + side * 1e-9, False)):
+                drive = module.Drive(scripted.make, 1.0, 1.0)
+                drive.measured(0.0, [*middle[:k], x, *middle[k + 1 :]], [0.0] * len(speeds))
+                assert (drive.start(0.0) == "") == good
+                assert good or drive.start(0.0).startswith(f"x[{k}] is ")
+    for k, most in enumerate(speeds):
+        drive = module.Drive(scripted.make, 1.0, 1.0)
+        v = [0.0] * len(speeds)
+        v[k] = -(most + float(task.plant.noise_v or 0)) * 1.0001 - 1e-9
+        drive.measured(0.0, middle, v)
+        assert drive.start(0.0).startswith(f"v[{k}] is ")
+
+
+def test_a_state_that_is_too_old_stops_it_until_there_is_another(running, scripted) -> None:
+    said = [running.watch(0.01 * k) for k in range(1, 9)]
+    assert [d and d.u for d in said] == [None] * 5 + [(0.0, 0.0)] * 3
+    assert {(d.level, d.message) for d in said[5:]} == {(2, "stopped: there is no fresh state")}
+    assert running.measured(0.085, (0.7, 0.4), delay=0.06).u == (0.0, 0.0)  # one that was long on its way is none
+    late = running.measured(0.09, (0.7, 0.4))
+    assert (late.u, late.level) == ((1.0, -1.0), 1)
+    assert late.message.startswith("inside the tube; not proved: states were too far apart")
+    assert scripted.calls[-1] == (0.09, (0.7, 0.4))  # mission time went on
+
+
+def test_what_the_proof_is_not_of_is_said_until_the_next_start(running) -> None:
+    module = drive_module("crawler")
+    assert running.measured(module.PERIOD, START).level == 0  # as far apart as is proved
+    told = running.measured(0.0101, START)
+    assert (told.level, told.message) == (1, "inside the tube; not proved: states were too far apart")
+    assert running.measured(0.012, START).level == 1
+    assert running.apart == pytest.approx(0.0051)
+    running.stop("asked to")
+    running.start(0.012)
+    running.decide(0.012)
+    assert running.measured(0.014, START).level == 0
+    told = running.measured(0.016, START, delay=0.0001)
+    assert told.message == "inside the tube; not proved: a state was old when it was acted on"
+    assert running.old == pytest.approx(0.0001)
+    assert made("crawler").task.control.latency == module.LATENCY == 0
+
+
+def test_what_has_no_proved_period_never_says_that_it_is_proved(scripted) -> None:
+    module = drive_module("omni_s2")
+    assert made("omni_s2").certificate.proved_period is None
+    drive = module.Drive(scripted.make, 1.0, 1.0)
+    drive.measured(0.0, [sum(ends) / 2 for ends in module.STARTS])
+    assert drive.start(0.0) == ""
+    assert drive.decide(0.0).message == "inside the tube; not proved: no sampling period is proved of this tube"
 
 
 @pytest.mark.parametrize("jump", [-0.001, 0.6, 3600.0])
-def test_a_clock_that_jumps_stops_it_until_the_next_start(drive, scripted, jump: float) -> None:
-    drive.measured(10.0, (0.1, 0.2))
-    drive.start(10.0)
-    assert drive.tick(10.01).level == 0
-    stopped = drive.tick(10.01 + jump)
+def test_a_clock_that_jumps_stops_it_until_the_next_start(running, scripted, jump: float) -> None:
+    assert running.measured(0.004, START).level == 0
+    stopped = running.watch(0.004 + jump)
     assert (stopped.u, stopped.level) == ((0.0, 0.0), 2)
     assert f"the clock jumped by {jump:.3f} s" in stopped.message
-    now = 10.02 + jump
-    drive.measured(now, (0.1, 0.2))
-    assert drive.tick(now).message == stopped.message
-    assert drive.start(now)
+    now = 0.004 + jump
+    assert running.measured(now, START).message == stopped.message
+    assert running.start(now) == ""
     assert scripted.starts == 2
-    assert drive.tick(now + 0.01).u == (1.0, -1.0)
+    assert running.decide(now).u == (1.0, -1.0)
 
 
-def test_what_the_controller_says_is_what_is_told(drive, scripted) -> None:
-    drive.measured(0.0, (0.1, 0.2))
+@pytest.mark.parametrize("outside", ["return", "stop"])
+def test_what_the_controller_says_is_what_is_told(scripted, outside: str) -> None:
+    name = "crawler" if outside == "return" else "omni_s2"
+    module = drive_module(name, outside)
+    drive = module.Drive(scripted.make, 1.0, 1.0)
+    x = [sum(ends) / 2 for ends in module.STARTS]
+    drive.measured(0.0, x)
     drive.start(0.0)
     scripted.says = BAD
-    assert (drive.tick(0.01).u, drive.tick(0.01).level) == ((0.0, 0.0), 2)
+    bad = drive.measured(0.001, x)
+    assert (bad.u, bad.level, bad.message) == ((0.0, 0.0), 2, "stopped: a number of the state is not finite")
     scripted.says = OUTSIDE
-    outside = drive.tick(0.02)
-    assert (outside.u, outside.level, outside.message) == ((1.0, -1.0), 2, "outside the tube: nothing is shown")
+    told = drive.measured(0.002, x)
+    assert (told.level, told.status, told.margin) == (2, 1, 0.25)
+    if outside == "return":
+        assert (told.u, told.message) == ((1.0, -1.0), "outside the tube: nothing is shown")
+    else:
+        assert (told.u, told.message) == ((0.0, 0.0), "stopped: it was outside the tube")
     scripted.says = INSIDE
-    assert (drive.tick(0.03).level, drive.late) == (0, 0)
-    assert (drive.tick(0.046).level, drive.late) == (1, 1)  # more than half a period late
+    assert drive.measured(0.003, x).level == 1  # and is proved no more
     drive.stop("asked to")
-    assert drive.tick(0.05).message == "stopped: asked to; start anew"
+    assert drive.watch(0.004).message == "stopped: asked to; start anew"
+
+
+def test_where_u_is_an_acceleration_to_stop_is_to_brake(scripted) -> None:
+    """Zeros would let it glide on: against a fresh v within the limits, and for every g of the plant without turning v back."""
+    module, task = drive_module("base"), made("base").task
+    brake = parameters_of("base")["brake"]
+    drive = module.Drive(scripted.make, 0.05, 1.0, brake)
+    x = [sum(ends) / 2 for ends in module.STARTS]
+    drive.measured(0.0, x, (0.0, 0.0, 0.0))
+    drive.start(0.0)
+    drive.stop("asked to")
+    told = drive.measured(0.01, x, (0.1, -2.0, 0.0))
+    assert told.u == pytest.approx((-0.1 * brake, float(task.u_max[1]), 0.0))
+    assert drive.watch(0.02).u == told.u
+    assert drive.watch(0.2).u == (0.0, 0.0, 0.0)  # nothing is known of v
+    assert drive.measured(0.21, x, (float("nan"), 1.0, 0.0)).u == (0.0, 0.0, 0.0)
+    g_max, age = float(task.plant.g_max), module.PERIOD + module.LATENCY
+    v, held = 0.2, 0.0
+    for _ in range(100):  # the worst g, the oldest sample: held by one period and one delay
+        before, v = v, v + g_max * age * held
+        held = -brake * before
+        assert 0 <= v <= 0.2
+    assert v < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("angle", "near", "found"), [(3.0, -3.0, 3.0 - 2 * np.pi), (-3.1, 6.0, 2 * np.pi - 3.1), (0.1, 0.0, 0.1)]
+)
+def test_a_heading_knows_whole_turns(angle: float, near: float, found: float) -> None:
+    assert drive_module("crawler").unwrapped(angle, near) == pytest.approx(found, abs=1e-14)
 
 
 @pytest.mark.parametrize(
@@ -145,7 +268,7 @@ def test_the_package_builds_and_calls_the_c(name: str, outside: str, tmp_path, t
     assert ET.parse(tmp_path / package / "package.xml").findtext("name") == package
     parameters = yaml.safe_load((tmp_path / package / "config" / f"{name}.yaml").read_text())[name]["ros__parameters"]
     node = (tmp_path / package / package / "node.py").read_text()
-    assert all(f'("{key}"' in node for key in parameters)
+    assert all(f'"{key}": ' in node for key in parameters)
     state, command, axes = sources_of(controller.task)
     assert (parameters["state"], parameters["command"]) == (state, command)
     assert len(axes) == controller.task.dimension
@@ -174,6 +297,7 @@ def test_axes_say_what_is_listened_to() -> None:
     task = load_task(TASKS / "omni_s2.toml")
     assert sources_of(task)[:2] == ("array", "array")
     assert sources_of(task.changed(axes=["x", "y"])) == ("odometry", "twist", ["x", "y"])
+    assert sources_of(load_task(TASKS / "base.toml"))[:2] == ("odometry", "accel")
     assert sources_of(task.changed(axes=["x", "heading"])) == ("odometry", "twist", ["x", "yaw"])
     assert sources_of(task.changed(axes=["shoulder", "elbow"])) == ("joints", "array", ["shoulder", "elbow"])
     assert sources_of(task.changed(axes=["yaw", "heading"]))[0] == "joints"  # not the same twice
@@ -192,36 +316,59 @@ PYTHON = ROOT / "build" / "ros" / "bin" / "python"  # `make ros`
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("period", "stale_after"), [(0.001, 0.05), (0.005, 0.05)])
-def test_the_node_arrives_and_stops_with_ros(period: float, stale_after: float, tmp_path) -> None:
-    """The real node in a process of its own beside a plant's: at the target at t_c; zeros once no state comes."""
+@pytest.mark.parametrize(
+    ("name", "rate", "clock"),
+    [("crawler", 1000, None), ("base", 60, None), ("base", 60, 4), ("arm", 250, None), ("watchman", 50, None)],
+)
+def test_the_node_arrives_and_stops_with_ros(name: str, rate: int, clock: int | None, tmp_path) -> None:
+    """The real node in a process of its own beside a plant's: arrays, an odometry that turns, joints; our clock or a simulation's."""
     if not PYTHON.exists():
         pytest.skip("ROS 2 is not installed: make ros")
-    write_files(tmp_path, ros2_package(made("crawler")))
-    installed = [
-        str(PYTHON),
-        "-m",
-        "pip",
-        "install",
-        "-q",
-        "--no-build-isolation",
-        "--no-deps",
-        "--target",
-        str(tmp_path / "site"),
-    ]
-    subprocess.run([*installed, str(tmp_path / "crawler_ros2")], check=True)
-    result = subprocess.run(
-        [str(PYTHON), str(ROOT / "benchmarks" / "ros.py"), str(tmp_path / "site"), str(period), str(stale_after)],
-        capture_output=True, text=True, check=False, timeout=120,
-    )  # fmt: skip
+    write_files(tmp_path, ros2_package(made(name)))
+    install = [str(PYTHON), "-m", "pip", "install", "-q", "--no-build-isolation", "--no-deps", "--target", str(tmp_path / "site")]
+    subprocess.run([*install, str(tmp_path / f"{name}_ros2")], check=True)
+    run = [str(PYTHON), str(ROOT / "benchmarks" / "ros.py"), str(tmp_path / "site"), name, str(rate)]
+    run += ["--clock", str(clock)] if clock else []
+    result = subprocess.run(run, capture_output=True, text=True, check=False, timeout=240)
     assert result.returncode == 0, result.stderr
     found = json.loads(result.stdout.strip().splitlines()[-1])
-    task = made("crawler").task
-    assert task.target_set is not None
-    assert all(
-        float(a) <= v <= float(b) for a, v, b in zip(task.target_set.lower, found["x"], task.target_set.upper, strict=True)
-    )
-    assert found["before"] == [0.0, 0.0]  # nothing moves before the start
-    assert found["after"] == [0.0, 0.0]  # nor when the plant is silent
+    task = made(name).task
+    zeros = [0.0] * task.dimension
+    assert found["before"]["commands"] == 0  # who drives it to the start is not disturbed
+    assert found["refused"].startswith("x[0] is ")
+    assert (found["started"], found["again"]) == ("started", "it drives: stop it first")
     assert found["outside"] == 0
-    assert "the last state is" in found["message"]
+    if task.target_set is not None:
+        ends = zip(task.target_set.lower, found["arrived"]["x"], task.target_set.upper, strict=True)
+        assert all(float(a) <= v <= float(b) for a, v, b in ends)
+    assert found["no number"]["message"].startswith("stopped: a number of the state is not finite")
+    assert found["no state"]["message"] == "stopped: there is no fresh state"
+    assert found["no state"]["u"] == zeros
+    for name_ in ("a number", "a state"):  # it goes on, and says that the proof is not of this
+        assert (found[name_]["proved"], found[name_]["status"] in ("0", "1")) == ("no", True)
+    if clock:
+        assert found["leap"]["message"].startswith("stopped: the clock jumped by -")
+    else:
+        assert (found["stop"], found["stopped"]["message"]) == ("stopped", "stopped: asked to; start anew")
+        assert max(map(abs, found["v"])) < 1e-2  # it stands: of order 2 it was braked
+    assert found["ended"] == {"u": zeros, "code": 0}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("period:=0.05", "period: is 0.05 s; proved is at most 0.02 s"),
+        ("period:=true", "period: is True; give a number"),
+        ("stale_after:=-1", "stale_after: is -1; give at least the period, 0.02"),
+        ("command:=twist", "command: is 'twist'; with u an acceleration it is one of accel, array"),
+        ("state:=7", "state: is 7; give a str"),
+    ],
+)
+def test_a_parameter_that_is_none_is_told_in_one_line(given: str, told: str, tmp_path) -> None:
+    if not PYTHON.exists():
+        pytest.skip("ROS 2 is not installed: make ros")
+    write_files(tmp_path, ros2_package(made("base")))
+    run = [str(PYTHON), "-c", "from base_ros2.node import main; raise SystemExit(main())", "--ros-args", "-p", given]
+    result = subprocess.run(run, cwd=tmp_path / "base_ros2", capture_output=True, text=True, check=False, timeout=60)
+    assert (result.returncode, result.stderr) == (2, f"base: {told}\n")

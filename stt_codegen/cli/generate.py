@@ -41,7 +41,7 @@ def generate(
     from stt_codegen.record.fmu import units
     from stt_codegen.record.manifest import record as record_controller
     from stt_codegen.record.package import package as packed
-    from stt_codegen.record.ros2 import ros2_package
+    from stt_codegen.record.ros2 import interface_of, ros2_package
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
@@ -89,6 +89,8 @@ def generate(
         if not json:
             verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
             print(f"{controller.task.name}: {verdict}; {', '.join(files)} in {folder}")
+            if package == "ros2":
+                print(f"{controller.task.name}: {interface_of(controller.task)}")
     if json:
         print_json({"written": written})
 

@@ -22,13 +22,25 @@ MODULES = ("controller", "drive", "node")
 
 def sources_of(task: Task) -> tuple[str, str, list[str]]:
     """What the node listens to and sends unless its parameters say otherwise, and the axes by the messages' names: a base by its
-    odometry, joints by their names, else arrays."""
+    odometry, joints by their names, else arrays. u of order 2 is an acceleration, and no twist."""
     if task.axes is None:
         return "array", "array", list(task.axis_names)
     known = [ODOMETRY.get(axis) for axis in task.axes]
     if None not in known and len(set(known)) == len(known):
-        return "odometry", "twist", [str(axis) for axis in known]
+        return "odometry", "twist" if task.order == 1 else "accel", [str(axis) for axis in known]
     return "joints", "array", list(task.axes)
+
+
+def interface_of(task: Task) -> str:
+    """The same in words, for who reads what was written."""
+    state, command, axes = sources_of(task)
+    heard = {"odometry": "nav_msgs/Odometry on odom", "joints": f"sensor_msgs/JointState on joint_states ({', '.join(axes)})"}
+    sent = {"twist": "geometry_msgs/Twist on cmd_vel", "accel": "geometry_msgs/Accel on cmd_accel, an acceleration"}
+    array = "std_msgs/Float64MultiArray on {}"
+    told = f"listens to {heard.get(state, array.format('state'))}; sends {sent.get(command, array.format('command'))}"
+    if not task.control.latency:
+        told += "; a message takes time: state control.latency, or nothing is proved of it"
+    return told
 
 
 def ros2_package(controller: Controller) -> Files:
@@ -40,8 +52,12 @@ def ros2_package(controller: Controller) -> Files:
     if task.differs:
         raise BadInput("--package ros2: a velocity by differences needs samples at even times; measure v")
     proved, cycle = controller.certificate.proved_period, cycle_of(design)
-    period = task.control.period or task.emit.tick_period or PERIOD
-    stale = task.control.latency or 2 * period
+    period, latency = task.control.period or task.emit.tick_period or PERIOD, task.control.latency or Fraction(0)
+    noise, noise_v = task.plant.noise or Fraction(0), task.plant.noise_v or Fraction(0)
+    share = task.initial_set.share
+    starts = [((a + b) / 2, share * (b - a) / 2 - noise) for a, b in controller.certificate.start]
+    most = task.u_max or (proved.u if proved else None)
+    g_max = float(max(b.g_max for b in task.plant_bounds)) if proved else 1.0
     state, command, axes = sources_of(task)
     package = f"{task.name.lower()}_ros2"
     header, _, module, proof = file_names(task.name)
@@ -59,13 +75,19 @@ def ros2_package(controller: Controller) -> Files:
         "repeats": task.repeat,
         "t_c": decimal(task.prescribed_time),
         "cycle": None if cycle is None else decimal(cycle.length),
-        "proved": proved is not None,
-        "period": decimal(period),
-        "stale_after": decimal(stale),
+        "proved": proved is not None and controller.certificate.holds,
+        "period": repr(float(period)),
+        "latency": repr(float(latency)),
+        "stale_after": repr(float(2 * period + latency)),
+        "starts": repr([(float(middle - half), float(middle + half)) for middle, half in starts]),
+        "speeds": repr([float(v + noise_v) for v in task.start_speed] if task.order == 2 else []),
+        "most": [float(v) for v in most] if most else f"[math.inf] * {task.dimension}",
+        # So weak that u = -brake v, held for a period and late by the latency, does not turn v back whatever g is.
+        "brake": f"{0.25 / (g_max * float(period + latency)):.3g}",
         "state": state,
         "command": command,
         "axes": repr(axes),
-        "turn": command == "twist",
+        "turn": command in ("twist", "accel"),
         "sources": ", ".join(f'"src/{name}"' for name in sources if name.endswith(".c")),
     }
     named = {"package.xml": "package.xml", "setup.py": "setup.py", f"config/{task.name}.yaml": "params.yaml"}
