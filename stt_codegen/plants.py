@@ -172,7 +172,8 @@ def _from_file(path: Path) -> Plant:
             raise BadInput(f"--plant {path}: has no function {wanted}(x); see `stt_codegen/plants.py` for an example")
     try:
         w_max = Fraction(str(names.get("w_max", 0)))
-    except (ValueError, ZeroDivisionError):
+        float(w_max)
+    except (ValueError, ArithmeticError):
         w_max = Fraction(-1)
     if w_max < 0:
         raise BadInput(f"--plant {path}: w_max is {names['w_max']!r}; a number that is 0 or greater is needed")
@@ -190,10 +191,10 @@ def _constants(path: Path, given: Any) -> tuple[tuple[float, float], ...]:
     """The ranges of `p`. Raises `BadInput` where they are none."""
     try:
         found = tuple((float(low), float(high)) for low, high in given)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, ArithmeticError):
         found = ((1.0, 0.0),)
     for k, (low, high) in enumerate(found):
-        if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+        if not (math.isfinite(low) and math.isfinite(high) and low <= high and math.isfinite(low + high)):
             told = f"p[{k}] is {given[k]!r}" if isinstance(given, Sequence) and k < len(given) else f"p is {given!r}"
             raise BadInput(
                 f"--plant {path}: {told}; finite ranges (from, to), from <= to, are needed, for example p = [(0, 0.3)]"

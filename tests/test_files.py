@@ -12,10 +12,14 @@ from pathlib import Path
 import pytest
 from conftest import ROOT, controller_of
 
+from stt_codegen.cli.generate import keep_certified
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_task
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
+from stt_codegen.record.fmu import units
+from stt_codegen.record.package import KINDS, package
+from stt_codegen.record.ros2 import ros2_package
 from stt_codegen.task import load_task
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
@@ -239,6 +243,39 @@ def test_an_uncertified_controller_does_not_replace_a_certified_one(tmp_path) ->
     assert result.returncode == 2
     assert "holds a certified 'omni_s3'" in result.stderr
     assert {p.name: p.read_bytes() for p in (tmp_path / "out").iterdir()} == before
+
+
+def test_an_uncertified_package_does_not_replace_a_certified_one(tmp_path) -> None:
+    """In whatever folder of the package the certificate is."""
+    task = str(ROOT / "tasks" / "omni_s3.toml")
+    given = ["--package", "cmake", "--out", "out"]
+    assert run("generate", task, *given, cwd=tmp_path).returncode == 0
+    before = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
+    result = run("generate", task, *given, "--design", "literal", "--uncertified", cwd=tmp_path)
+    assert result.returncode == 2, result.stderr
+    assert "holds a certified 'omni_s3' (omni_s3/extras/omni_s3.certificate.json)" in result.stderr
+    assert {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()} == before
+
+
+def test_every_kind_of_package_is_known_to_be_certified(tmp_path) -> None:
+    controller = build_task(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
+    kinds = {kind: package(controller, kind) for kind in KINDS} | {"fmu": units(controller), "ros2": ros2_package(controller)}
+    for kind, files in kinds.items():
+        keep_certified(tmp_path / kind, "omni_s3", files)  # there is none yet
+        write_files(tmp_path / kind, files)
+        with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):
+            keep_certified(tmp_path / kind, "omni_s3", files)
+
+
+def test_tasks_that_would_write_one_file_are_refused_together_and_nothing_is_written(tmp_path) -> None:
+    """The plant's unit of one is the other's own."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    (tmp_path / "a.toml").write_text(text)
+    (tmp_path / "b.toml").write_text(text.replace('name = "omni_s2"', 'name = "omni_s2_plant"', 1))
+    result = run("generate", "a.toml", "b.toml", "--package", "fmu", "--plant", "integrator", "--out", "out", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "'omni_s2' and 'omni_s2_plant' would both write omni_s2_plant.fmu" in result.stderr
+    assert not (tmp_path / "out").exists()
 
 
 KILLED = """

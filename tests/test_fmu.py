@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 import re
+import subprocess
 import xml.etree.ElementTree as ET
 import zipfile
 from functools import cache
@@ -22,6 +24,7 @@ from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
 from typer.testing import CliRunner
 
+from stt_codegen.certify.mission import cycle_of
 from stt_codegen.cli.main import app
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.compare.toolchain import load_module
@@ -317,6 +320,108 @@ def test_names_of_axes_become_names_of_variables(axes: list[str] | None, names: 
 def test_everything_of_the_standard_is_there_once() -> None:
     assert len(set(NOT_OFFERED_2)) == len(NOT_OFFERED_2)
     assert len(set(NOT_OFFERED_3)) == len(NOT_OFFERED_3)
+
+
+def library(data: bytes, folder: Path) -> Path:
+    (folder / "one.fmu").write_bytes(data)
+    (found,) = Path(extract(str(folder / "one.fmu"), str(folder / "out"))).glob("binaries/*/*.so")
+    return found
+
+
+def test_a_binary_shows_the_standards_functions_alone(tmp_path) -> None:
+    """Else two units in one process call each other's: of one task, of another design, under names that are the same."""
+    for name, data in units(made("hold"), PLANTS["integrator"]).items():
+        folder = tmp_path / name
+        folder.mkdir()
+        told = subprocess.run(
+            ["nm", "-D", "--defined-only", library(data, folder)], capture_output=True, text=True, check=True
+        ).stdout
+        seen = {line.split()[-1].partition("@")[0] for line in told.splitlines() if " A " not in line}
+        assert len(seen) > 25
+        assert all(symbol.startswith(("fmi2", "fmi3")) for symbol in seen), seen
+
+
+def test_two_designs_of_one_name_loaded_globally_keep_apart(tmp_path) -> None:
+    """As an importer does it that loads with RTLD_GLOBAL: the second's u is its own, not the first's."""
+    task = load_task(ROOT / "tasks" / "omni_s2.toml")
+    u = []
+    for k, gain in enumerate((1, 3)):
+        controller = build_task(task.changed(control={"gain": gain}))
+        (tmp_path / str(k)).mkdir()
+        data = units(controller)["omni_s2.fmu"]
+        ctypes.CDLL(str(library(data, tmp_path / str(k))), mode=ctypes.RTLD_GLOBAL)
+        unit = Slave(data, tmp_path / f"slave{k}", 3)
+        unit.start(x1=0.3, x2=0.2)
+        u.append(np.array(unit.get("u1", "u2")))
+    assert u[1] == pytest.approx(3 * u[0], rel=1e-6)
+    assert u[0].all()
+
+
+@pytest.mark.parametrize("name", ["fmi2", "fmi3", "unit", "N", "reference"])
+def test_a_tasks_name_takes_no_file_or_name_of_the_unit(name: str, tmp_path) -> None:
+    controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name))
+    for version, ending in ((2, "fmi2.fmu"), (3, "fmu")):
+        unit = Slave(units(controller)[f"{name}.{ending}"], tmp_path / str(version), version)
+        unit.start(x1=0.3, x2=0.2)
+        assert any(unit.get("u1", "u2"))
+
+
+def test_plants_of_one_task_have_tokens_of_their_own(tmp_path) -> None:
+    """And so have two that differ in a constant's range alone, whose middle is where the parameter begins."""
+    tokens = set()
+    for text in (PLANT, PLANT.replace("(-2, 0)", "(-2, 1)"), PLANT.replace("[0, 1]]", "[0, 2]]")):
+        (tmp_path / "mine.py").write_text(text)
+        data = units(made("omni_s2"), plant_of(str(tmp_path / "mine.py"), 2))["omni_s2_plant.fmu"]
+        (tmp_path / "p.fmu").write_bytes(data)
+        tokens.add(read_model_description(tmp_path / "p.fmu").guid)
+    assert len(tokens) == 3
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("plant", [None, "integrator"])
+def test_calls_out_of_turn_and_times_that_are_none_are_refused(version: int, plant: str | None, tmp_path) -> None:
+    unit = slave("omni_s2", version, tmp_path / "a", plant)
+    with pytest.raises(Exception, match="DoStep"):
+        unit.step(0.0, 0.1)  # before it began
+    unit.start()
+    for now, seconds in ((0.0, math.inf), (math.nan, 0.1), (math.inf, 0.1), (1e308, 1.7e308), (0.0, -0.1)):
+        with pytest.raises(Exception, match="DoStep"):
+            unit.step(now, seconds)
+    unit.step(0.0, 0.1)
+    with pytest.raises(Exception, match="EnterInitializationMode"):
+        unit.unit.enterInitializationMode()
+    before = unit.get(*unit.names("x"))
+    unit.unit.terminate()
+    assert unit.get(*unit.names("x")) == before  # what it has come to can still be read
+    with pytest.raises(Exception, match="DoStep"):
+        unit.step(0.1, 0.1)
+    unit.unit.reset()
+    unit.start()
+    unit.step(0.0, 0.1)
+
+
+def test_a_tube_that_repeats_itself_keeps_to_its_cycle_for_a_day(tmp_path) -> None:
+    """The cycle is no float: after 10,000 of them the tube stands where it stood after one, up to a float's error of one."""
+    controller = build_task(load_task(ROOT / "tasks" / "watchman.toml").changed(prescribed_time=15.9, emit={"tick_period": None}))
+    cycle = cycle_of(controller.design)
+    assert cycle is not None
+    assert np.float32(cycle.length) != cycle.length  # else this says nothing
+    unit = Slave(units(controller)["watchman.fmu"], tmp_path / "a", 3)
+    unit.start()
+    edges = []
+    for count in (1, 10_000):
+        now = float(cycle.begin + cycle.length / 3 + count * cycle.length)
+        unit.step(now, 0.0)
+        edges.append(unit.get(*unit.names("lower"), *unit.names("upper")))
+    slope = 20.0  # of the tube's edges, at most, in units per second
+    assert edges[0] == pytest.approx(edges[1], abs=slope * 4 * float(np.spacing(np.float32(controller.task.prescribed_time))))
+
+
+def test_a_unit_of_time_over_time_has_no_dimension(tmp_path) -> None:
+    controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(axes=["a", "b"], units=["s", "deg"]))
+    (tmp_path / "unit.fmu").write_bytes(units(controller)["omni_s2.fmu"])
+    defined = {d.name: d.baseUnit for d in read_model_description(tmp_path / "unit.fmu").unitDefinitions}
+    assert [(defined[n].s, defined[n].rad) for n in ("s", "s/s", "deg", "deg/s")] == [(1, 0), (0, 0), (0, 1), (-1, 1)]
 
 
 def test_what_has_no_unit_is_refused_and_the_command_writes_the_others(tmp_path) -> None:

@@ -67,7 +67,7 @@ def crates(folder: Path, shapes: list[str]) -> None:
             text.replace(f'name = "{made(shape).task.name}"', f'name = "of_{shape}"')
         )
         tests = folder / f"of_{shape}" / "tests" / "selftest.rs"
-        tests.write_text(tests.read_text().replace(f"use {made(shape).task.name}::", f"use of_{shape}::"))
+        tests.write_text(tests.read_text().replace(f"use ::{made(shape).task.name}::", f"use ::of_{shape}::"))
     (folder / "Cargo.toml").write_text('[workspace]\nresolver = "2"\nmembers = ["of_*"]\n')
     own = folder / "vendor" / "libm"
     (own / "src").mkdir(parents=True)
@@ -297,7 +297,7 @@ def test_the_pages_drive_compiles(tmp_path, tool) -> None:
 
 def test_a_word_of_rust_is_no_name() -> None:
     task = task_of("omni_s2")
-    for word in ("crate", "libm", "fn"):
+    for word in ("crate", "libm", "fn", "Self"):
         with pytest.raises(BadInput, match=f"name: '{word}' is a reserved word or a crate of Rust"):
             task.changed(name=word, emit={"rust": True})
     assert task.changed(name="crate").name == "crate"  # who has no Rust may have it
@@ -305,6 +305,14 @@ def test_a_word_of_rust_is_no_name() -> None:
     kernel = Kernel("mine", (Var("impl", REAL),), (Assign(Var("y", REAL), Var("impl", REAL)),), (Var("y", REAL),), ("y",))
     with pytest.raises(ValueError, match="'impl' is a word of C, C\\+\\+, <math.h> or Rust"):
         check_names(replace(program, kernels=(*program.kernels, kernel)))
+
+
+@pytest.mark.parametrize("name", ["Real", "Status", "N", "control"])
+def test_a_name_that_the_crate_has_within_is_one_for_the_crate(name: str, tmp_path, tool) -> None:
+    controller = build_task(task_of("omni_s2").changed(name=name, emit={"rust": True, "math": "inline"}))
+    write_files(tmp_path, package(controller, "rust"))
+    tested = run(tmp_path / name, tool("cargo"), "test", "--offline")
+    assert tested.returncode == 0, tested.stderr
 
 
 def test_the_commands_write_and_run_it(tmp_path, monkeypatch) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json as _json
+import zipfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,6 +12,9 @@ import typer
 
 from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFiles, Uncertified, patience, print_json, say
 from stt_codegen.errors import BadInput
+
+Files = dict[str, bytes]
+SEAL = ".certificate.json"
 
 
 def generate(
@@ -58,11 +63,7 @@ def generate(
     for name in names:
         if lowered.count(name.lower()) > 1:
             raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
-    written = []
-    if record is None:
-        for _, controller in made:
-            _keep_certified(out or Path(), controller)
-    packages = []
+    packages: list[Files] = []
     for _, controller in made:
         if package == "fmu":
             model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
@@ -71,13 +72,16 @@ def generate(
             packages.append(ros2_package(controller))
         else:
             packages.append(packed(controller, package))
+    if record is None:
+        _keep_apart(names, packages)
+        for (_, controller), files in zip(made, packages, strict=True):
+            if not controller.certificate.holds:
+                keep_certified(out or Path(), controller.task.name, files)
+        write_files(out or Path(), {path: data for files in packages for path, data in files.items()})
+    written = []
     for (task, controller), files in zip(made, packages, strict=True):
         _tell_what_is_not_proved(controller)
-        if record is not None:
-            folder = record_controller(record, task, controller, uncertified)
-        else:
-            folder = out or Path()
-            write_files(folder, files)
+        folder = out or Path() if record is None else record_controller(record, task, controller, uncertified)
         written.append(
             {
                 "task": controller.task.name,
@@ -95,17 +99,30 @@ def generate(
         print_json({"written": written})
 
 
-def _keep_certified(folder: Path, controller: Any) -> None:
-    """Refuse to write an uncertified controller over a certified one of the same name."""
-    old = folder / f"{controller.task.name}.certificate.json"
-    if controller.certificate.holds or not old.exists():
-        return
-    try:
-        certified = _json.loads(old.read_bytes()).get("certified") is True
-    except (OSError, ValueError, AttributeError):
+def _keep_apart(names: list[str], packages: list[Files]) -> None:
+    """Refuse tasks whose files would overwrite each other, also where a file system knows no upper case."""
+    owners: dict[str, str] = {}
+    for name, files in zip(names, packages, strict=True):
+        for path in files:
+            owner = owners.setdefault(path.lower(), name)
+            if owner != name:
+                raise BadInput(
+                    f"the tasks {owner!r} and {name!r} would both write {path}; give them other names, or another --out"
+                )
+
+
+def keep_certified(folder: Path, name: str, files: Files) -> None:
+    """Refuse to write an uncertified controller over a certified one, wherever the package keeps its certificate."""
+    for path in files:
         certified = False
-    if certified:
-        raise BadInput(f"{folder}: holds a certified {controller.task.name!r}; write the uncertified one to another --out")
+        with suppress(OSError, ValueError, AttributeError, KeyError, zipfile.BadZipFile):
+            if path.endswith(SEAL):
+                certified = _json.loads((folder / path).read_bytes()).get("certified") is True
+            elif path.endswith(".fmu"):
+                with zipfile.ZipFile(folder / path) as unit:
+                    certified = _json.loads(unit.read(f"resources/{name}{SEAL}")).get("certified") is True
+        if certified:
+            raise BadInput(f"{folder}: holds a certified {name!r} ({path}); write the uncertified one to another --out")
 
 
 def _tell_what_is_not_proved(controller: Any) -> None:

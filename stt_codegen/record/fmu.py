@@ -15,10 +15,12 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from stt_codegen.certify.mission import cycle_of
 from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.driven import driven_sources
 from stt_codegen.emit.naming import file_names, phase_name
-from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.emit.render import Files, template
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
@@ -115,17 +117,17 @@ def controller_unit(controller: Controller) -> Unit:
             Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True, direct=waits)
         )
     kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
+    cycle = cycle_of(controller.design) if isinstance(controller.design, RefinedDesign) else None
     own = template("fmu/controller.c.j2").render(
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside, repeats=task.repeat,
-        phases=phases, places=places,
+        cycle=None if cycle is None else repr(float(cycle.length)), phases=phases, places=places,
     )  # fmt: skip
     names = [header, *driven_sources(task), *([phase_name(task.name)] if phases else [])]
     verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     told = f"Prescribed-time reach-avoid-stay controller {task.name}, {controller.design.kind} tube, {verdict}"
     return Unit(
-        task.name, f"{task.name}-{design_hash(task, controller.design)}",
-        told, tuple(variables),
-        {"unit.c": own.encode()} | {name: controller.files[name] for name in names}, () if kept is None else (kept,), t_c,
+        task.name, told, tuple(variables), own, header, {name: controller.files[name] for name in names},
+        () if kept is None else (kept,), t_c,
         "" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
         {proof: controller.files[proof]},
     )  # fmt: skip
@@ -168,8 +170,7 @@ def plant_unit(task: Task, plant: Model) -> Unit:
     )
     t_c = shortest(round_to(task.prescribed_time, "double"), "double")
     return Unit(
-        name, f"{name}-{task.digest[:16]}", f"Plant {plant.name} for {task.name}", tuple(variables),
-        {"unit.c": own.encode()}, (), t_c, "", {},
+        name, f"Plant {plant.name} for {task.name}", tuple(variables), own, "", {}, (), t_c, "", {},
     )  # fmt: skip
 
 
@@ -179,16 +180,14 @@ def plant_unit(task: Task, plant: Model) -> Unit:
 def packed(unit: Unit, version: int) -> bytes:
     """The unit's archive, stored without compression and without dates. Of the same sources, compiler and machine the same bytes;
     on other machines than 64-bit x86 Linux it has sources alone."""
-    numbers, wholes = [v for v in unit.variables if not v.whole], [v for v in unit.variables if v.whole]
+    interface = f"{unit.name}_fmi{version}.c"  # no file of the controller is called so, whatever the task's name
     words = {
-        "name": unit.name, "token": unit.token, "numbers": numbers, "wholes": wholes, "kept": unit.kept,
+        "name": unit.name, "version": version, "token": unit.token, "kept": unit.kept, "body": unit.body,
+        "numbers": [v for v in unit.variables if not v.whole], "wholes": [v for v in unit.variables if v.whole],
+        "includes": f'#include "{unit.header}"\n' if unit.header else "",
         "not_offered": NOT_OFFERED_2 if version == 2 else NOT_OFFERED_3,
     }  # fmt: skip
-    interface = f"fmi{version}.c"
-    sources = unit.sources | {
-        "unit.h": template("fmu/unit.h.j2").render(**words).encode(),
-        interface: template(f"fmu/{interface}.j2").render(**words).encode(),
-    }
+    sources = {interface: template("fmu/unit.c.j2").render(**words).encode()} | unit.sources
     compiled = [name for name in sources if name.endswith(".c")]
     description = (description_2 if version == 2 else description_3)(unit, compiled)
     files = {"modelDescription.xml": text(description)}
@@ -198,7 +197,7 @@ def packed(unit: Unit, version: int) -> bytes:
     files |= {f"resources/{name}": data for name, data in unit.extras.items()}
     if sys.platform == "linux" and platform.machine() == "x86_64":
         folder = "binaries/x86_64-linux" if version == 3 else "binaries/linux64"
-        files[f"{folder}/{unit.name}.so"] = _binary(unit.name, sources, compiled)
+        files[f"{folder}/{unit.name}.so"] = _binary(unit.name, version, sources, compiled)
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_STORED) as archive:
         for name, data in sorted(files.items()):
@@ -206,13 +205,16 @@ def packed(unit: Unit, version: int) -> bytes:
     return out.getvalue()
 
 
-def _binary(name: str, sources: Files, compiled: Sequence[str]) -> bytes:
+def _binary(name: str, version: int, sources: Files, compiled: Sequence[str]) -> bytes:
+    """A shared library with the standard's functions and no other name to be seen: two units in one process, of one task even,
+    do not call each other. What it does not define is an error here, not where it is loaded."""
     with tempfile.TemporaryDirectory() as folder:
         for file, data in sources.items():
             Path(folder, file).write_bytes(data)
-        made = Path(folder, f"{name}.so")
+        made, seen = Path(folder, f"{name}.so"), Path(folder, "exported.map")
+        seen.write_text(f"{{ global: fmi{version}*; local: *; }};\n")
         flags = [f for f in STRICT if f not in ("-Wcast-qual", "-Wconversion", "-Wsign-conversion")]
         text = [str(Path(folder, file)) for file in compiled]
         flags += ["-s", f"-ffile-prefix-map={folder}=.", "-shared", "-fPIC", "-Wno-unused-parameter"]
-        run_compiler([find_compiler(), *flags, "-o", str(made), *text, "-lm"])
+        run_compiler([find_compiler(), *flags, f"-Wl,--version-script={seen},-z,defs", "-o", str(made), *text, "-lm"])
         return made.read_bytes()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
@@ -40,18 +41,25 @@ class Variable:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit before it is packed: variables in the order of their references, C files beside fmi2.c or fmi3.c, more files for
-    people."""
+    """A unit before it is packed: variables in the order of their references, the C of its body (`unit_start`, `unit_evaluate`,
+    `unit_advance`) and the header that this includes, more C files, members of the body's state, more files for people."""
 
     name: str
-    token: str
     description: str
     variables: tuple[Variable, ...]
+    body: str
+    header: str
     sources: Files
     kept: tuple[str, ...]
     stop: str
     step: str
     extras: Files
+
+    @property
+    def token(self) -> str:
+        """Of all that decides what the unit does, so that an importer takes no other unit for it."""
+        told = hashlib.sha256(repr((self.variables, self.body, sorted(self.sources.items()))).encode()).hexdigest()
+        return f"{self.name}-{told[:16]}"
 
 
 def text(root: ET.Element) -> bytes:
@@ -66,7 +74,8 @@ def _units(root: ET.Element, unit: Unit) -> None:
     for name, v in sorted(named.items()):
         own = ET.SubElement(definitions, "Unit", name=name)
         if v.base in BASE:
-            ET.SubElement(own, "BaseUnit", BASE[v.base] | ({"s": str(-v.order)} if v.order else {}))
+            seconds = int(BASE[v.base].get("s", 0)) - v.order
+            ET.SubElement(own, "BaseUnit", BASE[v.base] | {"s": str(seconds)})
 
 
 def _attributes(v: Variable, reference: int, version: int) -> dict[str, str]:

@@ -19,9 +19,9 @@ CPP_WORDS = frozenset(
 
 # Of all editions, strict and reserved, and crates that a program has already.
 RUST_WORDS = frozenset(
-    """abstract alloc as async await become box break const continue core crate do dyn else enum extern false final fn for gen if
-    impl in let libm loop macro match mod move mut override priv proc_macro pub ref return self static std struct super test trait
-    true try type typeof union unsafe unsized use virtual where while yield""".split()
+    """Self abstract alloc as async await become box break const continue core crate do dyn else enum extern false final fn
+    for gen if impl in let libm loop macro match mod move mut override priv proc_macro pub ref return self static std
+    struct super test trait true try type typeof union unsafe unsized use virtual where while yield""".split()
 )
 
 # <name>.h must not shadow a header of the C library, <name>.py not a module that it or its user imports early.
