@@ -7,10 +7,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 PEERS := $(VENV)/.peers
+PHYSICS := $(VENV)/.physics
 TASKS := $(sort $(wildcard tasks/*.toml))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
-.PHONY: demo test integration generate check peers policies ros ends lock clean help
+.PHONY: demo test integration generate check peers policies physics ros ends lock clean help
 
 help:
 	@sed -n 's/^# //p' Makefile | head -3
@@ -24,7 +25,7 @@ demo: $(STAMP)
 	@$(BIN)/stt-codegen report tasks/omni_s2.toml --out demo/omni_s2.report.html
 	@echo "Open demo/omni_s2.report.html. Look at demo/: pictures (.png), C (.h, .c), Python (.py), certificates (.certificate.json), traces (.loop.csv)."
 
-test: $(STAMP) $(if $(CI),$(PEERS))
+test: $(STAMP) $(if $(CI),$(PEERS) $(PHYSICS))
 	@.ci/tools test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -33,7 +34,7 @@ test: $(STAMP) $(if $(CI),$(PEERS))
 
 # Each command fails where a law is broken: a mutant that passes, a lemma that no mutant moves, a sampled statement that is violated, an
 # arena with a way and no certificate, a closed loop that collides or leaves.
-integration: $(STAMP) $(if $(CI),$(PEERS) build/ros/.done)
+integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	@.ci/tools test
 	$(BIN)/pytest -n auto --dist loadgroup -m slow
 	$(BIN)/python benchmarks/mutations.py
@@ -44,6 +45,7 @@ integration: $(STAMP) $(if $(CI),$(PEERS) build/ros/.done)
 	$(BIN)/python benchmarks/tubes.py --count 60 --others 60
 	$(BIN)/python benchmarks/mutations.py --moving --count 500
 	$(BIN)/python benchmarks/moving.py --count 60
+	$(BIN)/python benchmarks/physics.py --runs 100
 	$(BIN)/python benchmarks/mutations.py --inertia --count 400
 	$(BIN)/python benchmarks/mission_mutants.py --count 1000
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
@@ -85,6 +87,13 @@ policies: $(STAMP)
 	@build/rl/bin/python .ci/install peers-rl.lock
 	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python benchmarks/policy.py --out build/policies
 
+# MuJoCo, for benchmarks/physics.py; its test is skipped where it is missing.
+physics: $(PHYSICS)
+
+$(PHYSICS): physics.lock $(STAMP)
+	@$(BIN)/python .ci/install physics.lock
+	@touch $@
+
 # ROS 2's Python client as wheels, in an environment of its own (270 MB): the node is tried in it by the slow tests and benchmarks/ros.py.
 ros: build/ros/.done
 
@@ -100,9 +109,10 @@ ends: $(STAMP)
 # After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers pyproject.toml -o peers.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers -c requirements.lock pyproject.toml -o peers.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra peers-rl pyproject.toml -o peers-rl.lock
 	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra ros pyproject.toml -o ros.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra physics -c requirements.lock pyproject.toml -o physics.lock
 
 clean:
 	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis

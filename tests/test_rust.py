@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import json
 import os
 import re
@@ -222,6 +223,7 @@ def noticed(controller: Controller, text: str) -> bool:
     child = os.fork()
     if child == 0:
         os.close(2)
+        faulthandler.disable()  # it writes to an error stream of its own
         try:
             good = all(r.holds for r in compare_backend(controller, make, 300)) and not different(controller, make(controller))
             os._exit(0 if good else 1)
