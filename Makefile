@@ -36,6 +36,7 @@ test: $(STAMP) $(if $(CI),$(PEERS) $(PHYSICS))
 # arena with a way and no certificate, a closed loop that collides or leaves.
 integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	@.ci/tools test
+	@.ci/tools integration
 	$(BIN)/pytest -n auto --dist loadgroup -m slow
 	$(BIN)/python benchmarks/mutations.py
 	$(BIN)/python benchmarks/mutations.py --shapes --count 1000

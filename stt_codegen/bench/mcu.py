@@ -20,6 +20,7 @@ from stt_codegen.bench.report import command, record, table
 from stt_codegen.bench.rivals import casadi_text, floor_text, hand_text
 from stt_codegen.board.emulated import BOARDS, CFLAGS, Board, Counts, Emulated
 from stt_codegen.compare.comparison import compare_backend
+from stt_codegen.compare.rust import board_objects
 from stt_codegen.errors import BadInput, MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_task
 
@@ -53,23 +54,23 @@ class Line:
     within: bool | None  # of the bounds of compare; None where that is not asked
 
 
-def variant(design: str, scalar: str, math: str, family: Family = CASE[0], seed: int = CASE[1]) -> Controller:
+def variant(design: str, scalar: str, math: str, family: Family = CASE[0], seed: int = CASE[1], rust: bool = False) -> Controller:
     """The controller of an arena."""
     task = arena_task(family, seed).with_options(design, scalar)
-    return build_task(task.model_copy(update={"emit": task.emit.model_copy(update={"math": math})}))
+    return build_task(task.model_copy(update={"emit": task.emit.model_copy(update={"math": math, "rust": rust})}))
 
 
-def measured(controller: Controller, board: Board, label: str, points: int) -> tuple[Line, Counts]:
-    """Compare with the reference on the board, and what `control` took there."""
+def measured(controller: Controller, board: Board, label: str, points: int, rust: bool = False) -> tuple[Line, Counts]:
+    """Compare with the reference on the board, and what `control` took there, the C's or the Rust's."""
     made: list[Emulated] = []
 
     def make(given: Controller) -> Emulated:
-        made.append(Emulated(given, board))
+        made.append(Emulated(given, board, rust=rust))
         return made[-1]
 
     rows = compare_backend(controller, make, points)
     counts = next(backend.counts["control"] for backend in made if "control" in backend.counts)
-    return line_of(controller, board, label, counts, all(r.holds for r in rows)), counts
+    return line_of(controller, board, label, counts, all(r.holds for r in rows), rust), counts
 
 
 def others(board: Board, sources: dict[str, str], points: int = 200) -> Iterator[Line]:
@@ -82,16 +83,17 @@ def others(board: Board, sources: dict[str, str], points: int = 200) -> Iterator
         yield rival(controller, board, label, as_control(controller.task.name, source), counts)
 
 
-def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None) -> Line:
+def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None, rust: bool = False) -> Line:
     seen = counts.summary()
-    code, tables, ram = sizes(controller, board)
+    code, tables, ram = sizes(controller, board, rust=rust)
     place = seen.place([p.name for p in controller.program.function("control").inputs])
     steps = (seen.least, seen.median, seen.most)
     return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen.stack, within)
 
 
-def sizes(controller: Controller, board: Board, function: str = "control") -> tuple[int, int, int]:
-    """Bytes of code, of tables, and of RAM that `function` and all it calls need, without the C library, at -O2."""
+def sizes(controller: Controller, board: Board, function: str = "control", rust: bool = False) -> tuple[int, int, int]:
+    """Bytes of code, of tables, and of RAM that `function` and all it calls need, without the C library, at -O2; of Rust with
+    what it calls of its core library."""
     p = controller.task.name
     for tool in (board.compiler, _size_tool(board)):
         if shutil.which(tool) is None:
@@ -102,9 +104,11 @@ def sizes(controller: Controller, board: Board, function: str = "control") -> tu
         split = ("-ffunction-sections", "-fdata-sections", "-w")
         base = [board.compiler, *board.flags]
         headers = [v for v in board.libraries if v.startswith("--specs=")]
-        subprocess.run([*base, *headers, *CFLAGS, *split, "-c", f"{p}.c", "-o", "all.o"], cwd=folder, check=True)
+        objects = board_objects(controller, board.rust, Path(folder)) if rust else ["all.o"]
+        if not rust:
+            subprocess.run([*base, *headers, *CFLAGS, *split, "-c", f"{p}.c", "-o", "all.o"], cwd=folder, check=True)
         keep = f"-Wl,-r,--gc-sections,-e,{p}_{function}"
-        subprocess.run([*base, "-nostdlib", "-nostartfiles", keep, "all.o", "-o", "kept.o"], cwd=folder, check=True)
+        subprocess.run([*base, "-nostdlib", "-nostartfiles", keep, *objects, "-o", "kept.o"], cwd=folder, check=True)
         lines = subprocess.run([_size_tool(board), "-A", "kept.o"], cwd=folder, check=True, capture_output=True, text=True).stdout
     found = [(row[0], int(row[1])) for row in (line.split() for line in lines.splitlines()) if len(row) == 3 and row[0][0] == "."]
 
@@ -149,10 +153,21 @@ def beside(board: Board, points: int, said: Callable[[str], None]) -> Iterator[L
         ]
         if design == "refined":
             yield replace(measured(variant("refined", "float", "inline"), board, "emitted, refined, inline", points)[0])
+            yield from in_rust(board, points, said)
             rivals += [("written by hand", hand_text(controller)), ("n logarithms, n divisions", floor_text(controller))]
         for label, text in rivals:
             said(f"{board.name}: {label}, {design}")
             yield rival(controller, board, f"{label}, {design}", text, counts)
+
+
+def in_rust(board: Board, points: int, said: Callable[[str], None]) -> Iterator[Line]:
+    """The same two controllers as Rust, called as C is; left out where the board or the machine has none."""
+    for label, math in (("emitted as Rust, refined", "libm"), ("emitted as Rust, refined, inline", "inline")):
+        said(f"{board.name}: {label}")
+        try:
+            yield measured(variant("refined", "float", math, rust=True), board, label, points, rust=True)[0]
+        except (BadInput, MissingTool) as error:
+            said(f"{label} is left out: {error}")
 
 
 def rival(controller: Controller, board: Board, label: str, text: str, counts: Counts) -> Line:

@@ -24,10 +24,16 @@ OPTIMIZED = ("-C", "opt-level=3", "-C", "panic=abort", "-C", "codegen-units=1")
 
 def find_rustc() -> str:
     """The Rust compiler: $RUSTC, or rustc. Raises `MissingTool`."""
-    found = shutil.which(os.environ.get("RUSTC") or "rustc")
-    if found is None:
+    return _compilers()[0]
+
+
+def _compilers() -> list[str]:
+    """$RUSTC alone, or every rustc on the path: rustup's and the distribution's may stand side by side. Raises `MissingTool`."""
+    folders = [None] if os.environ.get("RUSTC") else os.get_exec_path()
+    found = [shutil.which(os.environ.get("RUSTC") or "rustc", path=folder) for folder in folders]
+    if not any(found):
         raise MissingTool("no Rust compiler found; install rustc (Debian: apt-get install rustc, or rustup), or set RUSTC")
-    return found
+    return [one for one in dict.fromkeys(found) if one]
 
 
 def run_rustc(arguments: Iterable[str], **environment: str) -> None:
@@ -75,24 +81,28 @@ def _abi(program: Program, folder: str, board: bool) -> str:
 def core_library(target: str) -> tuple[str, str]:
     """A rustc that can compile for the target, and its core library: the one that is installed, or made from its source (about
     half a minute, once a process). Raises `MissingTool`."""
-    rustc = find_rustc()
-    said = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
-    root = Path(said.stdout.strip()) / "lib" / "rustlib"
-    installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
-    if installed:
-        return rustc, str(installed[0])
-    source = root / "src" / "rust" / "library" / "core" / "src" / "lib.rs"
-    if not source.is_file():
-        raise MissingTool(
-            f"{rustc} has no core library for {target}: rustup target add {target}, or set RUSTC to one that has the source "
-            "(Debian: apt-get install rustc rust-src)"
-        )
+    for rustc in _compilers():
+        said = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
+        root = Path(said.stdout.strip()) / "lib" / "rustlib"
+        installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
+        if installed:
+            return rustc, str(installed[0])
+        source = root / "src" / "rust" / "library" / "core" / "src" / "lib.rs"
+        if source.is_file():
+            return rustc, _made_core(rustc, target, source)
+    raise MissingTool(
+        f"{' and '.join(_compilers())}: no core library for {target}; rustup target add {target}, or its source "
+        "(Debian: apt-get install rustc rust-src)"
+    )
+
+
+def _made_core(rustc: str, target: str, source: Path) -> str:
     made = f"{_kept().name}/{target}/libcore.rlib"
     Path(made).parent.mkdir()
     own = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED, str(source), "-o", made)
     run_rustc([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
     _no_builtins(rustc, target, Path(made).parent)
-    return rustc, made
+    return made
 
 
 def _no_builtins(rustc: str, target: str, folder: Path) -> None:
