@@ -25,7 +25,7 @@ from stt_codegen.compare.comparison import compare, compare_backend
 from stt_codegen.compare.rust import CompiledRust
 from stt_codegen.compare.toolchain import load_module
 from stt_codegen.emit.naming import check_names
-from stt_codegen.errors import BadInput, MissingTool
+from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.program import REAL, Assign, Kernel, Var
 from stt_codegen.record.files import write_files
@@ -354,3 +354,11 @@ def test_the_rust_on_a_board_is_within_the_bounds(name: str, tool) -> None:
         assert all(r.holds for r in rows)
         costs[rust] = max(b.counts["control"].summary().most for b in backends if "control" in b.counts)
     assert costs[True] <= 1.5 * costs[False]
+
+
+@pytest.mark.parametrize(("variable", "task"), [("CC", "omni_s2"), ("RUSTC", "crawler")])
+def test_a_compiler_that_fails_in_silence_is_named(variable: str, task: str, monkeypatch, tool) -> None:
+    tool("rustc")
+    monkeypatch.setenv(variable, tool("false"))
+    with pytest.raises(SttError, match=r"false refused the emitted code:\nit said nothing, and ended with 1"):
+        compare(load_task(ROOT / "tasks" / f"{task}.toml"), 10)

@@ -6,14 +6,15 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
 from stt_codegen.compare.backends import CompiledC
+from stt_codegen.compare.toolchain import run_compiler
 from stt_codegen.emit.naming import rust_name
 from stt_codegen.emit.render import template
-from stt_codegen.errors import MissingTool, SttError
+from stt_codegen.errors import MissingTool
 from stt_codegen.pipeline import Controller
 from stt_codegen.program import Program
 from stt_codegen.program.print.rust import RustPrinter
@@ -36,13 +37,6 @@ def _compilers() -> list[str]:
     return [one for one in dict.fromkeys(found) if one]
 
 
-def run_rustc(arguments: Iterable[str], **environment: str) -> None:
-    """Run the compiler; its messages become the error when it fails."""
-    result = subprocess.run(list(arguments), capture_output=True, text=True, check=False, env={**os.environ, **environment})
-    if result.returncode != 0:
-        raise SttError(f"rustc refused the emitted code:\n{result.stderr.strip()}")
-
-
 class CompiledRust(CompiledC):
     """The emitted Rust, warnings denied, with the standard library's mathematics."""
 
@@ -53,7 +47,7 @@ class CompiledRust(CompiledC):
             rlib = _controller(controller, rustc, folder, ("--cfg", 'feature="std"'))
             abi = _abi(controller.program, folder, board=False)
             extern = ("--extern", f"{controller.program.prefix}={rlib}")
-            run_rustc([rustc, *EDITION, *OPTIMIZED, "--crate-type", "cdylib", *extern, abi, "-o", made])
+            run_compiler([rustc, *EDITION, *OPTIMIZED, "--crate-type", "cdylib", *extern, abi, "-o", made])
             super().__init__(controller, library=Path(made))
         self.name = f"Rust {self.scalar}"
 
@@ -64,7 +58,7 @@ def _controller(controller: Controller, rustc: str, folder: str, flags: Sequence
     source, made = Path(folder, rust_name(prefix)), f"{folder}/lib{prefix}.rlib"
     source.write_bytes(controller.files[source.name])
     wanted = ("-D", "warnings", "--crate-type", "rlib", "--crate-name", prefix)
-    run_rustc([rustc, *EDITION, *OPTIMIZED, *wanted, *flags, str(source), "-o", made])
+    run_compiler([rustc, *EDITION, *OPTIMIZED, *wanted, *flags, str(source), "-o", made])
     return made
 
 
@@ -100,7 +94,7 @@ def _made_core(rustc: str, target: str, source: Path) -> str:
     made = f"{_kept().name}/{target}/libcore.rlib"
     Path(made).parent.mkdir()
     own = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED, str(source), "-o", made)
-    run_rustc([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
+    run_compiler([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
     _no_builtins(rustc, target, Path(made).parent)
     return made
 
@@ -110,7 +104,7 @@ def _no_builtins(rustc: str, target: str, folder: Path) -> None:
     Path(folder, "builtins.rs").write_text("#![feature(compiler_builtins)]\n#![compiler_builtins]\n#![no_std]\n")
     own = ("--crate-type", "rlib", "--crate-name", "compiler_builtins", "--target", target, "-L", str(folder))
     made = f"{folder}/libcompiler_builtins.rlib"
-    run_rustc([rustc, *EDITION, *own, f"{folder}/builtins.rs", "-o", made], RUSTC_BOOTSTRAP="1")
+    run_compiler([rustc, *EDITION, *own, f"{folder}/builtins.rs", "-o", made], RUSTC_BOOTSTRAP="1")
 
 
 @cache
@@ -141,11 +135,11 @@ def board_objects(controller: Controller, target: str, folder: Path) -> list[str
     )
     Path(folder, "libm.rs").write_text(MATH.format(declared=declared, defined=defined))
     mathematics = f"{where}/liblibm.rlib"
-    run_rustc(
+    run_compiler(
         [rustc, *EDITION, *OPTIMIZED, "--crate-type", "rlib", "--crate-name", "libm", *to, f"{where}/libm.rs", "-o", mathematics]
     )
     rlib = _controller(controller, rustc, where, (*to, "--extern", f"libm={mathematics}", "--cfg", 'feature="libm"'))
     abi, made = _abi(program, where, board=True), f"{where}/abi.o"
     linked = ("--extern", f"{program.prefix}={rlib}", "-L", where)
-    run_rustc([rustc, *EDITION, *OPTIMIZED, "--crate-type", "lib", "--emit", "obj", *to, *linked, abi, "-o", made])
+    run_compiler([rustc, *EDITION, *OPTIMIZED, "--crate-type", "lib", "--emit", "obj", *to, *linked, abi, "-o", made])
     return [made, rlib, mathematics, core]

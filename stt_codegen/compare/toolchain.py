@@ -29,11 +29,13 @@ def find_compiler() -> str:
     raise MissingTool("no C compiler found; install gcc or clang (Debian: apt-get install gcc libc6-dev), or set CC")
 
 
-def run_compiler(arguments: Iterable[str]) -> None:
-    """Run a compiler; its messages become the error when it fails."""
-    result = subprocess.run(list(arguments), capture_output=True, text=True, check=False)
+def run_compiler(arguments: Iterable[str], **environment: str) -> None:
+    """Run a compiler, of C or Rust; its messages become the error when it fails. Raises `SttError`."""
+    command = list(arguments)
+    result = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **environment})
     if result.returncode != 0:
-        raise SttError(f"the C compiler refused the emitted code:\n{result.stderr.strip()}")
+        told = result.stderr.strip() or f"it said nothing, and ended with {result.returncode}; does it compile anything?"
+        raise SttError(f"{command[0]} refused the emitted code:\n{told}")
 
 
 def load_module(name: str, text: bytes) -> ModuleType:
