@@ -108,3 +108,10 @@ def test_sections_are_replaced_and_columns_aligned(tmp_path) -> None:
     assert "two" not in path.read_text()
     lines = table(["x", "long heading"], [["1", "2"], ["333", "4"]]).splitlines()
     assert len({len(line) for line in lines}) == 1
+
+
+@pytest.mark.parametrize("given", [("arenas", "--policies", "x"), ("loop", "--policies", "x"), ("missions", "--limit", "1")])
+def test_an_option_of_the_peers_is_refused_without_them(given: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(app, ["bench", *given])
+    assert isinstance(result.exception, BadInput)
+    assert f"{given[1]}: is for --peers" in str(result.exception)

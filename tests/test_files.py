@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from conftest import ROOT, controller_of
 
-from stt_codegen.cli.generate import keep_certified
+from stt_codegen.cli.generate import generate, keep_certified
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_task
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
-from stt_codegen.record.fmu import units
 from stt_codegen.record.package import KINDS, package
-from stt_codegen.record.ros2 import ros2_package
 from stt_codegen.task import load_task
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
@@ -258,9 +258,11 @@ def test_an_uncertified_package_does_not_replace_a_certified_one(tmp_path) -> No
 
 
 def test_every_kind_of_package_is_known_to_be_certified(tmp_path) -> None:
+    option = inspect.signature(generate, eval_str=True).parameters["package"].annotation
+    assert get_args(get_args(option)[0]) == tuple(KINDS)
     controller = build_task(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
-    kinds = {kind: package(controller, kind) for kind in KINDS} | {"fmu": units(controller), "ros2": ros2_package(controller)}
-    for kind, files in kinds.items():
+    for kind in KINDS:
+        files = package(controller, kind)
         keep_certified(tmp_path / kind, "omni_s3", files)  # there is none yet
         write_files(tmp_path / kind, files)
         with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):

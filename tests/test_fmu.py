@@ -31,7 +31,7 @@ from stt_codegen.compare.toolchain import load_module
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller, build_task
 from stt_codegen.plants import PLANTS, plant_of
-from stt_codegen.record.fmu import NOT_OFFERED_2, NOT_OFFERED_3, units
+from stt_codegen.record.fmu import NOT_OFFERED_2, NOT_OFFERED_3, fmu_units
 from stt_codegen.task import load_task
 
 # Every shape that the unit has: axes with names, order 2, a mission that repeats, both guards.
@@ -114,15 +114,15 @@ def slave(shape: str, version: int, folder: Path, plant: str | None = None) -> S
     model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
     ending = {n: e for e, n in VERSIONS.items()}[version]
     name = f"{controller.task.name}{'' if plant is None else '_plant'}.{ending}"
-    return Slave(units(controller, model)[name], folder, version)
+    return Slave(fmu_units(controller, model)[name], folder, version)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_every_unit_is_valid_and_the_same_again(shape: str, tmp_path) -> None:
     controller = made(shape)
     plant = PLANTS["integrator"]
-    files = units(controller, plant)
-    assert files == units(controller, plant)
+    files = fmu_units(controller, plant)
+    assert files == fmu_units(controller, plant)
     assert sorted(files) == sorted(f"{controller.task.name}{p}.{e}" for p in ("", "_plant") for e in VERSIONS)
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
@@ -139,7 +139,7 @@ def test_every_unit_is_valid_and_the_same_again(shape: str, tmp_path) -> None:
 
 def test_an_output_names_what_it_is_made_of(tmp_path) -> None:
     """By name, in both versions: u of all that comes in, an edge of nothing, a plant's state of its start at the start."""
-    files = units(made("omni_s2"), PLANTS["integrator"])
+    files = fmu_units(made("omni_s2"), PLANTS["integrator"])
     for name, data in files.items():
         (tmp_path / name).write_bytes(data)
         described = read_model_description(tmp_path / name)
@@ -151,7 +151,7 @@ def test_an_output_names_what_it_is_made_of(tmp_path) -> None:
         else:
             edges = {f"{edge}{i}": [] for edge in ("lower", "upper") for i in (1, 2)}
             assert at == begun == edges | {key: ["x1", "x2"] for key in ("u1", "u2", "margin", "status")}
-    (tmp_path / "hold.fmu").write_bytes(units(made("hold"))["omni_s2.fmu"])
+    (tmp_path / "hold.fmu").write_bytes(fmu_units(made("hold"))["omni_s2.fmu"])
     waits = read_model_description(tmp_path / "hold.fmu").outputs
     assert all([v.name for v in u.dependencies] == ["x1", "x2"] for u in waits)  # of a tube that waits the edges too
 
@@ -287,7 +287,7 @@ def test_another_token_makes_no_instance(tmp_path) -> None:
 def test_a_unit_builds_from_its_sources(tmp_path, tool) -> None:
     """As importers on another machine do it, which find no binary of theirs."""
     tool("cmake")
-    for name, data in units(made("omni_s2")).items():
+    for name, data in fmu_units(made("omni_s2")).items():
         folder = tmp_path / name
         folder.mkdir()
         with zipfile.ZipFile(tmp_path / "of.fmu", "w") as archive, zipfile.ZipFile(BytesIO(data)) as given:
@@ -310,7 +310,7 @@ def test_a_unit_builds_from_its_sources(tmp_path, tool) -> None:
 def test_names_of_axes_become_names_of_variables(axes: list[str] | None, names: list[str], tmp_path) -> None:
     given = {} if axes is None else {"axes": axes, "units": ["deg", "m/s"]}
     controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(**given))
-    (tmp_path / "unit.fmu").write_bytes(units(controller)["omni_s2.fmu"])
+    (tmp_path / "unit.fmu").write_bytes(fmu_units(controller)["omni_s2.fmu"])
     assert validate_fmu(str(tmp_path / "unit.fmu")) == []
     variables = {v.name: v for v in read_model_description(tmp_path / "unit.fmu").modelVariables}
     assert [n for n in variables if n.startswith("x")] == names
@@ -330,7 +330,7 @@ def library(data: bytes, folder: Path) -> Path:
 
 def test_a_binary_shows_the_standards_functions_alone(tmp_path) -> None:
     """Else two units in one process call each other's: of one task, of another design, under names that are the same."""
-    for name, data in units(made("hold"), PLANTS["integrator"]).items():
+    for name, data in fmu_units(made("hold"), PLANTS["integrator"]).items():
         folder = tmp_path / name
         folder.mkdir()
         told = subprocess.run(
@@ -348,7 +348,7 @@ def test_two_designs_of_one_name_loaded_globally_keep_apart(tmp_path) -> None:
     for k, gain in enumerate((1, 3)):
         controller = build_task(task.changed(control={"gain": gain}))
         (tmp_path / str(k)).mkdir()
-        data = units(controller)["omni_s2.fmu"]
+        data = fmu_units(controller)["omni_s2.fmu"]
         ctypes.CDLL(str(library(data, tmp_path / str(k))), mode=ctypes.RTLD_GLOBAL)
         unit = Slave(data, tmp_path / f"slave{k}", 3)
         unit.start(x1=0.3, x2=0.2)
@@ -361,7 +361,7 @@ def test_two_designs_of_one_name_loaded_globally_keep_apart(tmp_path) -> None:
 def test_a_tasks_name_takes_no_file_or_name_of_the_unit(name: str, tmp_path) -> None:
     controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name))
     for version, ending in ((2, "fmi2.fmu"), (3, "fmu")):
-        unit = Slave(units(controller)[f"{name}.{ending}"], tmp_path / str(version), version)
+        unit = Slave(fmu_units(controller)[f"{name}.{ending}"], tmp_path / str(version), version)
         unit.start(x1=0.3, x2=0.2)
         assert any(unit.get("u1", "u2"))
 
@@ -371,7 +371,7 @@ def test_plants_of_one_task_have_tokens_of_their_own(tmp_path) -> None:
     tokens = set()
     for text in (PLANT, PLANT.replace("(-2, 0)", "(-2, 1)"), PLANT.replace("[0, 1]]", "[0, 2]]")):
         (tmp_path / "mine.py").write_text(text)
-        data = units(made("omni_s2"), plant_of(str(tmp_path / "mine.py"), 2))["omni_s2_plant.fmu"]
+        data = fmu_units(made("omni_s2"), plant_of(str(tmp_path / "mine.py"), 2))["omni_s2_plant.fmu"]
         (tmp_path / "p.fmu").write_bytes(data)
         tokens.add(read_model_description(tmp_path / "p.fmu").guid)
     assert len(tokens) == 3
@@ -406,7 +406,7 @@ def test_a_tube_that_repeats_itself_keeps_to_its_cycle_for_a_day(tmp_path) -> No
     cycle = cycle_of(controller.design)
     assert cycle is not None
     assert np.float32(cycle.length) != cycle.length  # else this says nothing
-    unit = Slave(units(controller)["watchman.fmu"], tmp_path / "a", 3)
+    unit = Slave(fmu_units(controller)["watchman.fmu"], tmp_path / "a", 3)
     unit.start()
     edges = []
     for count in (1, 10_000):
@@ -419,7 +419,7 @@ def test_a_tube_that_repeats_itself_keeps_to_its_cycle_for_a_day(tmp_path) -> No
 
 def test_a_unit_of_time_over_time_has_no_dimension(tmp_path) -> None:
     controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(axes=["a", "b"], units=["s", "deg"]))
-    (tmp_path / "unit.fmu").write_bytes(units(controller)["omni_s2.fmu"])
+    (tmp_path / "unit.fmu").write_bytes(fmu_units(controller)["omni_s2.fmu"])
     defined = {d.name: d.baseUnit for d in read_model_description(tmp_path / "unit.fmu").unitDefinitions}
     assert [(defined[n].s, defined[n].rad) for n in ("s", "s/s", "deg", "deg/s")] == [(1, 0), (0, 0), (0, 1), (-1, 1)]
 
@@ -427,11 +427,11 @@ def test_a_unit_of_time_over_time_has_no_dimension(tmp_path) -> None:
 def test_what_has_no_unit_is_refused_and_the_command_writes_the_others(tmp_path) -> None:
     adaptive = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").with_options("adaptive"))
     with pytest.raises(BadInput, match="--package fmu: is for refined tubes"):
-        units(adaptive)
+        fmu_units(adaptive)
     task = str(ROOT / "tasks" / "omni_s2.toml")
     result = CliRunner().invoke(app, ["generate", task, "--package", "fmu", "--plant", "integrator", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
-    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == units(made("omni_s2"), PLANTS["integrator"])
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == fmu_units(made("omni_s2"), PLANTS["integrator"])
     refused = CliRunner().invoke(app, ["generate", task, "--plant", "integrator", "--out", str(tmp_path)])
     assert "--plant: is for --package fmu" in str(refused.exception)
 
@@ -439,7 +439,7 @@ def test_what_has_no_unit_is_refused_and_the_command_writes_the_others(tmp_path)
 def test_the_pages_example_runs(tmp_path, monkeypatch) -> None:
     (source,) = re.findall(r"^```python\n(.*?)^```", (ROOT / "docs" / "fmu.md").read_text(), re.M | re.S)
     (tmp_path / "units").mkdir()
-    for name, data in units(made("omni_s2")).items():
+    for name, data in fmu_units(made("omni_s2")).items():
         (tmp_path / "units" / name).write_bytes(data)
     monkeypatch.chdir(tmp_path)
     printed: list[Any] = []

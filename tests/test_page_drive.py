@@ -42,7 +42,7 @@ def native(controller: pipeline.Controller, folder: Path) -> Any:
     files, _ = shipped(controller)
     for name, data in files.items():
         (folder / name).write_bytes(data)
-    (folder / "adapter.c").write_text(adapter_source(controller.task, controller.design.stateful, controller.certificate))
+    (folder / "adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
     sources = ["adapter.c", *driven_sources(controller.task)]
     command = ["gcc", "-std=c99", "-O2", "-ffp-contract=off", "-shared", "-fPIC", *sources, "-o", "own.so", "-lm"]
     subprocess.run(command, cwd=folder, check=True)

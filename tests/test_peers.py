@@ -130,7 +130,7 @@ def test_a_missing_package_says_what_to_install(name, monkeypatch) -> None:
         return real(module)
 
     monkeypatch.setattr(importlib, "import_module", without)
-    for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, barrier._generated_solver):
+    for cached in (peers._ompl, peers._warm, peers._reach_avoid_solver, barrier._filter_solver):
         cached.cache_clear()
     asked = {"ompl": 0, "pyastar2d": 2, "hj_reachability": 3, "osqp": 4}[name]
     with pytest.raises(MissingTool) as caught:

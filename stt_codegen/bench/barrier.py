@@ -17,8 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from stt_codegen.bench.families import BOX, FAMILIES, Family, arena_task, cubes
-from stt_codegen.bench.optional import need
-from stt_codegen.compare.toolchain import find_compiler, run_compiler
+from stt_codegen.bench.quadratic import compile_with, generated_solver
 from stt_codegen.emit.render import template_folder
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import Controller, build_task
@@ -45,7 +44,7 @@ def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz
     (log-sum-exp) of the largest-component distance to the box. Walls and |u_i| <= SPEED bound u itself; the nominal law is
     GAIN (target - x), clamped. OSQP's generated C solves it, its matrix and bounds new at every step; u = 0 without solution.
     """
-    solver = _generated_solver(family.count, family.dimension).name
+    solver = _filter_solver(family.count, family.dimension).name
     numbers = {"BOXES": family.count, "N": family.dimension, "SIDE": family.side, "END": BOX, "HERTZ": hertz, **FILTER}
     defined = [f"-D{name}={value}" for name, value in numbers.items()]
     with tempfile.TemporaryDirectory() as folder:
@@ -53,7 +52,7 @@ def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz
             for name, data in own.files.items():
                 Path(folder, name).write_bytes(data)
             defined += ["-DOWN", f"-I{folder}", f"{folder}/arena.c"]
-        _compile(solver, f"{folder}/loops", *defined, str(template_folder() / "cbf_step.c"), f"{solver}/osqp.o", "-lm")
+        compile_with(solver, f"{folder}/loops", *defined, str(template_folder() / "cbf_step.c"), f"{solver}/osqp.o", "-lm")
         edges = " ".join(repr(v) for v in cubes(family, seed).ravel().tolist())
         result = subprocess.run([f"{folder}/loops"], input=edges, capture_output=True, text=True, check=True)
     rows = (line.split() for line in result.stdout.splitlines())
@@ -63,33 +62,21 @@ def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz
 @cache
 def filter_library(count: int, dimension: int, side: float, hertz: int = 1000) -> ctypes.CDLL:
     """The filter as a library for the loops of `stt_codegen.loop`: filter_boxes(edges), filter_next(t, x, u)."""
-    solver = _generated_solver(count, dimension).name
+    solver = _filter_solver(count, dimension).name
     numbers = {"BOXES": count, "N": dimension, "SIDE": side, "END": BOX, "HERTZ": hertz, **FILTER}
     defined = [f"-D{name}={value}" for name, value in numbers.items()]
     with tempfile.TemporaryDirectory() as folder:
         made, source = f"{folder}/filter.so", str(template_folder() / "cbf_step.c")
-        _compile(solver, made, *defined, "-DLIBRARY", "-shared", "-fPIC", source, f"{solver}/osqp.o", "-lm")
+        compile_with(solver, made, *defined, "-DLIBRARY", "-shared", "-fPIC", source, f"{solver}/osqp.o", "-lm")
         return ctypes.CDLL(made)
 
 
 @cache
-def _generated_solver(count: int, dimension: int) -> tempfile.TemporaryDirectory[str]:
-    """OSQP's generated C for that many boxes, compiled to `osqp.o`; the folder lives as long as this process."""
-    osqp, sparse, folder = need("osqp"), need("scipy.sparse"), tempfile.TemporaryDirectory()
+def _filter_solver(count: int, dimension: int) -> tempfile.TemporaryDirectory[str]:
+    """The filter's program for that many boxes."""
     rows = np.vstack([np.ones((count, dimension)), np.eye(dimension)])  # only its pattern counts
-    bound = np.ones(len(rows))
-    data = sparse.eye(dimension, format="csc"), np.zeros(dimension), sparse.csc_matrix(rows), -bound, bound
-    problem = osqp.OSQP()
-    problem.setup(*data, scaling=0, check_termination=1, adaptive_rho=False, verbose=False)
-    problem.codegen(folder.name, parameters="matrices", extension_name=None, force_rewrite=True, prefix="cbf_")
-    sources = (str(p) for p in Path(folder.name).glob("**/*.c") if p.name != "emosqp.c")  # that one is an example's main
-    _compile(folder.name, f"{folder.name}/osqp.o", "-fPIC", "-r", "-nostdlib", *sorted(sources))
-    return folder
-
-
-def _compile(solver: str, output: str, *arguments: str) -> None:
-    includes = [f"-I{solver}/{part}" for part in ("inc/public", "inc/private", ".")]
-    run_compiler([find_compiler(), "-O2", "-std=c99", *includes, *arguments, "-o", output])
+    quick = {"scaling": 0, "check_termination": 1, "adaptive_rho": False}
+    return generated_solver(np.eye(dimension), rows, "matrices", "cbf_", **quick)
 
 
 def step_times(seeds: Sequence[int], hertz: int = 1000) -> dict[str, float]:

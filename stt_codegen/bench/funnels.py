@@ -34,21 +34,25 @@ LAST = 8.0  # seconds in which the way is gone
 
 def way(family: Family, squares: Array) -> tuple[Array, float] | None:
     """The way's points, (P, 2), and by how much, in the largest component, it is off all squares; None without one."""
-    axis = np.linspace(0.0, family.side, CELLS + 1)
+    found = ((grid_way(family, squares, CELLS, off), off) for off in CLEARANCES)
+    return next(((points, off) for points, off in found if points is not None), None)
+
+
+def grid_way(family: Family, squares: Array, cells: int, off: float = 0.0) -> Array | None:
+    """pyastar2d's A* from the start's middle to the target's over cells + 1 grid points an axis: points, (P, 2), that are
+    `off`, in the largest component, from the squares and the room's edges. Squares grow by half a cell more, so that no diagonal
+    step cuts a corner."""
+    axis = np.linspace(0.0, family.side, cells + 1)
     start, goal = (int(np.argmin(abs(axis - v))) for v in (BOX / 2, family.side - BOX / 2))
-    for off in CLEARANCES:
-        weights = np.ones((CELLS + 1, CELLS + 1), dtype=np.float32)
-        grown = squares + (off + family.side / CELLS / 2) * np.array([-1.0, 1.0])  # half a cell: diagonal steps cut corners
-        for low, high in zip(grown[..., 0], grown[..., 1], strict=True):
-            weights[np.ix_(*((a <= axis) & (axis <= b) for a, b in zip(low, high, strict=True)))] = np.inf
-        for edge in (axis < off, axis > family.side - off):
-            weights[edge, :] = weights[:, edge] = np.inf
-        if not np.isfinite(weights[[start, goal], [start, goal]]).all():
-            continue
-        found = need("pyastar2d").astar_path(weights, (start, start), (goal, goal), allow_diagonal=True)
-        if found is not None:
-            return axis[found], off
-    return None
+    weights = np.ones((cells + 1, cells + 1), dtype=np.float32)
+    for box in squares + (off + family.side / cells / 2) * np.array([-1.0, 1.0]):
+        weights[np.ix_(*((low <= axis) & (axis <= high) for low, high in box))] = np.inf
+    for edge in (axis < off, axis > family.side - off):
+        weights[edge, :] = weights[:, edge] = np.inf
+    if not np.isfinite(weights[[start, goal], [start, goal]]).all():
+        return None
+    path = need("pyastar2d").astar_path(weights, (start, start), (goal, goal), allow_diagonal=True)
+    return None if path is None else axis[path]
 
 
 def funnel(family: Family, squares: Array, tube: object) -> Own | None:

@@ -19,8 +19,8 @@ from stt_codegen.bench.families import FAMILIES, Family, arena_task
 from stt_codegen.bench.report import command, record, table
 from stt_codegen.bench.rivals import casadi_text, floor_text, hand_text
 from stt_codegen.board.emulated import BOARDS, CFLAGS, Board, Counts, Emulated
+from stt_codegen.board.rust import board_objects
 from stt_codegen.compare.comparison import compare_backend
-from stt_codegen.compare.rust import board_objects
 from stt_codegen.errors import BadInput, MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_task
 

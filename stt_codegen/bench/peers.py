@@ -29,6 +29,7 @@ from stt_codegen.bench.barrier import SPEED, closed_loops
 from stt_codegen.bench.contenders import GRIDS, POLICIES, ROBOT, SAMPLED, drive
 from stt_codegen.bench.families import BOX, Array, Family, cubes
 from stt_codegen.bench.freeways import curve_is_safe, drake, fast_path
+from stt_codegen.bench.funnels import grid_way
 from stt_codegen.bench.optional import need
 from stt_codegen.bench.policy import load_policy
 from stt_codegen.bench.symbolic import Abstraction, synthesize
@@ -68,17 +69,26 @@ Planner = Callable[[Family, Array], Array | None]  # family, boxes -> a path, sh
 
 
 def plan(planner: Planner, family: Family, seed: int) -> Outcome:
-    """A planner on one arena; a path counts only when it is safe by our own check."""
+    """A planner of paths on one arena; a path counts only when it is safe by our own check."""
+    return _asked(planner, family, seed, "path", path_is_safe)
+
+
+def curve(planner: Callable[[Family, Array], list[Array] | None], family: Family, seed: int) -> Outcome:
+    """A planner of curves over free boxes, as `plan`."""
+    return _asked(planner, family, seed, "curve", curve_is_safe)
+
+
+def _asked(planner: Callable[[Family, Array], Any], family: Family, seed: int, what: str, safe: Callable[..., bool]) -> Outcome:
     _warm(planner, family)
     boxes, begin = cubes(family, seed), time.perf_counter()
-    path = planner(family, boxes)
+    found = planner(family, boxes)
     seconds = time.perf_counter() - begin
-    note = "no path found" if path is None else "" if path_is_safe(family, boxes, path) else "its path is not safe"
+    note = f"no {what} found" if found is None else "" if safe(family, boxes, found) else f"its {what} is not safe"
     return Outcome(not note, seconds, note)
 
 
 @cache
-def _warm(planner: Planner, family: Family) -> None:
+def _warm(planner: Callable[[Family, Array], Any], family: Family) -> None:
     planner(family, cubes(family, 0))
 
 
@@ -156,30 +166,8 @@ def _ompl() -> tuple[Any, Any, Any, Any]:
 
 
 def a_star(family: Family, boxes: Array) -> Array | None:
-    """pyastar2d's A* over grid points. Boxes grow by half a cell, so that no diagonal step cuts a corner."""
-    axis = _axis(family)
-    grown = boxes + family.side / CELLS / 2 * np.array([-1.0, 1.0])
-    weights = np.ones((CELLS + 1, CELLS + 1), dtype=np.float32)
-    for box in grown:
-        weights[np.ix_(*((low <= axis) & (axis <= high) for low, high in box))] = np.inf
-    start, goal = (int(np.argmin(abs(axis - v))) for v in (BOX / 2, family.side - BOX / 2))
-    path = need("pyastar2d").astar_path(weights, (start, start), (goal, goal), allow_diagonal=True)
-    return None if path is None else axis[path]
-
-
-def curve(planner: Callable[[Family, Array], list[Array] | None], family: Family, seed: int) -> Outcome:
-    """A planner of curves over free boxes, as `plan`."""
-    _warm_curve(planner, family)
-    boxes, begin = cubes(family, seed), time.perf_counter()
-    pieces = planner(family, boxes)
-    seconds = time.perf_counter() - begin
-    note = "no curve found" if pieces is None else "" if curve_is_safe(family, boxes, pieces) else "its curve is not safe"
-    return Outcome(not note, seconds, note)
-
-
-@cache
-def _warm_curve(planner: Callable[[Family, Array], Any], family: Family) -> None:
-    planner(family, cubes(family, 0))
+    """pyastar2d's A* over grid points. Raises `BadInput` beyond the plane."""
+    return grid_way(family, boxes, len(_axis(family)) - 1)
 
 
 def symbolic(abstraction: Abstraction, family: Family, seed: int) -> Outcome:

@@ -16,14 +16,12 @@ import ctypes
 import tempfile
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from stt_codegen.bench.driven import held
 from stt_codegen.bench.families import BOX, Array, Family
-from stt_codegen.bench.optional import need
-from stt_codegen.compare.toolchain import find_compiler, run_compiler
+from stt_codegen.bench.quadratic import generated_solver, includes
 from stt_codegen.emit.render import template
 from stt_codegen.loop.compiled import Own
 
@@ -48,25 +46,7 @@ def program(soft: float) -> tuple[Array, Array]:
 
 @cache
 def _generated(soft: float) -> tempfile.TemporaryDirectory[str]:
-    """OSQP's C for it, compiled to `osqp.o`; the folder lives as long as this process."""
-    osqp, sparse, folder = need("osqp"), need("scipy.sparse"), tempfile.TemporaryDirectory()
-    cost, rows = program(soft)
-    bound = np.ones(len(rows))
-    solver = osqp.OSQP()
-    cost_matrix, row_matrix = sparse.csc_matrix(np.triu(cost)), sparse.csc_matrix(rows)
-    solver.setup(cost_matrix, np.zeros(len(cost)), row_matrix, -bound, bound, eps_abs=1e-3, eps_rel=1e-3, verbose=False)
-    solver.codegen(folder.name, parameters="vectors", extension_name=None, force_rewrite=True, prefix="mpc_")
-    sources = sorted(str(p) for p in Path(folder.name).glob("**/*.c") if p.name != "emosqp.c")
-    _compile(folder.name, [f"-o{folder.name}/osqp.o", "-fPIC", "-r", "-nostdlib", *sources])
-    return folder
-
-
-def _includes(folder: str) -> list[str]:
-    return [f"-I{folder}/{part}" for part in ("inc/public", "inc/private", ".")]
-
-
-def _compile(folder: str, arguments: list[str]) -> None:
-    run_compiler([find_compiler(), "-O2", "-std=c99", *_includes(folder), *arguments])
+    return generated_solver(*program(soft), "vectors", "mpc_", eps_abs=1e-3, eps_rel=1e-3)
 
 
 def predictive(family: Family, squares: Array, tube: Callable[..., object], with_tube: bool) -> Own:
@@ -78,6 +58,6 @@ def predictive(family: Family, squares: Array, tube: Callable[..., object], with
         steps=STEPS, step=STEP, push=PUSH, margin=MARGIN, inset=INSET, with_tube=with_tube, side=family.side,
         u_max=U_MAX[kind], goal=family.side - BOX / 2, boxes=squares.tolist(),
     )  # fmt: skip
-    own = held(text, 2, 1 / STEP, tube, "double", [*_includes(folder), f"{folder}/osqp.o"])
+    own = held(text, 2, 1 / STEP, tube, "double", [*includes(folder), f"{folder}/osqp.o"])
     own.library.use_tube(ctypes.cast(tube, ctypes.c_void_p))  # type: ignore[arg-type]
     return own

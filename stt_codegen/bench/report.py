@@ -44,7 +44,7 @@ def machine() -> str:
     return f"{model}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
-PEERS = ("clarabel", "drake", "fastpathplanning", "highspy", "hj-reachability", "jax", "ompl", "osqp", "pyastar2d")
+PEERS = ("brax", "clarabel", "drake", "fastpathplanning", "highspy", "hj-reachability", "jax", "ompl", "osqp", "pyastar2d")
 
 
 def versions() -> str:

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stt_codegen.board.rust import board_objects
 from stt_codegen.compare.backends import Backend
 from stt_codegen.compare.comparison import Row, compare_backend
-from stt_codegen.compare.rust import board_objects
 from stt_codegen.compare.toolchain import run_compiler
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError

@@ -25,7 +25,9 @@ def arenas(
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
     peers: Annotated[bool, typer.Option("--peers", help="everyone of the paper's Table I, and more, in the same run")] = False,
-    policies: Annotated[Path, typer.Option(metavar="FOLDER", help="of trained policies: make policies")] = Path("build/policies"),
+    policies: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="with --peers: of trained policies (default: build/policies)")
+    ] = None,
     demand: Annotated[float, typer.Option(min=0, max=1, help="exit code 1 where less of the feasible are certified")] = 0.0,
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
     json: Json = False,
@@ -35,8 +37,10 @@ def arenas(
     Without options: all of benchmarks/RESULTS.md but the peers, about ten minutes. The workers of a cluster need this package.
     """
     from stt_codegen.bench.command import Arenas, Where, run_arenas
+    from stt_codegen.bench.contenders import POLICIES
 
-    wanted = Arenas(family, design, count, clearance, min_width, peers, demand, policies)
+    _with_peers(peers, "--policies", policies)
+    wanted = Arenas(family, design, count, clearance, min_width, peers, demand, policies or POLICIES)
     if not run_arenas(wanted, Where(processes, scheduler, record, json)):
         raise typer.Exit(1)
 
@@ -71,7 +75,9 @@ def loop(
     processes: Annotated[int, typer.Option(min=0, help="on this machine; 0: one a core")] = 0,
     scheduler: Annotated[str | None, typer.Option(metavar="ADDRESS", help="run on a Dask cluster instead")] = None,
     peers: Annotated[bool, typer.Option("--peers", help="everyone else who can drive there; of order 2 a cascade")] = False,
-    policies: Annotated[Path, typer.Option(metavar="FOLDER", help="of trained policies: make policies")] = Path("build/policies"),
+    policies: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="with --peers: of trained policies (default: build/policies)")
+    ] = None,
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the table into this file")] = None,
     json: Json = False,
 ) -> None:
@@ -80,8 +86,10 @@ def loop(
     Exit code 1 when a run of ours collides, leaves, or misses the target. Without peers about three minutes on two cores.
     """
     from stt_codegen.bench.command import Loops, Where, run_loop
+    from stt_codegen.bench.contenders import POLICIES
 
-    if not run_loop(Loops(count, rate, w_max, runs, peers, policies), Where(processes, scheduler, record, json)):
+    _with_peers(peers, "--policies", policies)
+    if not run_loop(Loops(count, rate, w_max, runs, peers, policies or POLICIES), Where(processes, scheduler, record, json)):
         raise typer.Exit(1)
 
 
@@ -89,7 +97,7 @@ def loop(
 def missions(
     count: Annotated[int | None, typer.Option(min=1, help="random missions of each kind, at most")] = None,
     peers: Annotated[bool, typer.Option("--peers", help="the mixed-integer programs of stlpy, in the same run")] = False,
-    limit: Annotated[float, typer.Option(min=0, metavar="SECONDS", help="for each of these programs")] = 60.0,
+    limit: Annotated[float | None, typer.Option(min=0, metavar="SECONDS", help="for each of them (default: 60)")] = None,
     record: Annotated[Path | None, typer.Option(metavar="FILE.md", help="put the tables into this file")] = None,
     json: Json = False,
 ) -> None:
@@ -99,5 +107,11 @@ def missions(
     """
     from stt_codegen.bench.missions import run_missions
 
-    if not run_missions(count, limit if peers else 0.0, record, json, lambda what: say(f"  {what}")):
+    _with_peers(peers, "--limit", limit)
+    if not run_missions(count, (60.0 if limit is None else limit) if peers else 0.0, record, json, lambda what: say(f"  {what}")):
         raise typer.Exit(1)
+
+
+def _with_peers(peers: bool, option: str, given: object) -> None:
+    if given is not None and not peers:
+        raise BadInput(f"{option}: is for --peers; give both, or leave it out")

@@ -43,10 +43,9 @@ def generate(
     from stt_codegen.pipeline import build
     from stt_codegen.plants import plant_of
     from stt_codegen.record.files import write_files
-    from stt_codegen.record.fmu import units
     from stt_codegen.record.manifest import record as record_controller
     from stt_codegen.record.package import package as packed
-    from stt_codegen.record.ros2 import interface_of, ros2_package
+    from stt_codegen.record.ros2 import interface_of
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
@@ -65,13 +64,8 @@ def generate(
             raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
     packages: list[Files] = []
     for _, controller in made:
-        if package == "fmu":
-            model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
-            packages.append(units(controller, model))
-        elif package == "ros2":
-            packages.append(ros2_package(controller))
-        else:
-            packages.append(packed(controller, package))
+        model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
+        packages.append(packed(controller, package, model))
     if record is None:
         _keep_apart(names, packages)
         for (_, controller), files in zip(made, packages, strict=True):

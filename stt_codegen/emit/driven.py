@@ -4,6 +4,8 @@ from its kernel (templates/loop/)."""
 from __future__ import annotations
 
 from stt_codegen.certify.certificate import Certificate
+from stt_codegen.certify.mission import cycle_of
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.emit.naming import file_names, guard_name, wrap_name
 from stt_codegen.emit.render import template
 from stt_codegen.plants import Model, model
@@ -22,14 +24,13 @@ def driven_sources(task: Task) -> list[str]:
     return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
 
 
-def adapter_source(task: Task, stateful: bool, certificate: Certificate) -> str:
-    """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has; stateful: there is an
-    alpha."""
-    steps = certificate.steps
+def adapter_source(task: Task, design: RefinedDesign | AdaptiveDesign, certificate: Certificate) -> str:
+    """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
+    steps, cycle = certificate.steps, cycle_of(design) if isinstance(design, RefinedDesign) else None
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(
-        prefix=task.name, macro=task.name.upper(), adaptive=stateful, longest=longest, order=task.order,
-        outside=task.control.outside, differs=task.differs, repeats=task.repeat,
+        prefix=task.name, macro=task.name.upper(), adaptive=design.stateful, longest=longest, order=task.order,
+        outside=task.control.outside, differs=task.differs, cycle=None if cycle is None else repr(float(cycle.length)),
     )  # fmt: skip
 
 

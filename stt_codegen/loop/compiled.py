@@ -130,7 +130,7 @@ def own(controller: Controller) -> Own:
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
-        Path(folder, "adapter.c").write_text(adapter_source(controller.task, adaptive, controller.certificate))
+        Path(folder, "adapter.c").write_text(adapter_source(controller.task, controller.design, controller.certificate))
         sources = [f"{folder}/{name}" for name in ("adapter.c", *driven_sources(controller.task))]
         run_compiler([find_compiler(), *FLAGS, *sources, "-o", f"{folder}/own.so", "-lm"])
         library = ctypes.CDLL(f"{folder}/own.so")

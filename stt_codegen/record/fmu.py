@@ -45,7 +45,7 @@ GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominals
 GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives ActivateModelPartition""".split()
 
 
-def units(controller: Controller, plant: Model | None = None) -> Files:
+def fmu_units(controller: Controller, plant: Model | None = None) -> Files:
     """`<p>.fmu` and `<p>.fmi2.fmu` of a controller, and with a plant `<p>_plant.fmu` and `<p>_plant.fmi2.fmu`. Raises `BadInput`,
     and `MissingTool` without a C compiler."""
     made = [controller_unit(controller)]
@@ -119,7 +119,7 @@ def controller_unit(controller: Controller) -> Unit:
     kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
     cycle = cycle_of(controller.design) if isinstance(controller.design, RefinedDesign) else None
     own = template("fmu/controller.c.j2").render(
-        prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside, repeats=task.repeat,
+        prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside,
         cycle=None if cycle is None else repr(float(cycle.length)), phases=phases, places=places,
     )  # fmt: skip
     names = [header, *driven_sources(task), *([phase_name(task.name)] if phases else [])]

@@ -1,10 +1,12 @@
-"""The emitted files as something that a build system takes: a CMake package, an Arduino or PlatformIO library, a crate."""
+"""The emitted files as something that a build system, a simulator or ROS takes. One kind is one entry of `KINDS`."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 from stt_codegen.emit.naming import file_names, guard_name, phase_name, rust_name, selftest_name, wrap_name
@@ -12,10 +14,12 @@ from stt_codegen.emit.render import Files, design_hash, template
 from stt_codegen.emit.selftest import suites
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
+from stt_codegen.plants import Model
 from stt_codegen.program.print.rust import RustPrinter
+from stt_codegen.record.fmu import fmu_units
+from stt_codegen.record.ros2 import ros2_package
 from stt_codegen.report.design import input_report
 
-KINDS = ("plain", "cmake", "arduino", "platformio", "rust")
 PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
@@ -35,15 +39,16 @@ def loop_period(controller: Controller) -> Fraction:
     return Fraction(max(1, math.floor(period * 10**6)), 10**6)
 
 
-def package(controller: Controller, kind: str) -> Files:
-    """The files by path: `plain` as they are emitted; else in a folder <p>/ with sources in src/, the certificate and the
-    Python in extras/, and what the build system reads. `rust` is for a task with emit.rust."""
+def package(controller: Controller, kind: str, plant: Model | None = None) -> Files:
+    """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
+    cannot have, `MissingTool` without what it takes."""
+    return fmu_units(controller, plant) if kind == "fmu" else KINDS[kind](controller)
+
+
+def _library(kind: str, controller: Controller) -> Files:
+    """In a folder <p>/: sources in src/, the certificate and the Python in extras/, and what the build system reads."""
     prefix = controller.task.name
     header, source, module, proof = file_names(prefix)
-    if kind == "plain":
-        return controller.files
-    if kind == "rust":
-        return {f"{prefix}/{path}": data for path, data in _crate(controller).items()}
     inline = controller.task.emit.math == "inline"
     period = loop_period(controller)
     words = {
@@ -82,8 +87,8 @@ def package(controller: Controller, kind: str) -> Files:
 
 
 def _crate(controller: Controller) -> Files:
-    """A crate without dependencies, or where it calls mathematics with libm for who has no std. `cargo test` calls it where u is
-    known (as `emit.selftest` does), where so much can be told of u."""
+    """Of a task with emit.rust: a crate <p>/ without dependencies, or where it calls mathematics with libm for who has no std.
+    `cargo test` calls it where u is known (as `emit.selftest` does), where so much can be told of u."""
     task, printer = controller.task, RustPrinter(controller.program)
     words: dict[str, Any] = {
         "prefix": task.name,
@@ -99,4 +104,14 @@ def _crate(controller: Controller) -> Files:
         words["suites"] = suites(task, controller.design, controller.program)
         files["tests/selftest.rs"] = template("package/selftest.rs.j2").render(**words).encode()
     _, _, module, proof = file_names(task.name)
-    return files | {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    return {f"{task.name}/{path}": data for path, data in files.items()}
+
+
+KINDS: dict[str, Callable[[Controller], Files]] = {
+    "plain": lambda controller: controller.files,
+    **{kind: partial(_library, kind) for kind in ("cmake", "arduino", "platformio")},
+    "rust": _crate,
+    "fmu": fmu_units,
+    "ros2": ros2_package,
+}

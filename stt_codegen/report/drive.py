@@ -84,7 +84,7 @@ def driven(controller: Controller, plant: Model) -> Driven:
         folder = Path(name)
         for file, data in sources.items():
             (folder / file).write_bytes(data)
-        (folder / "adapter.c").write_text(adapter_source(task, controller.design.stateful, controller.certificate))
+        (folder / "adapter.c").write_text(adapter_source(task, controller.design, controller.certificate))
         (folder / "plant.c").write_text(plant_source(plant, task.dimension, task.order))
         shutil.copy(where / "report" / "wasm" / "room.c", folder)
         paths = [p for p in sorted(folder.iterdir()) if p.suffix == ".c"]
