@@ -2163,6 +2163,7 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
     there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased, "wrap": task.repeats}
     names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name, wanted in there.items() if wanted)]
+    names += [f"{p}.rs"] if f"{p}.rs" in certificate["sha256"] else []  # of the Rust nothing is proved here
     need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
     need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     _beside(task, certificate["sha256"], text, folder)

@@ -35,8 +35,9 @@ class Variable:
     of: str = ""  # the output that a parameter is the start of
 
     @property
-    def settable(self) -> bool:
-        return self.causality in ("input", "parameter")
+    def settable(self) -> int:
+        """When an importer may set it: 0 never, 1 at any time, 2 before the first step alone."""
+        return {"input": 1, "parameter": 2}.get(self.causality, 0)
 
 
 @dataclass(frozen=True)
