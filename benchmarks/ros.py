@@ -7,8 +7,8 @@ as the package's parameters say: an odometry that is turned, joint states, or an
 a state away from the start and a request to start; the start, and a second request; the mission; a state that is no number; no
 state; the end of its process. --clock: the plant's clock is the node's, SPEED times as fast as ours, and leaps at the end.
 
-Prints one JSON document: x at the prescribed time, u and what was said at each of these, the milliseconds from a state to its
-command (median, 99 %, most), and the same of how far apart commands are.
+Prints one JSON document: x at the prescribed time, u and what was said at each of these, the milliseconds from the last state
+that was sent to a command (median, 99 %, most), and the same of how far apart commands are.
 """
 
 from __future__ import annotations

@@ -14,12 +14,13 @@ from typing import get_args
 import pytest
 from conftest import ROOT, controller_of
 
-from stt_codegen.cli.generate import generate, keep_certified
+from stt_codegen.cli.generate import generate
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_task
 from stt_codegen.record.check import check, describe_numbers
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
+from stt_codegen.record.standing import keep_certified
 from stt_codegen.task import load_task
 
 # What must not matter to the bytes: hash seed, folder, time zone, locale, which vector instructions NumPy and libm may use.
@@ -263,10 +264,56 @@ def test_every_kind_of_package_is_known_to_be_certified(tmp_path) -> None:
     controller = build_task(load_task(ROOT / "tasks" / "omni_s3.toml").changed(emit={"rust": True}))
     for kind in KINDS:
         files = package(controller, kind)
-        keep_certified(tmp_path / kind, "omni_s3", files)  # there is none yet
+        keep_certified(tmp_path / kind, files)  # there is none yet
         write_files(tmp_path / kind, files)
-        with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):
-            keep_certified(tmp_path / kind, "omni_s3", files)
+        keep_certified(tmp_path / kind, files)  # the same again
+        (seal,) = [data for path, data in files.items() if path.endswith(".certificate.json")] or [b'{"sha256": {}}']
+        mine = [p for p in files if Path(p).name in json.loads(seal)["sha256"] or p.endswith((".certificate.json", ".fmu"))]
+        assert mine
+        for path in mine:  # one of them alone, without its certificate
+            with pytest.raises(BadInput, match="holds a certified 'omni_s3'"):
+                keep_certified(tmp_path / kind, {path: b"other"})
+
+
+def test_what_is_certified_is_not_replaced_by_another_task_or_another_kind_of_package(tmp_path) -> None:
+    """Nor is half of it: files of an older design do not stay beside a new certificate."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+
+    def task(name: str, changed: str = "", to: str = "") -> str:
+        (tmp_path / "now.toml").write_text(text.replace('name = "omni_s2"', f'name = "{name}"', 1).replace(changed, to, 1))
+        return str(tmp_path / "now.toml")
+
+    def refused(*given: str, told: str) -> None:
+        before = {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()}
+        result = run("generate", *given, cwd=tmp_path)
+        assert result.returncode == 2, result.stdout
+        assert told in result.stderr
+        assert {p: p.read_bytes() for p in (tmp_path / "out").rglob("*") if p.is_file()} == before
+
+    def written(*given: str) -> None:
+        result = run("generate", *given, cwd=tmp_path)
+        assert result.returncode == 0, result.stderr
+
+    written(task("omni_s2"), "--package", "cmake", "--out", "out")
+    refused(task("omni_s2"), "--out", "out/omni_s2/src", told="holds a certified 'omni_s2' (../extras/omni_s2.certificate.json)")
+    written(task("omni_s2"), "--package", "rust", "--out", "out")  # of the same design
+    refused(
+        task("omni_s2", "clearance = 0.03", "clearance = 0.04"), "--package", "rust", "--out", "out", told="of another design"
+    )
+    written(task("omni_s2_plant"), "--package", "fmu", "--out", "out")
+    refused(
+        task("omni_s2"), "--package", "fmu", "--plant", "integrator", "--out", "out", told="holds a certified 'omni_s2_plant'"
+    )
+    written(task("omni_s2_selftest"), "--out", "out")
+    refused(
+        task("omni_s2", "[control]", "[emit]\nselftest = true\n[control]"),
+        "--out",
+        "out",
+        told="holds a certified 'omni_s2_selftest'",
+    )
+    written(task("omni_s2"), "--record", "out/recorded")
+    late = task("omni_s2", "[control]", "[control]\nperiod = 5.0")  # which no proof is of
+    refused(late, "--record", "out/recorded", "--uncertified", told="holds a certified 'omni_s2'")
 
 
 def test_tasks_that_would_write_one_file_are_refused_together_and_nothing_is_written(tmp_path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import os
 import pickle
 import shutil
 import subprocess
@@ -17,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from absent import absent
 
 import stt_codegen as stt
 from stt_codegen.bench import barrier, cascade, peers
@@ -34,12 +34,11 @@ PLANNERS = {"ompl": (peers.rrt_connect, peers.rrt_star), "pyastar2d": (peers.a_s
 
 def needs(*names: str) -> None:
     """A visible skip without a peer, a failure in CI, where `make test` installs them."""
-    missing = pytest.fail if os.environ.get("CI") == "true" else pytest.skip
     for name in names:
         if name == "gcc" and not (shutil.which("gcc") or shutil.which("cc")):
-            missing("gcc is not installed")
+            absent("gcc is not installed")
         if name != "gcc" and importlib.util.find_spec(name) is None:
-            missing(f"{name} is not installed; the peers are optional: make peers")
+            absent(f"{name} is not installed; the peers are optional: make peers")
 
 
 def planners():

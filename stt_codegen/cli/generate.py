@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import json as _json
-import zipfile
-from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,9 +9,6 @@ import typer
 
 from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFiles, Uncertified, patience, print_json, say
 from stt_codegen.errors import BadInput
-
-Files = dict[str, bytes]
-SEAL = ".certificate.json"
 
 
 def generate(
@@ -43,9 +37,11 @@ def generate(
     from stt_codegen.pipeline import build
     from stt_codegen.plants import plant_of
     from stt_codegen.record.files import write_files
+    from stt_codegen.record.manifest import folder_of
     from stt_codegen.record.manifest import record as record_controller
     from stt_codegen.record.package import package as packed
     from stt_codegen.record.ros2 import interface_of
+    from stt_codegen.record.standing import keep_apart, keep_certified
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
@@ -57,20 +53,18 @@ def generate(
     for task in tasks:  # all of them, before any is written
         with patience(f"designing {task}"):
             made.append((task, build(task, design, scalar, uncertified, package == "rust")))
-    names = [controller.task.name for _, controller in made]
-    lowered = [name.lower() for name in names]
-    for name in names:
-        if lowered.count(name.lower()) > 1:
-            raise BadInput(f"two of the task files have the name {name!r}; they would overwrite each other")
-    packages: list[Files] = []
+    packages = []
     for _, controller in made:
         model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
         packages.append(packed(controller, package, model))
+    placed = [
+        files if record is None else {f"{folder_of(controller)}/{path}": data for path, data in files.items()}
+        for (_, controller), files in zip(made, packages, strict=True)
+    ]
+    keep_apart([controller.task.name for _, controller in made], placed)
+    for files in placed:
+        keep_certified(record or out or Path(), files)
     if record is None:
-        _keep_apart(names, packages)
-        for (_, controller), files in zip(made, packages, strict=True):
-            if not controller.certificate.holds:
-                keep_certified(out or Path(), controller.task.name, files)
         write_files(out or Path(), {path: data for files in packages for path, data in files.items()})
     written = []
     for (task, controller), files in zip(made, packages, strict=True):
@@ -91,32 +85,6 @@ def generate(
                 print(f"{controller.task.name}: {interface_of(controller.task)}")
     if json:
         print_json({"written": written})
-
-
-def _keep_apart(names: list[str], packages: list[Files]) -> None:
-    """Refuse tasks whose files would overwrite each other, also where a file system knows no upper case."""
-    owners: dict[str, str] = {}
-    for name, files in zip(names, packages, strict=True):
-        for path in files:
-            owner = owners.setdefault(path.lower(), name)
-            if owner != name:
-                raise BadInput(
-                    f"the tasks {owner!r} and {name!r} would both write {path}; give them other names, or another --out"
-                )
-
-
-def keep_certified(folder: Path, name: str, files: Files) -> None:
-    """Refuse to write an uncertified controller over a certified one, wherever the package keeps its certificate."""
-    for path in files:
-        certified = False
-        with suppress(OSError, ValueError, AttributeError, KeyError, zipfile.BadZipFile):
-            if path.endswith(SEAL):
-                certified = _json.loads((folder / path).read_bytes()).get("certified") is True
-            elif path.endswith(".fmu"):
-                with zipfile.ZipFile(folder / path) as unit:
-                    certified = _json.loads(unit.read(f"resources/{name}{SEAL}")).get("certified") is True
-        if certified:
-            raise BadInput(f"{folder}: holds a certified {name!r} ({path}); write the uncertified one to another --out")
 
 
 def _tell_what_is_not_proved(controller: Any) -> None:

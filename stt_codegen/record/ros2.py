@@ -80,7 +80,9 @@ def ros2_package(controller: Controller) -> Files:
         "latency": repr(float(latency)),
         "stale_after": repr(float(2 * period + latency)),
         "starts": repr([(float(middle - half), float(middle + half)) for middle, half in starts]),
-        "speeds": repr([float(v + noise_v) for v in task.start_speed] if task.order == 2 else []),
+        # A measured v may hide noise_v more. That a robot stands, no noisy measurement shows: this is assumed (ASSUMED).
+        "speeds": repr([float(max(0, v - noise_v) if v else noise_v) for v in task.start_speed] if task.order == 2 else []),
+        "stands": not any(task.start_speed),
         "most": [float(v) for v in most] if most else f"[math.inf] * {task.dimension}",
         # So weak that u = -brake v, held for a period and late by the latency, does not turn v back whatever g is.
         "brake": f"{0.25 / (g_max * float(period + latency)):.3g}",
