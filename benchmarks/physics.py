@@ -44,8 +44,9 @@ Array = npt.NDArray[Any]
 
 @dataclass(frozen=True)
 class Mission:
-    """contacts: steps of the engine with one. outside: samples with another status than inside. margin: the least of the C's
-    margin from a quarter of t_c on, when the start is forgotten. push: the largest |u_i|, (n,)."""
+    """contacts: steps of the engine with one. outside: samples with another status than inside. margin: the least, from a quarter
+    of t_c on, when the start is forgotten, of the true state's distance to the nearer edge over the width, of x and of
+    z = v + lambda x. push: the largest |u_i|, (n,)."""
 
     contacts: int
     outside: int
@@ -61,7 +62,7 @@ class Mission:
 @dataclass(frozen=True)
 class Measured:
     """By component, (n,): the largest |f_i|, the least and largest g_ii, the largest |g_ij|. stated: the same of [plant].
-    touching: how many configurations off the unsafe sets touch a geom."""
+    touching, looked_at: of configurations off the unsafe sets, how many touch a geom, of how many."""
 
     f: Array
     g_min: Array
@@ -69,6 +70,7 @@ class Measured:
     g_cross: Array
     stated: dict[str, Array]
     touching: int
+    looked_at: int
 
     @property
     def holds(self) -> bool:
@@ -85,7 +87,7 @@ class Bench:
         assert self.controller.certificate.holds
         self.task, self.body = self.controller.task, BODIES[name]
         self.own, n = own(self.controller), self.task.dimension
-        self.own.library.loop_own_margin.restype = ctypes.c_double
+        self.filter = np.array([float(v) for v in self.controller.design.filter])  # lambda, 1/s
         self.plant = plant_of(str(ROOT / "tasks" / f"{name}.py"), n, 2)
         x = ca.SX.sym("x", n)
         assert self.plant.mixing is not None
@@ -127,12 +129,19 @@ class Bench:
         low, high = self.edges(0.0)[0]
         share = float(self.task.initial_set.share) * 0.999
         self.data.qpos[:] = (low + high) / 2 + share * dice.uniform(-1, 1, len(low)) * (high - low) / 2
+        mujoco.mj_forward(self.model, self.data)  # of which `push` takes the inertia
 
     def push(self, w: Array) -> None:
         """Forces that accelerate by w, (n,), whatever the inertia is."""
         full = np.zeros((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, full)
         self.data.qfrc_applied[:] = full @ w
+
+    def margin(self, edges: Array) -> float:
+        """Of the state as it is now. edges: as of `edges`."""
+        x = self.data.qpos
+        off = np.stack([x, self.data.qvel + self.filter * x]) - edges.mean(axis=1)
+        return float(0.5 - np.abs(off / (edges[:, 1] - edges[:, 0])).max())
 
     def run(self, seed: int, seen: Callable[[float], None] = lambda t: None) -> Mission:
         """One mission. seen: called at every sample with its time."""
@@ -148,14 +157,15 @@ class Bench:
             t = k * STEP
             seen(t)
             state[:] = [*data.qpos, *data.qvel]
+            edges = self.edges(t)
             if 4 * k > self.last:
-                margin = min(margin, self.own.library.loop_own_margin(ctypes.c_double(t), state))
+                margin = min(margin, self.margin(edges))
             x = data.qpos + noise * dice.uniform(-1, 1, n)
             state[:] = [*x, *(data.qvel + noise_v * dice.uniform(-1, 1, n))]
             outside += self.own.step(ctypes.c_double(t), state, u) != 0
             most = np.maximum(most, np.abs(u[:]))
             if seed % 2:
-                low, high = self.edges(t)[0]
+                low, high = edges[0]
                 w = (2 * data.qpos - low - high) / (high - low)
             elif t >= until:
                 w, until = dice.normal(size=n), t + dice.uniform(0.05, 2.0)
@@ -171,16 +181,18 @@ class Bench:
         return Mission(contacts, outside, all(float(a) <= v <= float(b) for a, v, b in ends), margin, most)
 
     def measure(self, count: int) -> Measured:
-        """Of the engine's accelerations at states of the tubes, constants drawn, with the board's mixing of a noisy sample."""
+        """Of the engine's accelerations at states of the tubes, every second one with z at edges, constants drawn; with the
+        board's mixing of a sample that is noisy, and as old as one gets while its input is held."""
         dice, n, plant = np.random.default_rng(1), self.task.dimension, self.task.plant
-        lag = np.array([float(v) for v in self.controller.design.filter])  # lambda, 1/s
         f, cross, least, most = np.zeros(n), np.zeros(n), np.full(n, np.inf), np.zeros(n)
-        for _ in range(count):
+        for k in range(count):
             self.set_constants(dice)
             (low, high), (low_z, high_z) = self.edges(dice.uniform(0, self.last * STEP))
             x = low + dice.uniform(0, 1, n) * (high - low)
-            v = low_z + dice.uniform(0, 1, n) * (high_z - low_z) - lag * x
-            mix = self.mix(x + float(plant.noise or 0) * dice.uniform(-1, 1, n)).full()
+            share = dice.uniform(0, 1, n) if k % 2 else dice.integers(0, 2, n)
+            v = low_z + share * (high_z - low_z) - self.filter * x
+            age = dice.uniform(0, (self.held + self.late) * STEP)
+            mix = self.mix(x - age * v + float(plant.noise or 0) * dice.uniform(-1, 1, n)).full()
             columns = []
             for u in (np.zeros(n), *np.eye(n)):
                 self.data.qpos[:], self.data.qvel[:], self.data.ctrl[:] = x, v, mix @ u
@@ -192,11 +204,12 @@ class Bench:
             cross = np.maximum(cross, np.abs(g - np.diag(diagonal)).max(axis=1))
         given = {"f": plant.f_max, "g_min": plant.g_min, "g_max": plant.g_max, "g_cross": plant.g_cross}
         stated = {name: np.broadcast_to(np.array(value, float), (n,)) for name, value in given.items()}
-        return Measured(f, least, most, cross, stated, self.touching(count, dice))
+        return Measured(f, least, most, cross, stated, *self.touching(count, dice))
 
-    def touching(self, count: int, dice: np.random.Generator) -> int:
-        """Of drawn configurations in the state space off the unsafe sets, grown by the body: how many touch a geom."""
-        task, touched = self.task, 0
+    def touching(self, count: int, dice: np.random.Generator) -> tuple[int, int]:
+        """Of drawn configurations in the state space off the unsafe sets, grown by the body: how many touch a geom, of how
+        many."""
+        task, touched, looked_at = self.task, 0, 0
         lower, upper = (np.array([float(v) for v in ends]) for ends in (task.state_space.lower, task.state_space.upper))
         body = np.array([float(v) for v in task.body or [0] * task.dimension])
         sets = [(len(s.lower), np.array(s.lower, float), np.array(s.upper, float)) for s in task.unsafe]  # of the first m axes
@@ -204,16 +217,17 @@ class Bench:
             x = lower + body + dice.uniform(0, 1, task.dimension) * (upper - lower - 2 * body)
             if any(np.all((low - body[:m] < x[:m]) & (x[:m] < high + body[:m])) for m, low, high in sets):
                 continue
+            looked_at += 1
             mujoco.mj_resetData(self.model, self.data)
             self.data.qpos[:] = x
             mujoco.mj_forward(self.model, self.data)
             touched += self.data.ncon > 0
-        return touched
+        return touched, looked_at
 
 
 def rows_of_bounds(name: str, found: Measured) -> list[list[str]]:
     rows = [[name, key, shown(getattr(found, key)), shown(value)] for key, value in found.stated.items()]
-    return [*rows, [name, "configurations off the sets that touch a geom", str(found.touching), "0"]]
+    return [*rows, [name, "configurations off the sets that touch a geom", f"{found.touching} of {found.looked_at:,}", "0"]]
 
 
 def row_of_runs(name: str, lag: float, found: list[Mission], u_max: Any, seconds: float) -> list[str]:

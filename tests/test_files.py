@@ -365,3 +365,15 @@ def test_a_run_killed_between_renames_leaves_a_whole_set_or_no_certificate(renam
     write_files(out, build_task(load_task(new)).files)
     assert not list(out.glob(".*"))  # swept
     assert checker.main([str(new), str(out / "empty.c"), str(out / "empty.certificate.json")]) == 0
+
+
+def test_a_file_that_the_manifest_has_and_nobody_makes_is_told(recorded) -> None:
+    manifest = recorded / "generated" / "MANIFEST.json"
+    document = json.loads(manifest.read_text())
+    folder = next(name for name in document["folders"] if name.startswith("empty/"))
+    document["folders"][folder]["sha256"]["empty_fast.c"] = "00"
+    manifest.write_text(json.dumps(document))
+    (recorded / "generated" / folder / "empty_fast.c").write_text("int quick;\n")
+    result = run("check", cwd=recorded)
+    assert result.returncode == 1
+    assert f"records {folder}/empty_fast.c, which is not made" in result.stdout

@@ -396,6 +396,9 @@ def test_calls_out_of_turn_and_times_that_are_none_are_refused(version: int, pla
         with pytest.raises(Exception, match="DoStep"):
             unit.step(now, seconds)
     unit.step(0.0, 0.1)
+    for now in (0.0, 0.1001, 5.0):  # not where it ended
+        with pytest.raises(Exception, match="DoStep"):
+            unit.step(now, 0.1)
     with pytest.raises(Exception, match="EnterInitializationMode"):
         unit.unit.enterInitializationMode()
     before = unit.get(*unit.numbers())
@@ -422,10 +425,11 @@ def test_a_tube_that_repeats_itself_keeps_to_its_cycle_for_a_day(tmp_path) -> No
     assert np.float32(cycle.length) != cycle.length  # else this says nothing
     unit = Slave(fmu_units(controller)["watchman.fmu"], tmp_path / "a", 3)
     unit.start()
-    edges = []
+    edges, before = [], 0.0
     for count in (1, 10_000):
         now = float(cycle.begin + cycle.length / 3 + count * cycle.length)
-        unit.step(now, 0.0)
+        unit.step(before, now - before)
+        before = now
         edges.append(unit.get(*unit.names("lower"), *unit.names("upper")))
     # The edges move at most so fast, and three roundings of a time near t_c lie between the two: the importer's sum, the unit's
     # float, the C's wrap; P7 bounds what an edge is off at each.

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from absent import absent
 from conftest import controller_of
 from typer.testing import CliRunner
 
@@ -84,8 +85,11 @@ def test_the_whole_run_in_small(board: Any, monkeypatch: Any) -> None:
     document = json.loads(result.stdout)
     assert document["within_bounds"] is True
     assert [v["label"] for v in document["boards"]] == ["refined", "refined, inline"]
-    assert len([v for v in document["beside"] if "Rust" not in v["label"]]) == 9
-    assert all(v["within"] for v in document["beside"] if "Rust" in v["label"])
+    rust = [v for v in document["beside"] if "Rust" in v["label"]]
+    assert len(document["beside"]) - len(rust) == 9
+    if not rust:
+        absent("Rust's core library for the board is not here; `.ci/tools integration` installs it")
+    assert [v["within"] for v in rust] == [True, True]
     one, three = (v["most"] for v in document["by_dimension"])
     assert 2 < three / one < 3  # linear, less what there is once
     none, four = (v["most"] for v in document["by_obstacles"])

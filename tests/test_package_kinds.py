@@ -13,7 +13,9 @@ from conftest import ROOT
 from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
+from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller, build, build_task
+from stt_codegen.plants import plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.task import load_task
@@ -138,7 +140,7 @@ def test_every_sketch_calls_what_its_header_has(name: str, changed: dict, tool, 
 
 
 @pytest.mark.parametrize("design", ["refined", "adaptive"])
-@pytest.mark.parametrize("kind", [k for k in KINDS if k != "rust"])  # which has the Rust in place of the C: test_rust.py
+@pytest.mark.parametrize("kind", [k for k in KINDS if k not in ("rust", "fmu", "ros2")])  # which have tests of their own
 def test_every_package_has_the_same_sources_and_its_certificate(kind: str, design: str) -> None:
     files = package(made(design), kind)
     by_name = {Path(path).name: data for path, data in files.items()}
@@ -161,3 +163,16 @@ def test_the_command_writes_a_package_and_refuses_to_record_one(tmp_path) -> Non
     assert (tmp_path / "omni_s2" / "src" / "omni_s2.c").read_bytes() == made().files["omni_s2.c"]
     refused = CliRunner().invoke(app, ["generate", task, "--package", "cmake", "--record", str(tmp_path / "g")])
     assert "give one of them" in str(refused.exception)
+
+
+@pytest.mark.parametrize("name", ["install", "help", "ALL_BUILD"])
+def test_a_name_that_cmake_has_itself_is_refused(name: str) -> None:
+    controller = build_task(load_task(ROOT / "tasks" / "omni_s2.toml").changed(name=name))
+    with pytest.raises(BadInput, match=f"name: '{name}' is a target of CMake's own"):
+        package(controller, "cmake")
+    assert package(controller, "plain")
+
+
+def test_a_plant_is_for_units_alone() -> None:
+    with pytest.raises(BadInput, match="--plant: is for --package fmu"):
+        package(made("refined"), "cmake", plant_of("integrator", 2, 1))

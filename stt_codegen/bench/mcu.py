@@ -162,11 +162,13 @@ def beside(board: Board, points: int, said: Callable[[str], None]) -> Iterator[L
 
 def in_rust(board: Board, points: int, said: Callable[[str], None]) -> Iterator[Line]:
     """The same two controllers as Rust, called as C is; left out where the board or the machine has none."""
+    if not board.rust:
+        return
     for label, math in (("emitted as Rust, refined", "libm"), ("emitted as Rust, refined, inline", "inline")):
         said(f"{board.name}: {label}")
         try:
             yield measured(variant("refined", "float", math, rust=True), board, label, points, rust=True)[0]
-        except (BadInput, MissingTool) as error:
+        except MissingTool as error:
             said(f"{label} is left out: {error}")
 
 

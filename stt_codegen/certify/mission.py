@@ -22,7 +22,7 @@ from stt_codegen.certify.monitor import Cycle, Span, holds, witnesses
 from stt_codegen.certify.moving import cut
 from stt_codegen.certify.slack import CHUNK, RowBlock
 from stt_codegen.decimals import decimal
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.designs import AdaptiveDesign, RefinedDesign
 from stt_codegen.rows import Avoidance, mission_rows
 from stt_codegen.task import Task
 from stt_codegen.task.mission import State, states_of
@@ -117,8 +117,10 @@ def _last(values: Sequence[int], good: Any) -> int | None:
     return values[low]
 
 
-def cycle_of(design: RefinedDesign) -> Cycle | None:
-    """What a tube repeats for ever."""
+def cycle_of(design: RefinedDesign | AdaptiveDesign) -> Cycle | None:
+    """What a tube repeats for ever; only a refined one does."""
+    if not isinstance(design, RefinedDesign):
+        return None
     return None if design.seam is None else Cycle(design.prescribed_time * design.seam / design.segments, design.prescribed_time)
 
 

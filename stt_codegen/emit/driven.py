@@ -11,6 +11,7 @@ from stt_codegen.emit.render import template
 from stt_codegen.plants import Model, model
 from stt_codegen.program import Program
 from stt_codegen.program.lower import lower
+from stt_codegen.program.number import round_to, shortest
 from stt_codegen.program.print.c import CPrinter
 from stt_codegen.task import Task
 
@@ -24,13 +25,19 @@ def driven_sources(task: Task) -> list[str]:
     return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
 
 
+def cycle_literal(design: RefinedDesign | AdaptiveDesign) -> str | None:
+    """The length of the cycle of a tube that repeats itself, seconds, as a double's literal."""
+    cycle = cycle_of(design)
+    return None if cycle is None else shortest(round_to(cycle.length, "double"), "double")
+
+
 def adapter_source(task: Task, design: RefinedDesign | AdaptiveDesign, certificate: Certificate) -> str:
     """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
-    steps, cycle = certificate.steps, cycle_of(design) if isinstance(design, RefinedDesign) else None
+    steps = certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(
         prefix=task.name, macro=task.name.upper(), adaptive=design.stateful, longest=longest, order=task.order,
-        outside=task.control.outside, differs=task.differs, cycle=None if cycle is None else repr(float(cycle.length)),
+        outside=task.control.outside, differs=task.differs, cycle=cycle_literal(design),
     )  # fmt: skip
 
 

@@ -65,7 +65,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
         common["last_tick"] = math.ceil(task.prescribed_time / period)
-    cycle = cycle_of(design) if isinstance(design, RefinedDesign) else None
+    cycle = cycle_of(design)
     if cycle is not None:
         common |= _cycle(task, cycle, program.scalar)
     shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]

@@ -20,7 +20,6 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.mission import cycle_of
-from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant, own
 from stt_codegen.loop.mission import missed
@@ -148,8 +147,7 @@ class Loop:
         self.own = step or own(controller)
         self.field = _Field(controller.task)
         self.constant = is_constant(plant, controller.task.dimension, controller.task.order)
-        design = controller.design
-        self.cycle = cycle_of(design) if isinstance(design, RefinedDesign) else None
+        self.cycle = cycle_of(controller.design)
         self.filter = np.array([float(v) for v in getattr(controller.design, "filter", ())])
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:

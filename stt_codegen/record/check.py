@@ -47,6 +47,8 @@ def check(root: Path, progress: Callable[[str], None] = lambda _: None) -> list[
         if folder_of(controller) != entry.folder:
             found.append(Difference(entry.folder, f"its task is now called {controller.task.name!r}; --accept moves the folder"))
             continue
+        for name in sorted(entry.sha256.keys() - controller.files.keys()):
+            found.append(Difference(MANIFEST, f"records {entry.folder}/{name}, which is not made"))
         for name, data in controller.files.items():
             path = f"{entry.folder}/{name}"
             known.add(path)

@@ -15,10 +15,8 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from stt_codegen.certify.mission import cycle_of
 from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
-from stt_codegen.designs import RefinedDesign
-from stt_codegen.emit.driven import driven_sources
+from stt_codegen.emit.driven import cycle_literal, driven_sources
 from stt_codegen.emit.naming import file_names, phase_name
 from stt_codegen.emit.render import Files, template
 from stt_codegen.errors import BadInput
@@ -117,10 +115,9 @@ def controller_unit(controller: Controller) -> Unit:
             Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True, direct=waits)
         )
     kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
-    cycle = cycle_of(controller.design) if isinstance(controller.design, RefinedDesign) else None
     own = template("fmu/controller.c.j2").render(
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside,
-        cycle=None if cycle is None else repr(float(cycle.length)), phases=phases, places=places,
+        cycle=cycle_literal(controller.design), phases=phases, places=places,
     )  # fmt: skip
     names = [header, *driven_sources(task), *([phase_name(task.name)] if phases else [])]
     verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"

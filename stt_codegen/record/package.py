@@ -20,6 +20,10 @@ from stt_codegen.record.fmu import fmu_units
 from stt_codegen.record.ros2 import ros2_package
 from stt_codegen.report.design import input_report
 
+CMAKE_TARGETS = frozenset(  # what no library may be called (CMake, policy CMP0037, and its generators)
+    "all help clean edit_cache rebuild_cache install preinstall test package package_source "
+    "ALL_BUILD ZERO_CHECK INSTALL RUN_TESTS PACKAGE".split()
+)
 PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
@@ -42,12 +46,18 @@ def loop_period(controller: Controller) -> Fraction:
 def package(controller: Controller, kind: str, plant: Model | None = None) -> Files:
     """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
     cannot have, `MissingTool` without what it takes."""
-    return fmu_units(controller, plant) if kind == "fmu" else KINDS[kind](controller)
+    if kind == "fmu":
+        return fmu_units(controller, plant)
+    if plant is not None:
+        raise BadInput("--plant: is for --package fmu; leave it out")
+    return KINDS[kind](controller)
 
 
 def _library(kind: str, controller: Controller) -> Files:
     """In a folder <p>/: sources in src/, the certificate and the Python in extras/, and what the build system reads."""
     prefix = controller.task.name
+    if kind == "cmake" and prefix in CMAKE_TARGETS:
+        raise BadInput(f"name: {prefix!r} is a target of CMake's own; choose another name, or another --package")
     header, source, module, proof = file_names(prefix)
     inline = controller.task.emit.math == "inline"
     period = loop_period(controller)

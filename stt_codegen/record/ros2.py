@@ -81,7 +81,9 @@ def ros2_package(controller: Controller) -> Files:
         "stale_after": repr(float(2 * period + latency)),
         "starts": repr([(float(middle - half), float(middle + half)) for middle, half in starts]),
         # A measured v may hide noise_v more. That a robot stands, no noisy measurement shows: this is assumed (ASSUMED).
-        "speeds": repr([float(max(0, v - noise_v) if v else noise_v) for v in task.start_speed] if task.order == 2 else []),
+        "speeds": repr(
+            [float(max(Fraction(0), v - noise_v) if v else noise_v) for v in task.start_speed] if task.order == 2 else []
+        ),
         "stands": not any(task.start_speed),
         "most": [float(v) for v in most] if most else f"[math.inf] * {task.dimension}",
         # So weak that u = -brake v, held for a period and late by the latency, does not turn v back whatever g is.
