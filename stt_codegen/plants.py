@@ -150,7 +150,8 @@ def plant_of(name: str, dimension: int, order: int = 1) -> Model:
     """A built-in plant, or the one in a Python file. Raises `BadInput` when there is none or its dimension is another."""
     plant = _from_file(Path(name)) if name.endswith(".py") else PLANTS.get(name)
     if plant is None:
-        raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with f(x) and g(x)")
+        told = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
+        raise BadInput(f"--plant {name}: is none of {', '.join(PLANTS)}, nor a Python file with {told}")
     if plant.order not in (None, order):
         told = "f(x, v) and g(x, v)" if order == 2 else "f(x) and g(x)"
         raise BadInput(f"--plant {name}: is of order {plant.order}, the task of order {order}; give {told}, or use integrator")

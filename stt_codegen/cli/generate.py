@@ -29,7 +29,7 @@ def generate(
     ] = "plain",
     plant: Annotated[
         str | None,
-        typer.Option(metavar="PLANT", help="with --package fmu: units of this plant too (as for simulate), a name or a .py"),
+        typer.Option(metavar="PLANT", help="with --package fmu: units of this plant too: a built-in one or a .py"),
     ] = None,
     json: Json = False,
 ) -> None:

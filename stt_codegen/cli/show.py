@@ -182,6 +182,8 @@ def show_run(report: RunReport) -> None:
     under += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
     if s.noise:
         under.append(f"x measured to {s.noise:g}")
+    if s.noise_v:
+        under.append(f"v measured to {s.noise_v:g}")
     if s.lag:
         under.append(f"u through a lag of {time_told(s.lag)}")
     if s.latency:
