@@ -123,11 +123,17 @@ def controller_unit(controller: Controller) -> Unit:
     verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
     told = f"Prescribed-time reach-avoid-stay controller {task.name}, {controller.design.kind} tube, {verdict}"
     return Unit(
-        task.name, told, tuple(variables), own, header, {name: controller.files[name] for name in names},
-        () if kept is None else (kept,), t_c,
-        "" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
-        {proof: controller.files[proof]},
-    )  # fmt: skip
+        name=task.name,
+        description=told,
+        variables=tuple(variables),
+        body=own,
+        header=header,
+        sources={name: controller.files[name] for name in names},
+        kept=() if kept is None else (kept,),
+        stop=t_c,
+        step="" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
+        extras={proof: controller.files[proof]},
+    )
 
 
 def plant_unit(task: Task, plant: Model) -> Unit:
@@ -166,9 +172,7 @@ def plant_unit(task: Task, plant: Model) -> Unit:
         name=plant.name, kernel="\n".join(lines), n=n, order=order, places=places, arguments=", ".join([*given, *outputs])
     )
     t_c = shortest(round_to(task.prescribed_time, "double"), "double")
-    return Unit(
-        name, f"Plant {plant.name} for {task.name}", tuple(variables), own, "", {}, (), t_c, "", {},
-    )  # fmt: skip
+    return Unit(name, f"Plant {plant.name} for {task.name}", tuple(variables), body=own, stop=t_c)
 
 
 # ------------------------------------------------------------------------------------------------ how they are packed

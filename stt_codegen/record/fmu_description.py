@@ -6,7 +6,7 @@ import hashlib
 import math
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from stt_codegen.emit.render import Files
 
@@ -42,19 +42,20 @@ class Variable:
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit before it is packed: variables in the order of their references, the C of its body (`unit_start`, `unit_evaluate`,
-    `unit_advance`) and the header that this includes, more C files, members of the body's state, more files for people."""
+    """A unit before it is packed. variables: in the order of their references. body: the C of `unit_start`, `unit_evaluate` and
+    `unit_advance`; header: what this includes; sources: more C files; kept: members of its state. stop, step: seconds that an
+    importer may take, literals. extras: more files, for people."""
 
     name: str
     description: str
     variables: tuple[Variable, ...]
     body: str
-    header: str
-    sources: Files
-    kept: tuple[str, ...]
     stop: str
-    step: str
-    extras: Files
+    header: str = ""
+    sources: Files = field(default_factory=dict)
+    kept: tuple[str, ...] = ()
+    step: str = ""
+    extras: Files = field(default_factory=dict)
 
     @property
     def token(self) -> str:
