@@ -223,6 +223,8 @@ def claiming(task: Task, design: RefinedDesign, certificate: Certificate, proof:
     known = task if proof else task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
     if task.order == 1:  # its mutants are not about u: with bounds on the plant P8 would be claimed where u is limited
         known = known.model_copy(update={"plant": PlantBounds()})
+    plain = {"tick_period": None, "rust": False, "selftest": False}  # of the mutants is what `toml` says, and nothing beside it
+    known = known.model_copy(update={"emit": known.emit.model_copy(update=plain)})
     text = toml(known).encode()
     known = known.model_copy()
     known._digest = checker.Task(text).digest
