@@ -427,7 +427,7 @@ def _windows() -> list[float]:
 
 def _setting() -> list[float]:
     task, tube, error = _probed()
-    made = period.searched(task, tube, error)
+    made = period.loop_of(task, tube, error)
     falling = np.array([[3.0, 1.0], [2.0, 5.0], [4.0, 4.5]])
     both = [setting.back(falling, np.maximum), setting.back(falling, np.minimum)]
     return _numbers_of([made, made.longest_age, made.with_law(latency=0.0).longest_age, *both])
