@@ -166,7 +166,7 @@ class Emulated(Backend):
     def __init__(self, controller: Controller, board: Board, extra: tuple[str, ...] = (), rust: bool = False) -> None:
         if rust and not board.rust:
             raise BadInput(f"--board {board.name}: Rust is linked with C on ARM boards alone: {', '.join(rust_boards())}")
-        if controller.program.scalar not in board.scalars:
+        if controller.program.scalar not in (*board.scalars, "fixed"):
             raise BadInput(f"--board {board.name}: its compiler has no 64-bit {controller.program.scalar}; use --scalar float")
         source = controller.files[f"{controller.program.prefix}.c"].decode()
         missing = [f for f in board.lacks if f"{f}(" in source]
@@ -178,7 +178,7 @@ class Emulated(Backend):
         self.controller, self.board, self.flags, self.rust = controller, board, (*CFLAGS, *extra), rust
         self.program, self.scalar = controller.program, controller.program.scalar
         self.name = f"{'Rust' if rust else 'C'} {self.scalar} on {board.name}"
-        self.number = np.float32 if self.scalar == "float" else np.float64
+        self.number: Any = {"float": np.float32, "double": np.float64, "fixed": np.int32}[self.scalar]
         self.counts: dict[str, Counts] = {}
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:
@@ -263,7 +263,7 @@ def build_image(
 def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
     arrays: list[tuple[str, int, int | None]] = []
     arguments: list[str] = []
-    offset, per = 0, 1 if scalar == "float" else 2
+    offset, per = 0, 2 if scalar == "double" else 1
     for p in f.params:
         if p.length is None:
             arguments.append(f"raw[{offset * per}]" if p.type is TICK else f"given[{offset}]")

@@ -31,6 +31,7 @@ from stt_codegen.program.nodes import (
     operands,
     real,
     type_of,
+    uses_fixed,
     uses_split,
 )
 from stt_codegen.program.operations import BOOL, INT, REAL, STATUS, TICK, Type
@@ -73,5 +74,6 @@ __all__ = [
     "operands",
     "real",
     "type_of",
+    "uses_fixed",
     "uses_split",
 ]

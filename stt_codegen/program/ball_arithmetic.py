@@ -45,11 +45,13 @@ _Int = int | _Span
 _Truth = bool | None  # None: may be either
 
 
-def _ends(value: _Int) -> tuple[int, int]:
+def ends(value: _Int) -> tuple[int, int]:
+    """The least and the largest that it may be."""
     return (value, value) if isinstance(value, int) else (value.low, value.high)
 
 
-def _span(values: Iterable[int]) -> _Int:
+def span(values: Iterable[int]) -> _Int:
+    """From the least to the largest of these."""
     found = list(values)
     return found[0] if min(found) == max(found) else _Span(min(found), max(found))
 
@@ -93,7 +95,7 @@ def _hull(a: Any, b: Any) -> Any:
     if isinstance(a, bool) or a is None:
         return a if a is b else None
     if isinstance(a, int | _Span):
-        return _span((*_ends(a), *_ends(b)))
+        return span((*ends(a), *ends(b)))
     return a.union(b)
 
 
@@ -110,24 +112,45 @@ def _finite(a: Ball) -> _Truth:
 def _trunc(a: Ball, most: int | None) -> _Int:
     """`most`: the largest that it can be, where that is known; a ball's own end may be a little above it."""
     ends = int(float(a.lower())), int(float(a.upper()))
-    return _span(ends if most is None else (min(end, most) for end in ends))
+    return span(ends if most is None else (min(end, most) for end in ends))
 
 
 def _added(a: _Int, b: _Int) -> _Int:
-    return _span(x + y for x, y in zip(_ends(a), _ends(b), strict=True))
+    return span(x + y for x, y in zip(ends(a), ends(b), strict=True))
 
 
 def _times(a: _Int, b: _Int) -> _Int:
-    return _span(x * y for x in _ends(a) for y in _ends(b))
+    return span(x * y for x in ends(a) for y in ends(b))
 
 
 def _less_by(a: _Int, b: _Int) -> _Int:
-    (a_low, a_high), (b_low, b_high) = _ends(a), _ends(b)
-    return _span((a_low - b_high, a_high - b_low))
+    (a_low, a_high), (b_low, b_high) = ends(a), ends(b)
+    return span((a_low - b_high, a_high - b_low))
 
 
 def _quotient(a: _Int, b: _Int) -> _Int:
-    return _span(x // y for x in _ends(a) for y in _ends(b))
+    return span(x // y for x in ends(a) for y in ends(b))
+
+
+def _lowered(a: _Int, b: _Int) -> _Int:
+    return span(x >> y for x in ends(a) for y in ends(b))
+
+
+def _raised(a: _Int, b: _Int) -> _Int:
+    return span(x << y for x in ends(a) for y in ends(b))
+
+
+def _upper(a: _Int, b: _Int) -> _Int:
+    return span(x * y >> 16 for x in ends(a) for y in ends(b))
+
+
+def _low(a: _Int) -> _Int:
+    low, high = ends(a)
+    return span((low & 0xFFFF, high & 0xFFFF) if low >> 16 == high >> 16 else (0, 0xFFFF))
+
+
+def _leading(a: _Int) -> _Int:
+    return span(31 - x.bit_length() for x in ends(a))
 
 
 def _same(a: _Int) -> _Int:
@@ -135,16 +158,16 @@ def _same(a: _Int) -> _Int:
 
 
 def _before(a: _Int, b: _Int) -> _Truth:
-    (a_low, a_high), (b_low, b_high) = _ends(a), _ends(b)
+    (a_low, a_high), (b_low, b_high) = ends(a), ends(b)
     return True if a_high < b_low else False if a_low >= b_high else None
 
 
 def _number(a: _Int) -> Ball:
-    return hull(*map(float, _ends(a)))
+    return hull(*map(float, ends(a)))
 
 
 def _load(array: list[Ball], index: _Int) -> Ball:
-    low, high = _ends(index)
+    low, high = ends(index)
     if not 0 <= low <= high < len(array):
         raise IndexError(f"index {low}..{high} of {len(array)}")
     found = array[low]
@@ -154,7 +177,7 @@ def _load(array: list[Ball], index: _Int) -> Ball:
 
 
 def _put(array: list[Ball], index: _Int, value: Ball) -> None:
-    low, high = _ends(index)
+    low, high = ends(index)
     for k in range(low, high + 1):
         array[k] = value if low == high else array[k].union(value)
 
@@ -172,7 +195,7 @@ def _exponent(y: Ball, least: Fraction) -> _Int:
     low, high = float(y.lower()), float(y.upper())
     if not (math.isfinite(low) and math.isfinite(high)):  # a loose ball; the number is from 1/sqrt 2 to a double's largest
         return _Span(0, 1024)
-    return _span(max(0, exponent_of(max(Fraction(end), least) / least)) for end in (low, high))
+    return span(max(0, exponent_of(max(Fraction(end), least) / least)) for end in (low, high))
 
 
 def _mantissa(y: Ball, least: Fraction) -> Ball:
@@ -182,6 +205,7 @@ def _mantissa(y: Ball, least: Fraction) -> Ball:
 
 HELPERS = (
     _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _less_by, _quotient, _same,
+    _lowered, _raised, _upper, _low, _leading,
     _before, _number, _load, _put,
     _joined, _exponent, _mantissa,
 )  # fmt: skip

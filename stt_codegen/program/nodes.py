@@ -90,10 +90,11 @@ class Trunc:
 
 @dataclass(frozen=True)
 class Load:
-    """One entry of a table or of an array parameter."""
+    """One entry of a table or of an array parameter: a real, or an integer of an array of integers."""
 
     array: str
     index: Operand
+    type: Type = REAL
 
 
 Expression = Operand | Op | Select | IsFinite | Trunc | Load
@@ -112,8 +113,8 @@ def type_of(expression: Expression) -> Type:
             return BOOL
         case Trunc():
             return INT
-        case Load():
-            return REAL
+        case Load(type=t):
+            return t
 
 
 def operands(expression: Expression) -> tuple[Operand, ...]:
@@ -193,12 +194,13 @@ Statement = Assign | Call | Store | For | Return
 
 @dataclass(frozen=True)
 class Table:
-    """Constants, rounded to the scalar when printed; `row` is how many belong together."""
+    """Constants, rounded to the scalar when printed, or integers (`type`); `row` is how many belong together."""
 
     name: str
     values: tuple[Fraction, ...]
     row: int
     doc: tuple[str, ...] = ()
+    type: Type = REAL
 
 
 @dataclass(frozen=True)
@@ -215,8 +217,8 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Param:
-    """A parameter of a public function: a scalar (`length` None, input only; a real or a count) or an array of reals: read,
-    written (`output`), or read and changed in place (`output` and `inout`)."""
+    """A parameter of a public function: a scalar (`length` None, input only; a real or a count) or an array of reals or
+    integers: read, written (`output`), or read and changed in place (`output` and `inout`)."""
 
     name: str
     length: int | None
@@ -247,7 +249,8 @@ class Function:
 
 @dataclass(frozen=True)
 class Program:
-    """scalar is "float" or "double"; names are without the task's prefix, which the printers add."""
+    """scalar is "float", "double", or "fixed" where there is no real; names are without the task's prefix, which the printers
+    add."""
 
     prefix: str
     dimension: int
@@ -270,6 +273,11 @@ def uses_split(program: Program) -> bool:
     """Whether a kernel splits a number into exponent and mantissa."""
     values = (a.value for kernel in program.kernels for a in kernel.body)
     return any(isinstance(v, Op) and v.name in ("exponent", "mantissa") for v in values)
+
+
+def uses_fixed(program: Program) -> bool:
+    """Whether the program counts in integers that stand for reals."""
+    return program.scalar == "fixed"
 
 
 def real(value: Fraction | int) -> Const:

@@ -186,6 +186,14 @@ OPERATIONS: dict[str, Operation] = {
     "isub": _whole("-", operator.sub, "_less_by({0}, {1})"),
     "imul": _whole("*", operator.mul, "_times({0}, {1})"),
     "idiv": _whole("/", operator.floordiv, "_quotient({0}, {1})"),  # of a number not negative by a positive one, rounded down
+    "ishr": _whole(">>", operator.rshift, "_lowered({0}, {1})"),  # rounded down, of a negative number too
+    "ishl": _whole("<<", operator.lshift, "_raised({0}, {1})"),  # of a number not negative
+    "upper": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
+        (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_upper({0}, {1})",
+    ),
+    "low": Operation((INT,), INT, "integer", lambda a: a & 0xFFFF, ball="_low({0})"),  # a mod 2^16
+    # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
+    "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading({0})"),
     "int": Operation((TICK,), INT, "integer", int, ball="_same({0})"),  # of a count below 2^31
     "real": Operation((INT,), REAL, "integer", float, ball="_number({0})", formula=lambda sp, a: a),
     # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact

@@ -173,6 +173,6 @@ class Printer(ABC):
         """The literals of a table, its rows begun anew, LITERALS_A_LINE a line, each line ended by a comma."""
         lines = []
         for start in range(0, len(table.values), table.row):
-            row = [self.format_entry(Const(v)) for v in table.values[start : start + table.row]]
+            row = [self.format_entry(Const(v, table.type)) for v in table.values[start : start + table.row]]
             lines += [INDENT + ", ".join(row[k : k + LITERALS_A_LINE]) + "," for k in range(0, len(row), LITERALS_A_LINE)]
         return lines

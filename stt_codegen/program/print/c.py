@@ -23,6 +23,7 @@ from stt_codegen.program.nodes import (
     Status,
     Table,
     Var,
+    uses_fixed,
     uses_split,
 )
 from stt_codegen.program.number import round_to, shortest
@@ -62,6 +63,49 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
     ]
 
 
+def fixed_lines(prefix: str) -> list[str]:
+    """The C of the nodes `upper` and `leading`, and what `ishr` assumes of the compiler."""
+    return [
+        "/* A negative number moves right as if by a division that rounds down: C leaves that to the compiler. */",
+        f"typedef char {prefix}_shifts_down[((-3) >> 1 == -2) ? 1 : -1];",
+        "",
+        "/* Within a larger expression avr-gcc makes 32 x 32 bits of these products. */",
+        "#if defined(__AVR__)",
+        f"#define {prefix.upper()}_APART static __attribute__((noinline))",
+        "#else",
+        f"#define {prefix.upper()}_APART static inline",
+        "#endif",
+        f"{prefix.upper()}_APART int32_t {prefix}_signed_product(int16_t a, uint16_t b)",
+        "{",
+        "    return (int32_t)a * (int32_t)b;",
+        "}",
+        "",
+        f"{prefix.upper()}_APART uint32_t {prefix}_product(uint16_t a, uint16_t b)",
+        "{",
+        "    return (uint32_t)a * b;",
+        "}",
+        "",
+        "/* a b / 2^16 rounded down, for 0 <= b < 2^16. */",
+        f"static inline int32_t {prefix}_upper(int32_t a, int32_t b)",
+        "{",
+        f"    const int32_t high = {prefix}_signed_product((int16_t)(a >> 16), (uint16_t)b);",
+        f"    const uint32_t low = {prefix}_product((uint16_t)a, (uint16_t)b);",
+        "    return high + (int32_t)(low >> 16);",
+        "}",
+        "",
+        "/* By how many places the bits of a > 0 can move up. */",
+        f"static inline int32_t {prefix}_leading(int32_t a)",
+        "{",
+        "    int32_t places = 0;",
+        "    if (a < 0x8000) { a <<= 16; places = 16; }",
+        "    if (a < 0x800000) { a <<= 8; places += 8; }",
+        "    if (a < 0x8000000) { a <<= 4; places += 4; }",
+        "    if (a < 0x20000000) { a <<= 2; places += 2; }",
+        "    return (a < 0x40000000) ? (places + 1) : places;",
+        "}",
+    ]
+
+
 class CPrinter(Printer):
     """C99; `real` is the scalar's type name in the emitted files."""
 
@@ -73,6 +117,8 @@ class CPrinter(Printer):
 
     def helpers(self) -> list[str]:
         """What some node of the program needs beside expressions."""
+        if uses_fixed(self.program):
+            return fixed_lines(self.prefix)
         return split_lines(self.prefix, self.program.scalar) if uses_split(self.program) else []
 
     # ---- names and literals
@@ -87,7 +133,7 @@ class CPrinter(Printer):
         if isinstance(value, bool):
             return "true" if value else "false"
         if constant.type is INT:
-            return str(value)
+            return f"({value})" if value < 0 else str(value)  # type: ignore[operator]
         if constant.type is TICK:
             return f"{value}U"
         if value is None:
@@ -135,6 +181,15 @@ class CPrinter(Printer):
 
     def op_mantissa(self, a: str) -> str:
         return f"{self.prefix}_mantissa({a})"
+
+    def op_upper(self, a: str, b: str) -> str:
+        return f"{self.prefix}_upper({a}, {b})"
+
+    def op_low(self, a: str) -> str:
+        return f"{a} & 0xffff"
+
+    def op_leading(self, a: str) -> str:
+        return f"{self.prefix}_leading({a})"
 
     def op_eq(self, a: str, b: str) -> str:
         """== on reals is refused by -Wfloat-equal; this is the same, false for NaN included."""
@@ -185,7 +240,9 @@ class CPrinter(Printer):
     # ---- tables, kernels, functions
 
     def table(self, table: Table) -> list[str]:
-        lines = [*self.comment(table.doc), f"static const {self.real} {self.prefix}_{table.name}[{len(table.values)}] = {{"]
+        small = table.type is INT and all(0 <= v < 256 for v in table.values)
+        kind = "uint8_t" if small else self.type_name(table.type)
+        lines = [*self.comment(table.doc), f"static const {kind} {self.prefix}_{table.name}[{len(table.values)}] = {{"]
         lines += self.rows(table)
         lines[-1] = lines[-1].removesuffix(",")
         return [*lines, "};"]
@@ -221,7 +278,7 @@ class CPrinter(Printer):
             return f"{self.type_name(param.type)} {param.name}"
         factor = param.length // self.program.dimension
         length = f"{self.macro}_N" if factor == 1 else f"{factor} * {self.macro}_N"
-        return f"{'' if param.output else 'const '}{self.real} {param.name}[{length}]"
+        return f"{'' if param.output else 'const '}{self.type_name(param.type)} {param.name}[{length}]"
 
     def wrap(self, head: str, parts: list[str], tail: str, width: int = 112) -> list[str]:
         """`head` + parts separated by commas + `tail`, broken under the opening parenthesis where too long."""

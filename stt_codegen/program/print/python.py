@@ -98,6 +98,15 @@ class PythonPrinter(Printer):
     def op_int(self, a: str) -> str:
         return a
 
+    def op_upper(self, a: str, b: str) -> str:
+        return f"{a} * {b} >> 16"
+
+    def op_low(self, a: str) -> str:
+        return f"{a} & 0xFFFF"
+
+    def op_leading(self, a: str) -> str:
+        return f"31 - {a}.bit_length()"
+
     def op_exponent(self, a: str) -> str:
         return f"_split({a})[1]"
 
@@ -150,10 +159,9 @@ class PythonPrinter(Printer):
         lines = [f"def {function.name}({', '.join(p.name for p in function.inputs)}):", *self.docstring(function.doc)]
         for p in function.inputs:
             scalar = f'_count("{p.name}", {p.name})' if p.type is TICK else f"float({p.name})"
-            lines.append(
-                f"    {p.name} = {scalar}" if p.length is None else f'    {p.name} = _vector("{p.name}", {p.name}, {p.length})'
-            )
-        lines += [f"    {p.name} = [0.0] * {p.length}" for p in function.outputs if not p.inout]
+            vector = f'{"_whole" if p.type is INT else "_vector"}("{p.name}", {p.name}, {p.length})'
+            lines.append(f"    {p.name} = {scalar if p.length is None else vector}")
+        lines += [f"    {p.name} = [{'0' if p.type is INT else '0.0'}] * {p.length}" for p in function.outputs if not p.inout]
         self.inside = function
         return [*lines, *self.statements(function.body)]
 
