@@ -45,8 +45,6 @@ def generate(
 
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
-    if plant is not None and package != "fmu":
-        raise BadInput("--plant: is for --package fmu; leave it out")
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
     made = []

@@ -22,6 +22,7 @@ from stt_codegen.controller.fixed_kernels import (
     seeds,
     segment_kernel,
 )
+from stt_codegen.controller.spline import entry, loaded
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.program import (
@@ -74,7 +75,7 @@ def clock_of(design: RefinedDesign, period: Fraction) -> Clock:
 def law_of(task: Task, bits: int) -> tuple[tuple[Component, ...], int]:
     """The components, and the bits of u's fraction. Raises `BadInput` without u_max."""
     if task.u_max is None:
-        raise BadInput('emit.scalar: "fixed" counts u by parts of control.u_max; state it')
+        raise BadInput("control.u_max: a controller in integers counts u by parts of it; state it")
     u_bits, found = 30 - math.ceil(math.log2(max(task.u_max))), []
     for gain, limit in zip(task.gain, task.u_max, strict=True):
         whole = abs(gain) * Fraction(2) ** (bits + u_bits)
@@ -88,9 +89,9 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
     """`tube` and `control` at a tick. Raises `BadInput` for what has no such program."""
     n, period, e_max = design.dimension, task.emit.tick_period, max(task.e_max)
     if design.filter or period is None:
-        raise BadInput('emit.scalar: "fixed" is for order 1, and needs emit.tick_period')
+        raise BadInput("a controller in integers is of order 1, and needs emit.tick_period")
     if design.significant > 24:
-        raise BadInput(f'emit.scalar: the tube needs {design.significant} bits; "fixed" has room for 24')
+        raise BadInput(f"the tube needs {design.significant} bits; a controller in integers has room for 24")
     laws, _ = law_of(task, design.bits)
     segment, parts = segment_kernel(clock_of(design, period), design), parts_kernel(e_max)
     share = math.ceil((1 - e_max) / 2 * HALF_WORD)
@@ -130,14 +131,10 @@ def _law_tables(laws: tuple[Component, ...]) -> tuple[Table, ...]:
 
 
 def _edges(block: Block, row: Operand, i: Var, s: Operand, n: int) -> tuple[Var, Var]:
-    at = block.op("at", "iadd", row, block.op("pair", "imul", i, integer(2)))
+    at = entry(block, row, i)
     found: list[Var] = []
     for side, name in ((LOWER, "lower"), (UPPER, "upper")):
-        entries = []
-        for j in range(4):
-            offset = 2 * n * j + side
-            index = block.op(f"{name}_{j}", "iadd", at, integer(offset)) if offset else at
-            entries.append(block.let(f"{name}_q{j}", Load("coefficients", index, INT)))
+        entries = loaded(block, n, at, side, name, INT)
         found += block.call(edge_kernel(), *entries, s, names=(f"{name}_edge",))
     return found[0], found[1]
 

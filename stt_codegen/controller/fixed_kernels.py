@@ -22,12 +22,14 @@ from stt_codegen.program import INT, TICK, Block, Const, Kernel, Load, Operand, 
 
 HALF_WORD = 1 << 16
 LN2 = round(math.log(2) * 2**27)
-CUBIC = round((2 / 3 + 0.0118) * 2**12)  # C, for which the largest error of the atanh over [-1/7, 1/5] is least, about
+# C, in 2^-12. 2 atanh(s)/s is 2 + 2/3 z + 2/5 z^2 + .. with z = s^2 in [0, 1/25]; so 2 + C z is off by as much before the end as
+# at it, but for the terms behind.
+CUBIC = round((2 / 3 + 4 / 5 / 25 * (math.sqrt(2) - 1)) * 2**12)
 
 
 @dataclass(frozen=True)
 class Clock:
-    """scale: segments of a tick, in 2^-(bits + 16); last: the first tick that is not before t_c."""
+    """Of ticks in segments. scale: a tick, in 2^-(bits + 16) of a segment; last: the first tick that is not before t_c."""
 
     scale: int
     bits: int
@@ -36,7 +38,7 @@ class Clock:
 
 @cache
 def seeds() -> tuple[int, ...]:
-    """That of the middle of [2^15 + 256 k, 2^15 + 256 (k + 1)), in 8 bits."""
+    """By k, (128,): of the middle d of [2^15 + 256 k, 2^15 + 256 (k + 1)), (2^31/d - 2^15)/2^7 in 8 bits."""
     return tuple(min(255, round((2**31 / (2**15 + 256 * k + 127.5) - 2**15) / 128)) for k in range(128))
 
 

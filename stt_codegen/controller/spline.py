@@ -9,7 +9,7 @@ from functools import cache
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.paper import refined_tube
-from stt_codegen.program import NAN, REAL, Block, IsFinite, Kernel, Load, Operand, Trunc, Var, integer, real
+from stt_codegen.program import NAN, REAL, Block, IsFinite, Kernel, Load, Operand, Trunc, Type, Var, integer, real
 from stt_codegen.program.lower import lower
 from stt_codegen.program.number import largest_below
 
@@ -61,13 +61,13 @@ def segment_of(design: RefinedDesign, scalar: str) -> Kernel:
     )
 
 
-def loaded(block: Block, n: int, at: Operand, side: int, label: str) -> list[Var]:
+def loaded(block: Block, n: int, at: Operand, side: int, label: str, kind: Type = REAL) -> list[Var]:
     """Statements for the four table entries of an edge, a row apart from table index `at` on."""
     entries = []
     for j in range(4):
         offset = 2 * n * j + side
         index = block.op(f"{label}_{j}", "iadd", at, integer(offset)) if offset else at
-        entries.append(block.let(f"{label}_q{j}", Load("coefficients", index)))
+        entries.append(block.let(f"{label}_q{j}", Load("coefficients", index, kind)))
     return entries
 
 

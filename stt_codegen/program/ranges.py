@@ -62,11 +62,11 @@ class _Scope:
     made: dict[str, Expression] = field(default_factory=dict)
 
 
-def ranges(program: Program, function: str, given: Mapping[str, Span] | None = None) -> dict[str, Span]:
-    """The spans of the integers of a public function, its outputs' too, for all inputs or for those within `given` (by the name
-    of a parameter). Raises `OutOfRange` where one may leave its type."""
+def ranges(program: Program, function: str) -> dict[str, Span]:
+    """The spans of the integers of a public function, its outputs' too, for all inputs. Raises `OutOfRange` where one may leave
+    its type."""
     f = program.function(function)
-    inputs = {p.name: COUNT if p.type is TICK else FULL for p in f.inputs} | dict(given or {})
+    inputs = {p.name: COUNT if p.type is TICK else FULL for p in f.inputs}
     reader = _Reader(program, inputs, {p.name: p.length or 0 for p in f.params})
     scope = _Scope({p.name: inputs[p.name] for p in f.inputs if p.length is None})
     reader.statements(f.body, scope)
@@ -110,13 +110,8 @@ class _Reader:
     def assign(self, var: Var, value: Expression, scope: _Scope) -> None:
         scope.made[var.name] = value
         if var.type in (INT, TICK):
-            found = self.value(value, scope)
-            if (
-                not (COUNT if var.type is TICK else FULL).low
-                <= found.low
-                <= found.high
-                <= (COUNT if var.type is TICK else FULL).high
-            ):
+            found, room = self.value(value, scope), COUNT if var.type is TICK else FULL
+            if not room.low <= found.low <= found.high <= room.high:
                 raise OutOfRange(f"{var.name} may be {found.low} to {found.high}, beyond 32 bits")
             scope.known[var.name] = found
 
