@@ -42,7 +42,7 @@ def limited(name: str) -> Task:
     """The example task with a limit of u and a tick."""
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
-    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000)}
+    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed"}
     return task.model_copy(update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=tick)})
 
 

@@ -445,7 +445,7 @@ def _period() -> list[float]:
             u_free = replace(statement, task=task.model_copy(update={"control": task.control.model_copy(update={"u_max": None})}))
             found += [u, u_free.inputs(window, e), replace(statement, shift=(Fraction(2),) * 2).inputs(window, e)]
             found += [statement._kept(i, window[i], e[i], [v * k for v in u]) for i in (0, 1) for k in (1, 20)]
-    logarithms = [period.logarithm(Fraction(v)) for v in (1.5, 1.001, 77, 1e6)]
+    logarithms = [enclosed.logarithm(Fraction(v)) for v in (1.5, 1.001, 77, 1e6)]
     return _numbers_of([every, found, logarithms, statement.age, statement.rounding, statement.shift])
 
 
@@ -507,7 +507,8 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
     (windows.Windows, "shortest", _windows, (first_exit,)),
     (setting, "law_of setting_of back", _setting, (first_exit, sampled_windows)),
     (setting.Setting, "longest_age", _setting, (first_exit,)),
-    (period, "logarithm _artanh statement_of", _period, (sampled_exact, sampled_windows)),
+    (enclosed, "logarithm _artanh", _period, (sampled_exact, sampled_windows)),
+    (period, "statement_of", _period, (sampled_exact, sampled_windows)),
     (period.SharpStatement, "windows inputs holds _kept age rounding", _period, (sampled_exact, sampled_windows)),
     (update, "_values ahead", _update, (update_cells,)),
     (update.Curve, "of outer cell balance root beyond", _update, (update_cells,)),

@@ -19,7 +19,8 @@ from flint import arb
 from typer.testing import CliRunner
 
 import stt_codegen as stt
-from stt_codegen.certify.period import SharpStatement, logarithm, statement_of
+from stt_codegen.certify.period import SharpStatement, statement_of
+from stt_codegen.program.enclosed import logarithm
 from stt_codegen.cli.main import app
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.loop.command import within_bounds

@@ -24,6 +24,7 @@ from stt_codegen.certify.certificate import Finding, PeriodProof
 from stt_codegen.certify.components import Component, inertial_components, inertial_shift, start_ratios
 from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.program.enclosed import logarithm
 from stt_codegen.program.number import FORMATS, round_down
 from stt_codegen.sampling import (
     Gains,
@@ -40,32 +41,8 @@ from stt_codegen.sampling.setting import ROUNDING, back
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
-BITS = 64  # of a logarithm's argument and of its series
-TERMS = 15  # 2 artanh z, |z| <= 1/5: what is left out is below 5^-31
 # Above the rho of an E that was found in doubles, as shares of it, until the fractions agree.
 TRIED = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3))
-
-
-def logarithm(y: Fraction) -> tuple[Fraction, Fraction]:
-    """ln y for y > 1, from below and from above: ln 2^k m = k ln 2 + 2 artanh((m - 1)/(m + 1)) with m from 2^-1/2 to 2^1/2."""
-    k = math.floor(math.log2(float(y)) + 0.5)
-    m = y / Fraction(2) ** k
-    low, high = _artanh((m - 1) / (m + 1))
-    two = [3 * v for v in _artanh(Fraction(1, 9))]  # ln 2 = 3 ln (5/4) + ln (128/125)
-    rest = _artanh(Fraction(3, 253))
-    return 2 * (low + k * (two[0] + rest[0])), 2 * (high + k * (two[1] + rest[1]))
-
-
-def _artanh(z: Fraction) -> tuple[Fraction, Fraction]:
-    """artanh z from below and from above, |z| < 1/4: z rounded outwards to BITS bits, and the series with its remainder."""
-    scale = 1 << BITS
-    ends = Fraction(math.floor(z * scale), scale), Fraction(math.ceil(z * scale), scale)
-    low, high = (sum((v ** (2 * j + 1) / (2 * j + 1) for j in range(TERMS)), Fraction(0)) for v in ends)
-    left = max(abs(v) for v in ends) ** (2 * TERMS + 1)  # the remainder is below z^(2N+1)/((2N+1)(1 - z^2))
-    return (
-        Fraction(math.floor((low - left) * scale), scale),
-        Fraction(math.ceil((high + left) * scale), scale),
-    )
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ step is then 2**-23 of the space's size, and design looks at the task from a pla
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from stt_codegen.program.number import exponent_of
 from stt_codegen.task import Task
 
 STEP_BITS = 23  # the step over the power of two that the lattice is scaled by
+FIXED_BITS = 21  # the same for a controller in integers, where a step between control points has 15 bits
 FAR = 6  # far: the power of two above the coordinates is over 2**FAR times that above the space's size
 MOST = MOST_BITS - STEP_BITS - 1  # so many bits more than a float's 24 a double spares
 
@@ -29,16 +30,17 @@ class Lattice:
     largest: int
     origin: tuple[Fraction, ...]
     room: int = 1
+    step_bits: int = STEP_BITS
 
     @property
     def bits(self) -> int:
         """The step is 2**-bits."""
-        return STEP_BITS - self.exponent
+        return self.step_bits - self.exponent
 
     @property
     def significant(self) -> int:
         """The bits that a number of the lattice has at most, without its sign."""
-        return STEP_BITS + 1 + self.largest - self.exponent
+        return self.step_bits + 1 + self.largest - self.exponent
 
     @cached_property
     def allowance(self) -> Fraction:
@@ -67,6 +69,8 @@ def lattice_of(task: Task) -> Lattice:
     shared = shared_lattice(task)
     largest = shared.largest
     extent = power_above(max(b - a for a, b in zip(lower, upper, strict=True)))
+    if task.emit.scalar == "fixed":
+        return replace(shared, step_bits=FIXED_BITS)
     if task.emit.scalar == "float" or largest - extent <= FAR:
         return shared
     exponent = max(extent, largest - MOST)

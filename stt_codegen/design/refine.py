@@ -20,7 +20,7 @@ import numpy as np
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
 from stt_codegen.design.asked import mission_of, require_start
 from stt_codegen.design.filter import with_filter
-from stt_codegen.design.lattice import STEP_BITS, lattice_of
+from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.refusal import refusal
 from stt_codegen.design.shape import Shape, calmest
 from stt_codegen.design.visits import anew, search_of
@@ -152,7 +152,7 @@ def round_design(task: Task, shape: Shape) -> RefinedDesign:
     """Control points over 6 (here in units of the lattice's size, from its origin), rounded to the lattice, so that the scalar
     holds them exactly. Floats and doubles share one tube, and one certificate, unless the task is far from the origin."""
     lattice = lattice_of(task)
-    integers = np.rint(np.ldexp(shape.points / 6, STEP_BITS)).astype(np.int64)
+    integers = np.rint(np.ldexp(shape.points / 6, lattice.step_bits)).astype(np.int64)
     integers += np.array(lattice.offsets, dtype=np.int64)[:, None]
     if shape.seam is None:
         integers[:, :, -task.order :] = integers[:, :, -3:-2]

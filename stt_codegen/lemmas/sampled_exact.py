@@ -22,6 +22,7 @@ from stt_codegen.certify import components, period
 from stt_codegen.lemmas.formula import Formula, questions
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
 from stt_codegen.lemmas.sampled_evaluated import METHOD, NUMBERS, POINT, V, setting, symbol
+from stt_codegen.program import enclosed
 from stt_codegen.sampling import statements
 
 LIMITS = (Fraction(5, 2), Fraction(5), Fraction(4))  # u_max, numbers of the scalar
@@ -261,14 +262,14 @@ def _holds() -> Outcome:
 def _series() -> Outcome:
     """The slope of artanh less that of N terms is z^(2N)/(1 - z^2): so what is left out of artanh z is below
     z^(2N + 1)/((2N + 1)(1 - z^2)), and that is below z^(2N + 1) for z < 1/4."""
-    z, left = sp.Symbol("z", positive=True), 2 * period.TERMS
-    terms = sum(z ** (2 * j) for j in range(period.TERMS))
+    z, left = sp.Symbol("z", positive=True), 2 * enclosed.TERMS
+    terms = sum(z ** (2 * j) for j in range(enclosed.TERMS))
     wrong: list[str] = []
     count = 0
     grid = [Fraction(k, 97) for k in range(98, 98 + 97 * 3, 5)] + [Fraction(3) ** k / 2 for k in range(1, 40)]
     for y in (*grid, *(1 + Fraction(1, 10) ** k for k in range(1, 18))):
         count += 1
-        low, high = period.logarithm(y)
+        low, high = enclosed.logarithm(y)
         with ctx.workprec(200):
             inside = _ball(low) <= _ball(y).log() <= _ball(high)
         if not (inside and high - low < Fraction(1, 1 << 50)):

@@ -191,6 +191,8 @@ OPERATIONS: dict[str, Operation] = {
     "upper": Operation(  # a b / 2^16 rounded down, 0 <= b < 2^16: a product of 48 bits without its last 16
         (INT, INT), INT, "mul", lambda a, b: a * b >> 16, ball="_upper({0}, {1})",
     ),
+    # of 16 bits each, the first with a sign, the second without one
+    "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_times({0}, {1})"),
     "low": Operation((INT,), INT, "integer", lambda a: a & 0xFFFF, ball="_low({0})"),  # a mod 2^16
     # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
     "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading({0})"),

@@ -3,15 +3,15 @@
 Every variable gets a span that holds for all inputs: operations by the rules of their rows (`Operation.ball`), calls with the
 spans of their arguments, loops in one turn for all. Four facts are more than spans:
 
-- a square is not negative;
 - in a Select on a < b the chosen operand is known to be on its side, as is what is computed of it in one step;
-- a moved up by leading(a) places lies in [2^30, 2^31);
-- v <= m >> k, moved up by k places, is not above m.
+- a moved up by leading(a) places lies in [2^30, 2^31), and what is never above a, moved up as far, below 2^31;
+- a kernel that is given an index of tables, and uses it for nothing else, is read index by index;
+- the difference of two entries of a table, a fixed way apart, is one of those differences.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,6 +22,7 @@ from stt_codegen.program.nodes import (
     Const,
     Expression,
     For,
+    Kernel,
     Load,
     Op,
     Operand,
@@ -98,19 +99,33 @@ class _Reader:
 
     def call(self, results: Sequence[Var], name: str, args: Sequence[Operand], scope: _Scope) -> None:
         kernel = self.program.kernel(name)
-        own = _Scope({})
-        for var, arg in zip(kernel.inputs, args, strict=True):
-            if var.type in (INT, TICK):
-                own.known[var.name] = self.span(arg, scope)
-        self.statements(kernel.body, own)
-        for var, output in zip(results, kernel.outputs, strict=True):
-            if var.type is INT:
-                scope.known[var.name] = self.span(output, own)
+        given = {v.name: self.span(arg, scope) for v, arg in zip(kernel.inputs, args, strict=True) if v.type in (INT, TICK)}
+        found: list[Span | None] = [None] * len(results)
+        for known in self.by_row(kernel, given):
+            own = _Scope(known)
+            self.statements(kernel.body, own)
+            ends = [self.span(o, own) if o.type is INT else None for o in kernel.outputs]
+            found = [span if span is None else _hull(before, span) for before, span in zip(found, ends, strict=True)]
+        scope.known |= {var.name: span for var, span in zip(results, found, strict=True) if span is not None}
+
+    def by_row(self, kernel: Kernel, given: Known) -> Iterator[Known]:
+        """What is known of a kernel's inputs: row by row, where one of them says which entry of tables it goes by."""
+        rows = {a.value.index.name for a in kernel.body if isinstance(a.value, Load) and isinstance(a.value.index, Var)} & {*given}
+        if len(rows) != 1 or any(isinstance(a.value, Op) and v in a.value.args for a in kernel.body for v in kernel.inputs if v.name in rows):
+            yield dict(given)
+            return
+        (name,) = rows
+        for row in range(given[name].low, given[name].high + 1):
+            yield given | {name: Span(row, row)}
 
     def assign(self, var: Var, value: Expression, scope: _Scope) -> None:
         scope.made[var.name] = value
         if var.type in (INT, TICK):
-            found, room = self.value(value, scope), COUNT if var.type is TICK else FULL
+            try:
+                found = self.value(value, scope)
+            except OutOfRange as problem:
+                raise OutOfRange(f"{var.name}: {problem}") from None
+            room = COUNT if var.type is TICK else FULL
             if not room.low <= found.low <= found.high <= room.high:
                 raise OutOfRange(f"{var.name} may be {found.low} to {found.high}, beyond 32 bits")
             scope.known[var.name] = found
@@ -121,7 +136,7 @@ class _Reader:
                 return self.span(value, scope)
             case Load(array=array, index=index):
                 self.within(array, index, scope)
-                return self.entries(array)
+                return self.entries(array, index, scope)
             case Select(condition=condition, then=then, other=other):
                 return _hull(self.on_side(condition, True, then, scope), self.on_side(condition, False, other, scope))
             case Op():
@@ -138,35 +153,53 @@ class _Reader:
             raise OutOfRange(f"{op.name} of {args[0].low} to {args[0].high}")
         if op.name == "idiv" and not (args[0].low >= 0 < args[1].low):
             raise OutOfRange("idiv of a number that may be negative, or by one that may not be positive")
+        if op.name == "product" and not (-(2**15) <= args[0].low <= args[0].high < 2**15 and 0 <= args[1].low <= args[1].high < 2**16):
+            raise OutOfRange(f"product: of {args[0].low} to {args[0].high} and {args[1].low} to {args[1].high}, not of 16 bits")
         if op.name == "ishl":
             by = op.args[1]
-            made = scope.made.get(by.name) if isinstance(by, Var) else None
-            if made == Op("leading", (op.args[0],)):
-                return Span(2**30, MOST)
-            most = self.bound_above(op.args[0], by, scope)
-            if most is not None:
-                return Span(0, most)
-        if op.name == "imul" and op.args[0] == op.args[1]:
-            a = args[0]
-            return Span(0 if a.low <= 0 <= a.high else min(a.low**2, a.high**2), max(a.low**2, a.high**2))
+            places = scope.made.get(by.name) if isinstance(by, Var) else None
+            if isinstance(places, Op) and places.name == "leading":
+                if places.args[0] == op.args[0]:
+                    return Span(2**30, MOST)
+                if self.never_above(op.args[0], places.args[0], scope):
+                    return Span(0, MOST)
+        if op.name == "isub":
+            apart = self.apart(op.args[1], op.args[0], scope)
+            if apart is not None:
+                return apart
         rule, _, rest = OPERATIONS[op.name].ball.partition("(")
         if rule not in _RULES or not rest.startswith("{0}"):
             raise OutOfRange(f"{op.name} has no rule here")
         return Span(*ball_arithmetic.ends(_RULES[rule](*(ball_arithmetic.span((a.low, a.high)) for a in args))))
 
-    def bound_above(self, value: Operand, by: Operand, scope: _Scope) -> int | None:
-        """m, where value was made as the lesser of something and m >> by."""
-        made = scope.made.get(value.name) if isinstance(value, Var) else None
-        if not isinstance(made, Select) or not isinstance(made.condition, Var):
+    def never_above(self, value: Operand, most: Operand, scope: _Scope) -> bool:
+        """Whether a value is at most another one, whatever the input."""
+        if value == most:
+            return True
+        match scope.made.get(value.name) if isinstance(value, Var) else None:
+            case Select(condition=Var(name=name), then=then, other=other) if scope.made.get(name) == Op("ilt", (then, other)):
+                return self.never_above(then, most, scope) or self.never_above(other, most, scope)
+        return False
+
+    def place(self, index: Operand, scope: _Scope) -> tuple[Operand, int]:
+        """An index as a variable and a number added to it."""
+        made = scope.made.get(index.name) if isinstance(index, Var) else None
+        if isinstance(made, Op) and made.name == "iadd" and isinstance(made.args[1], Const):
+            return made.args[0], int(made.args[1].value)  # type: ignore[arg-type]
+        return index, 0
+
+    def apart(self, first: Operand, second: Operand, scope: _Scope) -> Span | None:
+        """The second less the first, where both are entries of one table, a fixed way apart."""
+        made = [scope.made.get(v.name) if isinstance(v, Var) else None for v in (first, second)]
+        loads = [v for v in made if isinstance(v, Load)]
+        if len(loads) < 2 or loads[0].array != loads[1].array or loads[0].array in self.inputs:
             return None
-        test = scope.made.get(made.condition.name)
-        if not isinstance(test, Op) or test.name != "ilt":
+        (base, a), (other, b) = (self.place(v.index, scope) for v in loads)
+        if base != other or not isinstance(base, Var):
             return None
-        for limit in (made.then, made.other) if test.args == (made.then, made.other) else ():  # a < b ? a : b
-            source = scope.made.get(limit.name) if isinstance(limit, Var) else None
-            if isinstance(source, Op) and source.name == "ishr" and source.args[1] == by:
-                return self.span(source.args[0], scope).high
-        return None
+        values, where = self.program.table(loads[0].array).values, self.span(base, scope)
+        found = [int(values[k + b] - values[k + a]) for k in range(where.low, where.high + 1)]
+        return Span(min(found), max(found))
 
     def on_side(self, condition: Operand, holds: bool, chosen: Operand, scope: _Scope) -> Span:
         """The span of what is chosen where a comparison of integers comes out so."""
@@ -189,9 +222,13 @@ class _Reader:
             return Span(int(operand.value), int(operand.value))  # type: ignore[arg-type]
         return scope.known[operand.name]
 
-    def entries(self, array: str) -> Span:
+    def entries(self, array: str, index: Operand, scope: _Scope) -> Span:
         table = next((t for t in self.program.tables if t.name == array), None)
-        return self.inputs[array] if table is None else Span(int(min(table.values)), int(max(table.values)))
+        if table is None:
+            return self.inputs[array]
+        at = self.span(index, scope)
+        values = table.values[at.low : at.high + 1]
+        return Span(int(min(values)), int(max(values)))
 
     def within(self, array: str, index: Operand, scope: _Scope) -> None:
         at = self.span(index, scope)

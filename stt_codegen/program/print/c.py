@@ -64,34 +64,90 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
 
 
 def fixed_lines(prefix: str) -> list[str]:
-    """The C of the nodes `upper` and `leading`, and what `ishr` assumes of the compiler."""
+    """The C of the nodes that only a program of integers has, and what it assumes of the compiler. On an AVR gcc makes a loop of
+    every shift that is no whole byte, and of a product within a larger expression one of 32 x 32 bits; so both are written out."""
+    macro = prefix.upper()
     return [
+        "/* Tables stay in flash: an AVR reads it by instructions of its own. */",
+        "#if defined(__AVR__)",
+        "#include <avr/pgmspace.h>",
+        f"#define {macro}_FLASH PROGMEM",
+        f"#define {macro}_READ_8(entry) ((int32_t)pgm_read_byte(&(entry)))",
+        f"#define {macro}_READ_16(entry) ((int32_t)pgm_read_word(&(entry)))",
+        f"#define {macro}_READ_32(entry) ((int32_t)pgm_read_dword(&(entry)))",
+        "#else",
+        f"#define {macro}_FLASH",
+        *(f"#define {macro}_READ_{bits}(entry) ((int32_t)(entry))" for bits in (8, 16, 32)),
+        "#endif",
+        "",
         "/* A negative number moves right as if by a division that rounds down: C leaves that to the compiler. */",
         f"typedef char {prefix}_shifts_down[((-3) >> 1 == -2) ? 1 : -1];",
         "",
-        "/* Within a larger expression avr-gcc makes 32 x 32 bits of these products. */",
         "#if defined(__AVR__)",
-        f"#define {prefix.upper()}_APART static __attribute__((noinline))",
-        "#else",
-        f"#define {prefix.upper()}_APART static inline",
-        "#endif",
-        f"{prefix.upper()}_APART int32_t {prefix}_signed_product(int16_t a, uint16_t b)",
+        "/* a / 2^n rounded down, and a 2^n of a >= 0, by bytes first. */",
+        f"static inline int32_t {prefix}_down(int32_t a, int32_t n)",
         "{",
-        "    return (int32_t)a * (int32_t)b;",
+        "    if (__builtin_constant_p(n) && (n >= 16)) {",
+        "        return (int16_t)(a >> 16) >> (n - 16);",
+        "    }",
+        "    if (__builtin_constant_p(n) && (n > 12)) {",
+        "        return (a >> 16) * ((int32_t)1 << (16 - n)) + (int32_t)((uint16_t)a >> n);",
+        "    }",
+        "    if ((n & 16) != 0) { a >>= 16; }",
+        "    if ((n & 8) != 0) { a >>= 8; }",
+        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { a >>= 1; }",
+        "    return a;",
         "}",
         "",
-        f"{prefix.upper()}_APART uint32_t {prefix}_product(uint16_t a, uint16_t b)",
+        f"static inline int32_t {prefix}_up(int32_t a, int32_t n)",
         "{",
-        "    return (uint32_t)a * b;",
+        "    if ((n & 16) != 0) { a <<= 16; }",
+        "    if ((n & 8) != 0) { a <<= 8; }",
+        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { a <<= 1; }",
+        "    return a;",
+        "}",
+        "",
+        "/* a b, a of 16 bits with a sign, b of 16 without one. */",
+        f"static inline int32_t {prefix}_product(int32_t a, int32_t b)",
+        "{",
+        "    int16_t own = (int16_t)a;",
+        "    uint16_t other = (uint16_t)b;",
+        '    __asm__("" : "+r"(own), "+r"(other));',
+        "    return (int32_t)own * (int32_t)other;",
         "}",
         "",
         "/* a b / 2^16 rounded down, for 0 <= b < 2^16. */",
         f"static inline int32_t {prefix}_upper(int32_t a, int32_t b)",
         "{",
-        f"    const int32_t high = {prefix}_signed_product((int16_t)(a >> 16), (uint16_t)b);",
-        f"    const uint32_t low = {prefix}_product((uint16_t)a, (uint16_t)b);",
-        "    return high + (int32_t)(low >> 16);",
+        "    uint16_t own = (uint16_t)a, other = (uint16_t)b;",
+        '    __asm__("" : "+r"(own), "+r"(other));',
+        "    const uint32_t low = (uint32_t)own * other;",
+        f"    return {prefix}_product(a >> 16, b) + (int32_t)(low >> 16);",
         "}",
+        "#else",
+        "/* a / 2^n rounded down, and a 2^n of a >= 0. */",
+        f"static inline int32_t {prefix}_down(int32_t a, int32_t n)",
+        "{",
+        "    return a >> n;",
+        "}",
+        "",
+        f"static inline int32_t {prefix}_up(int32_t a, int32_t n)",
+        "{",
+        "    return a << n;",
+        "}",
+        "",
+        "/* a b, a of 16 bits with a sign, b of 16 without one. */",
+        f"static inline int32_t {prefix}_product(int32_t a, int32_t b)",
+        "{",
+        "    return a * b;",
+        "}",
+        "",
+        "/* a b / 2^16 rounded down, for 0 <= b < 2^16. */",
+        f"static inline int32_t {prefix}_upper(int32_t a, int32_t b)",
+        "{",
+        "    return (a >> 16) * b + (int32_t)(((uint32_t)(a & 0xffff) * (uint32_t)b) >> 16);",
+        "}",
+        "#endif",
         "",
         "/* By how many places the bits of a > 0 can move up. */",
         f"static inline int32_t {prefix}_leading(int32_t a)",
@@ -151,6 +207,13 @@ class CPrinter(Printer):
     def array(self, name: str) -> str:
         return f"{self.prefix}_{name}" if self.is_table(name) else name
 
+    def format_load(self, array: str, index: str) -> str:
+        entry = super().format_load(array, index)
+        table = next((t for t in self.program.tables if self.array(t.name) == array), None)
+        if table is None or not uses_fixed(self.program):
+            return entry
+        return f"{self.macro}_READ_{self.entry_bits(table)}({entry})"
+
     def format_select(self, select: Select, condition: str, then: str, other: str) -> str:
         return f"{condition} ? {then} : {other}"
 
@@ -184,6 +247,15 @@ class CPrinter(Printer):
 
     def op_upper(self, a: str, b: str) -> str:
         return f"{self.prefix}_upper({a}, {b})"
+
+    def op_ishr(self, a: str, b: str) -> str:
+        return f"{self.prefix}_down({a}, {b})"
+
+    def op_ishl(self, a: str, b: str) -> str:
+        return f"{self.prefix}_up({a}, {b})"
+
+    def op_product(self, a: str, b: str) -> str:
+        return f"{self.prefix}_product({a}, {b})"
 
     def op_low(self, a: str) -> str:
         return f"{a} & 0xffff"
@@ -240,12 +312,18 @@ class CPrinter(Printer):
     # ---- tables, kernels, functions
 
     def table(self, table: Table) -> list[str]:
-        small = table.type is INT and all(0 <= v < 256 for v in table.values)
-        kind = "uint8_t" if small else self.type_name(table.type)
-        lines = [*self.comment(table.doc), f"static const {kind} {self.prefix}_{table.name}[{len(table.values)}] = {{"]
+        bits, flash = self.entry_bits(table), f" {self.macro}_FLASH" if uses_fixed(self.program) else ""
+        kind = f"uint{bits}_t" if bits < 32 else self.type_name(table.type)
+        lines = [*self.comment(table.doc), f"static const {kind} {self.prefix}_{table.name}[{len(table.values)}]{flash} = {{"]
         lines += self.rows(table)
         lines[-1] = lines[-1].removesuffix(",")
         return [*lines, "};"]
+
+    def entry_bits(self, table: Table) -> int:
+        """Of the smallest type that holds a table's integers: 8 or 16 where none is negative, else 32."""
+        if table.type is not INT:
+            return 32
+        return next((bits for bits in (8, 16) if all(0 <= v < 1 << bits for v in table.values)), 32)
 
     def kernel(self, kernel: Kernel) -> list[str]:
         inputs = [f"{self.type_name(v.type)} {v.name}" for v in kernel.inputs]
