@@ -19,12 +19,12 @@ from random import Random
 from types import ModuleType
 
 import numpy as np
+from stt_codegen.controller.fixed import clock_of, fixed_program
 
 from stt_codegen.bench.mcu import sizes
 from stt_codegen.bench.report import command, machine, record, table
 from stt_codegen.board.emulated import BOARDS, Emulated
 from stt_codegen.compare.toolchain import load_module
-from stt_codegen.controller.fixed import clock_of, fixed_program
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.emit.render import Files
 from stt_codegen.pipeline import Controller, build_task

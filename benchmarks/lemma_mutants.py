@@ -67,6 +67,7 @@ from stt_codegen.program import (
     Store,
     Trunc,
     Var,
+    enclosed,
 )
 from stt_codegen.program.lower import lower
 from stt_codegen.program.paths import follow

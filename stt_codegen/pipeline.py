@@ -102,11 +102,11 @@ def settled(task: Task, design: Design) -> Task:
     if not task.gain_chosen or not isinstance(design, RefinedDesign):
         return task
     from stt_codegen.certify.period import chosen_gain
-    from stt_codegen.controller.arithmetic import edge_error, rate_error
+    from stt_codegen.controller.arithmetic import errors_of_tube
 
-    program = build_program(task, design)
-    rate = rate_error(design, program) if task.order == 2 else ()
-    return task.with_gain(chosen_gain(task, design, edge_error(design, program), rate))
+    if task.emit.scalar == "fixed":  # whose law has no constants before there is a gain
+        return task.with_gain(chosen_gain(task, design, *errors_of_tube(design, None, task.emit.tick_period)))
+    return task.with_gain(chosen_gain(task, design, *errors_of_tube(design, build_program(task, design))))
 
 
 def design_tube(task: Task, room: int = 1) -> Design:
@@ -127,12 +127,29 @@ def design_tube(task: Task, room: int = 1) -> Design:
 def build_program(task: Task, design: Design) -> Program:
     """The controller as typed single assignments, which every printer and prover reads."""
     if isinstance(design, RefinedDesign):
+        if task.emit.scalar == "fixed":
+            from stt_codegen.controller.integers.program import fixed_program
+
+            return within_32_bits(fixed_program(task, design))
         from stt_codegen.controller.refined import refined_program
 
         return refined_program(task, design)
     from stt_codegen.controller.adaptive import adaptive_program
 
     return adaptive_program(task, design)
+
+
+def within_32_bits(program: Program) -> Program:
+    """A program of integers, of which it is proved that none of them leaves 32 bits, whatever the arguments. Raises `BadInput`
+    where that cannot be shown."""
+    from stt_codegen.program.ranges import OutOfRange, ranges
+
+    for function in program.functions:
+        try:
+            ranges(program, function.name)
+        except OutOfRange as problem:
+            raise BadInput(f'emit.scalar: "fixed" has too few bits for this task ({problem}); use "float"') from problem
+    return program
 
 
 def certify(task: Task, design: Design, program: Program) -> Certificate:

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 from fixed import c_files, limited, points, python_module
-
-from stt_codegen.compare.toolchain import STRICT
 from stt_codegen.controller.fixed import clock_of, fixed_program, law_of
 from stt_codegen.controller.fixed_kernels import LN2, reciprocal_kernel
+
+from stt_codegen.compare.toolchain import STRICT
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_task

@@ -20,12 +20,12 @@ from typer.testing import CliRunner
 
 import stt_codegen as stt
 from stt_codegen.certify.period import SharpStatement, statement_of
-from stt_codegen.program.enclosed import logarithm
 from stt_codegen.cli.main import app
 from stt_codegen.controller.arithmetic import edge_error
 from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.pipeline import build_task
+from stt_codegen.program.enclosed import logarithm
 from stt_codegen.record.package import loop_period
 from stt_codegen.sampling import STATEMENTS, holds, least, longest
 from stt_codegen.sampling.loops import loop_of

@@ -31,7 +31,8 @@ PARTS = 8  # of a segment, in which slack is looked for
 SLICES = 1024  # of a segment: how finely the ends of intervals are told
 NOWHERE = -(1 << 60)  # the slack of a state that no tube has
 WIDE = 1 << 40  # coefficients below this leave room for the halvings in 64 bits
-CLOCK = {"float": Fraction(4, 1 << 24), "double": Fraction(4, 1 << 53)}  # of t_c: t, K/t_c and their product, each rounded
+# Of t_c: t, K/t_c and their product, each rounded; of ticks `controller.integers.errors.late`, whatever the number of segments.
+CLOCK = {"float": Fraction(4, 1 << 24), "double": Fraction(4, 1 << 53), "fixed": Fraction(4, 1 << 20)}
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ Axes = Annotated[
     list[str] | None,
     typer.Option(metavar="A,B", help="two dimensions by name (x1, x2, .. or the task's axes) to draw in; may be given again"),
 ]
-ScalarOption = Annotated[Literal["float", "double"] | None, typer.Option(help="override emit.scalar")]
+ScalarOption = Annotated[Literal["float", "double", "fixed"] | None, typer.Option(help="override emit.scalar")]
 PlantOption = Annotated[
     str | None,
     typer.Option(

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from stt_codegen.controller.integers import errors as integer_errors
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.program import Kernel, Program
 from stt_codegen.program.number import FORMATS
@@ -31,8 +32,21 @@ def late(segments: Any, eps: Any) -> Any:
     return segments * (4 * eps + 4 * eps * eps)
 
 
+def errors_of_tube(
+    design: RefinedDesign, program: Program | None, tick: Fraction | None = None
+) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
+    """`edge_error` and, for order 2, `rate_error`. tick: seconds, of a controller in integers, whose program is still to come."""
+    tick = tick if program is None else program.tick
+    if tick is not None:
+        return integer_errors.edge_error(design, tick), integer_errors.rate_error(design, tick) if design.filter else ()
+    assert program is not None
+    return edge_error(design, program), rate_error(design, program) if design.filter else ()
+
+
 def edge_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """By dimension, a bound on |emitted edge - gamma(t)| for every finite t, in the task's units."""
+    if program.tick is not None:
+        return integer_errors.edge_error(design, program.tick)
     return _edge_error(design, program.kernel("basis"), program.kernel("blend"), program.scalar)
 
 
@@ -46,6 +60,8 @@ def _edge_error(design: RefinedDesign, basis: Kernel, blend: Kernel, scalar: str
 
 def rate_error(design: RefinedDesign, program: Program) -> tuple[Fraction, ...]:
     """By dimension, a bound on |emitted rate - gammadot(t)| for every finite t, in units per second."""
+    if program.tick is not None:
+        return integer_errors.rate_error(design, program.tick)
     form = FORMATS[program.scalar]
     bend = np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
     slope = np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))

@@ -31,6 +31,8 @@ def with_filter(task: Task, design: RefinedDesign) -> RefinedDesign:
     if task.order == 1:
         return design
     if task.filter is not None:
+        if task.emit.scalar == "fixed":  # of 16 bits, and below 4
+            return replace(design, filter=tuple(Fraction(round(v * 2**14), 2**14) for v in task.filter))
         return replace(design, filter=tuple(round_to(v, task.emit.scalar) for v in task.filter))
     chosen = [_chosen(task, design, i) for i in range(task.dimension)]
     return replace(design, filter=tuple(chosen))

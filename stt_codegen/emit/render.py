@@ -34,15 +34,12 @@ NO_BREAK = "\u00a0"
 def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate) -> Files:
     """The emitted files by name: header, C, Python, certificate. UTF-8 with LF line ends; no date, version or path."""
     check_names(program)
-    header, source, module, proof = file_names(task.name)
-    printer, python = CPrinter(program), PythonPrinter(program)
-    precision = "single" if program.scalar == "float" else "double"
+    *_, proof = file_names(task.name)
     common: dict[str, Any] = {
         "prefix": task.name,
         "macro": task.name.upper(),
         "program": program,
         "statuses": list(Status),
-        "precision": precision,
         "scalar": program.scalar,
         "kind": design.kind,
         "order": task.order,
@@ -53,8 +50,32 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "outside": task.control.outside,
         "late": bool(task.control.latency),
         "steps": certificate.steps if certificate.holds else None,
-        "phases": _phases(task, program, certificate),
         "entries": _entries(task, certificate),
+    }
+    if program.scalar == "fixed":
+        from stt_codegen.emit.integers import texts
+
+        assert isinstance(design, RefinedDesign)
+        files = texts(task, design, program, certificate, common, _environment())
+    else:
+        files = _texts(task, design, program, certificate, common)
+    encoded = {name: text.encode() for name, text in files.items()}
+    digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
+    if task.written is not None:
+        encoded[f"{task.name}.task.toml"] = task.written.encode()
+    encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
+    return encoded
+
+
+def _texts(
+    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, common: dict[str, Any]
+) -> dict[str, str]:
+    """The text of all files but the certificate, in floating point. common: what every template is told."""
+    header, source, module, _ = file_names(task.name)
+    printer, python = CPrinter(program), PythonPrinter(program)
+    common = common | {
+        "precision": "single" if program.scalar == "float" else "double",
+        "phases": _phases(task, program, certificate),
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
     period = task.emit.tick_period
@@ -95,12 +116,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         files[phase_name(task.name)] = template("phase.c.j2").render(**common, c=printer)
     if cycle is not None:
         files[wrap_name(task.name)] = template("wrap.c.j2").render(**common)
-    encoded = {name: text.encode() for name, text in files.items()}
-    digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
-    if task.written is not None:
-        encoded[f"{task.name}.task.toml"] = task.written.encode()
-    encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
-    return encoded
+    return files
 
 
 def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:

@@ -250,7 +250,7 @@ class Function:
 @dataclass(frozen=True)
 class Program:
     """scalar is "float", "double", or "fixed" where there is no real; names are without the task's prefix, which the printers
-    add."""
+    add. tick: seconds of one, where time is counted by nothing else."""
 
     prefix: str
     dimension: int
@@ -258,6 +258,7 @@ class Program:
     tables: tuple[Table, ...]
     kernels: tuple[Kernel, ...]
     functions: tuple[Function, ...]
+    tick: Fraction | None = None
 
     def kernel(self, name: str) -> Kernel:
         return next(k for k in self.kernels if k.name == name)

@@ -40,7 +40,9 @@ class Format:
         return (2 - Fraction(2) ** (1 - self.precision)) * Fraction(2) ** self.greatest
 
 
-FORMATS = {"float": Format(24, -126, 127), "double": Format(53, -1022, 1023)}
+# Of a controller in integers: what it is given and what it gives are known to 20 bits, whatever units they count. So is a state:
+# its unit is at most 2^-20 of the largest coordinate (design/lattice.py).
+FORMATS = {"float": Format(24, -126, 127), "double": Format(53, -1022, 1023), "fixed": Format(20, -1022, 1023)}
 
 
 def exponent_of(value: Fraction) -> int:

@@ -19,6 +19,7 @@ from stt_codegen.program import ball_arithmetic
 from stt_codegen.program.nodes import (
     Assign,
     Call,
+    Carry,
     Const,
     Expression,
     For,
@@ -36,6 +37,7 @@ from stt_codegen.program.nodes import (
 from stt_codegen.program.operations import INT, OPERATIONS, TICK
 
 LEAST, MOST = -(2**31), 2**31 - 1
+TURNS = 4  # in which what a loop carries must have found its span
 _RULES: dict[str, Callable[..., Any]] = {f.__name__: f for f in ball_arithmetic.HELPERS}
 
 
@@ -49,6 +51,9 @@ class Span:
 
     low: int
     high: int
+
+    def within(self, low: int, end: int) -> bool:
+        return low <= self.low and self.high < end
 
 
 FULL, COUNT = Span(LEAST, MOST), Span(0, 2**32 - 1)
@@ -90,12 +95,23 @@ class _Reader:
                     self.within(array, index, scope)
                     self.stored[array] = _hull(self.stored.get(array), self.span(value, scope))
                 case For(index=index, count=count, body=inner, carries=carries):
-                    if any(c.var.type is INT for c in carries):
-                        raise OutOfRange(f"{index.name}: an integer is carried through a loop, which has no rule here")
                     scope.known[index.name] = Span(0, count - 1)
-                    self.statements(inner, scope)
+                    self.loop(inner, [c for c in carries if c.var.type is INT], scope)
                 case Return(body=inner):
                     self.statements(inner, scope)
+
+    def loop(self, body: Sequence[Statement], carries: Sequence[Carry], scope: _Scope) -> None:
+        """One turn for all: what is carried is within a span that a turn does not leave."""
+        for carry in carries:
+            scope.known[carry.var.name] = self.span(carry.initial, scope)
+        for _ in range(TURNS):
+            before = dict(scope.known)
+            self.statements(body, scope)
+            for carry in carries:
+                scope.known[carry.var.name] = _hull(before[carry.var.name], self.span(carry.next, scope))
+            if all(scope.known[c.var.name] == before[c.var.name] for c in carries):
+                return
+        raise OutOfRange(f"{carries[0].var.name}: is carried through a loop, and no span was found that it stays in")
 
     def call(self, results: Sequence[Var], name: str, args: Sequence[Operand], scope: _Scope) -> None:
         kernel = self.program.kernel(name)
@@ -110,8 +126,10 @@ class _Reader:
 
     def by_row(self, kernel: Kernel, given: Known) -> Iterator[Known]:
         """What is known of a kernel's inputs: row by row, where one of them says which entry of tables it goes by."""
-        rows = {a.value.index.name for a in kernel.body if isinstance(a.value, Load) and isinstance(a.value.index, Var)} & {*given}
-        if len(rows) != 1 or any(isinstance(a.value, Op) and v in a.value.args for a in kernel.body for v in kernel.inputs if v.name in rows):
+        values = [a.value for a in kernel.body]
+        rows = {v.index.name for v in values if isinstance(v, Load) and isinstance(v.index, Var)} & {*given}
+        reckoned = {a.name for v in values if isinstance(v, Op) for a in v.args if isinstance(a, Var)}
+        if len(rows) != 1 or rows & reckoned:
             yield dict(given)
             return
         (name,) = rows
@@ -147,13 +165,13 @@ class _Reader:
         args = [self.span(a, scope) for a in op.args]
         if op.name in ("ishr", "ishl") and not 0 <= args[1].low <= args[1].high <= 31:
             raise OutOfRange(f"{op.name} by {args[1].low} to {args[1].high} places")
-        if op.name == "upper" and not 0 <= args[1].low <= args[1].high < 2**16:
+        if op.name == "upper" and not args[1].within(0, 2**16):
             raise OutOfRange(f"upper: its second factor may be {args[1].low} to {args[1].high}, not within 16 bits")
         if op.name in ("leading", "ishl") and args[0].low < (op.name == "leading"):
             raise OutOfRange(f"{op.name} of {args[0].low} to {args[0].high}")
         if op.name == "idiv" and not (args[0].low >= 0 < args[1].low):
             raise OutOfRange("idiv of a number that may be negative, or by one that may not be positive")
-        if op.name == "product" and not (-(2**15) <= args[0].low <= args[0].high < 2**15 and 0 <= args[1].low <= args[1].high < 2**16):
+        if op.name == "product" and not (args[0].within(-(2**15), 2**15) and args[1].within(0, 2**16)):
             raise OutOfRange(f"product: of {args[0].low} to {args[0].high} and {args[1].low} to {args[1].high}, not of 16 bits")
         if op.name == "ishl":
             by = op.args[1]

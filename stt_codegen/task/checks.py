@@ -117,9 +117,33 @@ def _options_problem(task: TaskTables) -> str | None:
     for field, (other, value) in unread.items():
         if value is not None and kind == other:
             return f"tube.adaptive.{field}: is not a parameter of the {kind} design; leave it out"
-    if problem := _limits_problem(task) or _order_problem(task):
+    if problem := _limits_problem(task) or _order_problem(task) or _integers_problem(task):
         return problem
     return _plant_problem(task)
+
+
+def _integers_problem(task: TaskTables) -> str | None:
+    """What a controller in integers needs, and what it has no form of."""
+    emit, control = task.emit, task.control
+    if emit.scalar != "fixed":
+        return None
+    if task.tube.design != "refined":
+        return f'emit.scalar: "fixed" is for refined tubes; an {task.tube.design} one takes "float" or "double"'
+    if emit.tick_period is None:
+        return 'emit.tick_period: is missing; with emit.scalar = "fixed" time is a count of ticks, say how many seconds one is'
+    if control.u_max is None:
+        return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
+    unknown = {
+        "emit.rust": emit.rust,
+        'emit.math = "inline"': emit.math == "inline",
+        'control.saturate = "scale"': task.scales,
+        "control.e_max by component": len(set(task.e_max)) > 1,
+        "control.outside": control.outside != "return",
+        "repeat": task.repeat,
+        'control.velocity = "differences"': task.differs,
+    }
+    field = next((name for name, given in unknown.items() if given), None)
+    return None if field is None else f'{field}: is for floating point; leave it out with emit.scalar = "fixed"'
 
 
 def _plant_problem(task: TaskTables) -> str | None:

@@ -13,7 +13,8 @@ from stt_codegen.task.set_checks import set_problem
 from stt_codegen.task.shapes import Unsafe, UnsafeCapsule
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-ROUNDED = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53)}  # of a time: by how much a sum of it may be wrong
+# Of a time: by how much a sum of it may be wrong.
+ROUNDED = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53), "fixed": Fraction(0)}
 LOST = 1000  # times that: of a period that is no longer the clock would be wrong by more than a thousandth
 MOST_REGIONS, MOST_ENTRIES = 400, 40
 

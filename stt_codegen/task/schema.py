@@ -34,7 +34,7 @@ from stt_codegen.task.values import (
 )
 
 DesignKind = Literal["refined", "adaptive", "literal"]
-Scalar = Literal["float", "double"]
+Scalar = Literal["float", "double", "fixed"]
 Preference = Literal["balanced", "slow", "wide", "period"]
 Outside = Literal["return", "hold", "stop"]
 

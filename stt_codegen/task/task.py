@@ -60,7 +60,7 @@ class Task(TaskTables):
         chosen = ({"scalar": scalar} if scalar else {}) | ({"rust": True} if rust else {})
         emit = self.emit.model_copy(update=chosen) if chosen else self.emit
         changed = self.model_copy(update={"tube": tube, "emit": emit})
-        problem = first_problem(changed) if design or rust else None
+        problem = first_problem(changed) if design or rust or scalar == "fixed" else None
         if problem:
             raise BadInput(problem)
         return changed

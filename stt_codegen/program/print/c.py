@@ -64,8 +64,9 @@ def split_lines(prefix: str, scalar: str) -> list[str]:
 
 
 def fixed_lines(prefix: str) -> list[str]:
-    """The C of the nodes that only a program of integers has, and what it assumes of the compiler. On an AVR gcc makes a loop of
-    every shift that is no whole byte, and of a product within a larger expression one of 32 x 32 bits; so both are written out."""
+    """The C of the nodes that only a program of integers has, and what it assumes of the compiler. On an AVR gcc makes a loop
+    of every shift that is no whole byte, and of a product within a larger expression one of 32 x 32 bits; so both are written
+    out."""
     macro = prefix.upper()
     return [
         "/* Tables stay in flash: an AVR reads it by instructions of its own. */",
@@ -169,7 +170,7 @@ class CPrinter(Printer):
         super().__init__(program)
         self.prefix = program.prefix
         self.macro = program.prefix.upper()
-        self.real = f"{self.prefix}_real"
+        self.real = "int32_t" if uses_fixed(program) else f"{self.prefix}_real"
 
     def helpers(self) -> list[str]:
         """What some node of the program needs beside expressions."""

@@ -1,8 +1,8 @@
-"""The kernels of a controller in integers (fixed.py): straight lines of shifts, sums and products of 16 bits.
+"""The kernels of a controller in integers: straight lines of shifts, sums and products of 16 bits.
 
     segment   tick -> row of the table, and the place s in the segment, in 2^-16 of it
-    weights   of a cubic B-spline at s, for the steps of its control points
-    edge      of the tube: a control point, and the steps about it by their weights
+    weights   of a cubic B-spline at s, for the steps of its control points; rates, of its rate of change, for order 2
+    edge      of the tube: a control point, and the steps about it by their weights; for order 2 with its rate
     curve     a function of a number that begins with a 1, by a table of quadratics
     push      |u| by (13)
 
@@ -16,13 +16,17 @@ one. 1/d and H come from quadratics (curves.py) by the bits after the first.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 
-from stt_codegen.controller.curves import SLOPE_BITS
+from stt_codegen.controller.integers.curves import SLOPE_BITS
 from stt_codegen.controller.spline import loaded
 from stt_codegen.designs import LOWER, RefinedDesign
+from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, TICK, Block, Const, Kernel, Load, Operand, Var, integer
 
 HALF_WORD = 1 << 16
@@ -37,6 +41,19 @@ class Clock:
     scale: int
     bits: int
     last: int
+
+
+def clock_of(design: RefinedDesign, period: Fraction) -> Clock:
+    """With the 16 bits that s has where the length of a tick is then right enough: a half word is no shift. Raises `BadInput`
+    where 32 bits do not hold the time of a mission."""
+    step, last = period * design.segments / design.prescribed_time, math.ceil(design.prescribed_time / period)
+    for bits in (16, *range(30 - design.segments.bit_length(), 16, -1)):
+        scale = step * 2 ** (bits + 16)
+        fits = last < 2**31 and scale < 2**31 and scale * (last / HALF_WORD + 1) < 2**31
+        if fits and last < 2 ** (bits - 2):
+            return Clock(round(scale), bits, last)
+    took = f"{float(period):g} s over {float(design.prescribed_time):g} s and {design.segments} segments"
+    raise BadInput(f"emit.tick_period: {took} makes integers beyond 31 bits; use another")
 
 
 def _kernel(name: str, inputs: tuple[Var, ...], block: Block, outputs: Mapping[str, Operand], *doc: str) -> Kernel:
@@ -90,29 +107,94 @@ def weights_kernel() -> Kernel:
     bend = b.op("bend", "isub", sum_3, b.op("cube_2", "imul", cube, integer(2)))
     less_3 = b.op("less_3", "imul", at_least(b, "less_held", b.op("less", "isub", first, square), 0), integer(3))
     left = b.op("left", "isub", b.op("left_square", "isub", integer(1 << FINE), less_3), cube)
+    near = _rounded(b, "bend_near", at_least(b, "bend_held", bend, 0), FINE - BEND_BITS)
     outputs = {
         "w0": _rounded(b, "before", at_least(b, "left_held", left, 0), FINE - WEIGHT_BITS),
-        "w1": at_most(b, "middle", _rounded(b, "bend_near", at_least(b, "bend_held", bend, 0), FINE - BEND_BITS), integer(HALF_WORD - 1)),
+        "w1": at_most(b, "middle", near, integer(HALF_WORD - 1)),
         "w2": _rounded(b, "after", cube, FINE - WEIGHT_BITS),
     }
     told = f"At s: (1 - s)^3 and s^3 in 2^-{WEIGHT_BITS}, 3 s + 3 s^2 - 2 s^3 in 2^-{BEND_BITS}."
     return _kernel("weights", (s,), b, outputs, told)
 
 
-@cache
-def edge_kernel(n: int) -> Kernel:
-    """An edge from its first entry in the table, at `at`, on, for n dimensions."""
-    at, w0, w1, w2 = inputs = _ints("at", "w0", "w1", "w2")
-    b = Block({v.name for v in inputs} | {"edge"})
+@dataclass(frozen=True)
+class Rate:
+    """Of weights for an edge's rate. places: of their fraction, in steps a second; mantissa 2^-shift: segments a second."""
+
+    places: int
+    mantissa: int
+    shift: int
+
+
+def rate_of(design: RefinedDesign) -> Rate:
+    """Of the two outer weights, at most 3 segments a second each, none has more than 15 bits. Raises `BadInput` for a tube that
+    is too fast for that."""
+    per_second = Fraction(design.segments) / design.prescribed_time
+    places = math.floor(math.log2(HALF_WORD / (6 * per_second)))
+    if places < 0:
+        raise BadInput("prescribed_time: is so short that integers of 16 bits do not hold the tube's rates; raise it")
+    shift = 16 - math.frexp(float(per_second))[1]
+    mantissa = math.floor(per_second * Fraction(2) ** shift)
+    return Rate(places, min(mantissa, HALF_WORD - 1), shift)
+
+
+def rates_kernel(rate: Rate) -> Kernel:
+    """Weights of the steps for an edge's rate, all at least 0."""
+    (s,) = _ints("s")
+    b = Block({"s", "r0", "r1", "r2"})
+    first = b.op("s_up", "ishl", s, integer(FINE - 16))
+    square = b.op("square", "upper", first, s)
+    less = at_most(b, "less_most", at_least(b, "less_held", b.op("less", "isub", first, square), 0), integer(1 << (FINE - 2)))
+    one = b.op("one_less", "isub", integer(1 << FINE), first)
+    left = at_least(b, "left_held", b.op("left", "isub", one, less), 0)  # (1 - s)^2 = 1 - s - (s - s^2)
+    middle = b.op("middle", "iadd", integer(1 << FINE), b.op("less_2", "imul", less, integer(2)))
+
+    def scaled(name: str, value: Operand) -> Var:
+        """3 times the value, in segments a second, to the places of the weights."""
+        a_second = b.op(f"{name}_second", "upper", b.op(f"{name}_3", "imul", value, integer(3)), integer(rate.mantissa))
+        return _rounded(b, name, a_second, FINE - 16 + rate.shift - rate.places)
+
+    outputs = {"r0": scaled("before", left), "r1": scaled("between", middle), "r2": scaled("after", square)}
+    told = f"At s, in 2^-{rate.places} a second: 3 (1 - s)^2, 3 + 6 s (1 - s) and 3 s^2 times the segments in a second."
+    return _kernel("rates", (s,), b, outputs, told)
+
+
+def _steps(b: Block, n: int, at: Var) -> tuple[Var, tuple[Var, ...]]:
+    """The second of four entries of an edge, from `at` on, and the steps between them."""
     q = loaded(b, n, at, LOWER, "at", INT)
-    d0, d1, d2 = (b.op(f"d{k}", "isub", after, before) for k, (before, after) in enumerate(zip(q, q[1:], strict=False)))
-    base = b.op("base", "iadd", b.op("q1_6", "imul", q[1], integer(6)), d1)
+    return q[1], tuple(b.op(f"d{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(q)))
+
+
+def _edge(b: Block, q1: Var, steps: tuple[Var, ...], weights: tuple[Var, ...]) -> Var:
+    (d0, d1, d2), (w0, w1, w2) = steps, weights
+    base = b.op("base", "iadd", b.op("q1_6", "imul", q1, integer(6)), d1)
     middle = b.op("middle", "ishr", b.op("d1_w1", "product", d1, w1), integer(BEND_BITS))
     outer = b.op("outer", "isub", b.op("d2_w2", "product", d2, w2), b.op("d0_w0", "product", d0, w0))
     ends = b.op("ends", "ishr", outer, integer(WEIGHT_BITS))
-    edge = b.op("value", "iadd", b.op("bent", "iadd", base, middle), ends)
+    return b.op("value", "iadd", b.op("bent", "iadd", base, middle), ends)
+
+
+@cache
+def edge_kernel(n: int) -> Kernel:
+    """An edge from its first entry in the table, at `at`, on, for n dimensions."""
+    at, *weights = inputs = _ints("at", "w0", "w1", "w2")
+    b = Block({v.name for v in inputs} | {"edge"})
+    edge = _edge(b, *_steps(b, n, at), tuple(weights))
     told = "An edge of the tube: a control point, and the steps about it by their weights."
     return _kernel("edge", inputs, b, {"edge": edge}, told)
+
+
+def moving_edge_kernel(n: int, rate: Rate) -> Kernel:
+    """An edge and its rate."""
+    at, w0, w1, w2, r0, r1, r2 = inputs = _ints("at", "w0", "w1", "w2", "r0", "r1", "r2")
+    b = Block({v.name for v in inputs} | {"edge", "rate"})
+    q1, steps = _steps(b, n, at)
+    edge = _edge(b, q1, steps, (w0, w1, w2))
+    between = b.op("between", "ishr", b.op("d1_r1", "product", steps[1], r1), integer(rate.places))
+    about = b.op("about", "iadd", b.op("d0_r0", "product", steps[0], r0), b.op("d2_r2", "product", steps[2], r2))
+    slope = b.op("slope", "iadd", between, b.op("around", "ishr", about, integer(rate.places)))
+    told = "An edge of the tube, and its rate in units a second, by the steps about it."
+    return _kernel("edge", inputs, b, {"edge": edge, "rate": slope}, told)
 
 
 @cache
@@ -129,8 +211,8 @@ def curve_kernel() -> Kernel:
 
 
 def row_and_place(b: Block, name: str, value: Operand, bits: int, first: Operand) -> tuple[Var, Var]:
-    """Of a number in [2^30, 2^31): its row of the curves by the `bits` bits after the first, and its place in that row's piece, in
-    2^-16. first: the row of 2^30, less 2^bits for the leading bit."""
+    """Of a number in [2^30, 2^31): its row of the curves by the `bits` bits after the first, and its place in that row's piece,
+    in 2^-16. first: the row of 2^30, less 2^bits for the leading bit."""
     row = b.op(f"{name}_row", "iadd", b.op(f"{name}_head", "ishr", value, integer(30 - bits)), first)
     return row, b.op(f"{name}_t", "low", b.op(f"{name}_tail", "ishr", value, integer(14 - bits)))
 

@@ -5,8 +5,8 @@ has its piece, the 16 bits behind them its place t in the piece. A row stands fo
 
     2^places (level - (slope - bend t) t),     slope and bend in 2^-SLOPE_BITS,
 
-and interpolates the curve at t = 1/15, 1/2, 14/15, which are next to Chebyshev's nodes. Rows of 1/d come first, then those of H: by
-how many places y moves up, and in every octave from its least number on.
+and interpolates the curve at t = 1/15, 1/2, 14/15, which are next to Chebyshev's nodes. Rows of 1/d come first, then those of H:
+by how many places y moves up, and in every octave from its least number on.
 """
 
 from __future__ import annotations

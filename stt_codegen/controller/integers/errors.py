@@ -1,0 +1,120 @@
+"""What a controller in integers is wrong by: its edges (P7), and its law against (13). In exact numbers, from the kernels.
+
+*Edges.* Time: the place of a tick is late by what the length of a tick and its sum are rounded by, and by what s leaves out.
+Weights: there are 2^16 of s, so all are tried. A step times its weight is exact, and two sums of these are rounded down.
+
+*Law.* |u| = k/d |e| H(1 - |e|). Let 1/d come out as (1 + a)/d, |a| <= A, and H as (1 + b) H, |b| <= B (curves.py). Then e and y
+come out with 1 + a too, rounded down to 2^-30. Since 0 <= -y H'/H <= 3/2 (with H = 8 (atanh(e)/e)/(1 - e^2), (1 - e) times the
+slope of the logarithm of 1/(1 - e^2) is 2 e/(1 + e) <= 1, and of atanh(e)/e at most e/(1 + e) <= 1/2), all powers of 1 + a are
+from 1/2 to 2 together. The gain's mantissa has 16 bits. The three products of `push` are rounded down, each by less than a unit
+of a size that is at least |e| 2^26, which is less than 64 units of e's 2^-30; the last shift by less than a unit of u.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stt_codegen.controller.integers import curves
+from stt_codegen.controller.integers.kernels import (
+    BEND_BITS,
+    HALF_WORD,
+    WEIGHT_BITS,
+    Clock,
+    Rate,
+    clock_of,
+    rate_of,
+    rates_kernel,
+    weights_kernel,
+)
+from stt_codegen.controller.integers.law import FixedLaw
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.program import Const, Kernel, Op, Operand, Select
+from stt_codegen.program.operations import OPERATIONS
+
+Integers = npt.NDArray[np.int64]
+
+
+def late(clock: Clock) -> Fraction:
+    """By how many segments the place of a tick may be wrong: a tick's length is rounded, its sum cut off, the end held a unit
+    before t_c, and s is cut off."""
+    unit = Fraction(1, 1 << clock.bits)
+    return unit * clock.last / HALF_WORD / 2 + 2 * unit + (Fraction(1, HALF_WORD) if clock.bits > 16 else 0)
+
+
+def at_all(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ...]:
+    """The outputs of a kernel of integers without tables, for arrays of inputs; nothing may leave 63 bits."""
+    known: dict[str, Any] = dict(inputs)
+
+    def value(operand: Operand) -> Any:
+        return np.int64(operand.value) if isinstance(operand, Const) else known[operand.name]  # type: ignore[arg-type]
+
+    for assign in kernel.body:
+        match assign.value:
+            case Op(name=name, args=args):
+                known[assign.var.name] = OPERATIONS[name].number(*map(value, args))
+            case Select(condition=c, then=then, other=other):
+                known[assign.var.name] = np.where(value(c), value(then), value(other))
+            case _:
+                raise NotImplementedError(f"{kernel.name}: {type(assign.value).__name__}")
+    return tuple(value(o) for o in kernel.outputs)
+
+
+@cache
+def weight_errors() -> tuple[Fraction, Fraction]:
+    """The largest error of the two outer weights together, and of the middle one, over all s: exactly."""
+    s = np.arange(HALF_WORD, dtype=np.int64)
+    before, middle, after = at_all(weights_kernel(), {"s": s})
+    one = HALF_WORD
+    cubes = 48 - WEIGHT_BITS
+    outer = np.abs((before << cubes) - (one - s) ** 3) + np.abs((after << cubes) - s**3)
+    inner = np.abs((middle << 48 - BEND_BITS) - (3 * s * one * one + 3 * s * s * one - 2 * s**3))
+    return Fraction(int(outer.max()), 1 << 48), Fraction(int(inner.max()), 1 << 48)
+
+
+def edge_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
+    """By dimension, a bound on |edge at a tick - gamma(t)|, in the task's units: for a tick of `period` seconds."""
+    step = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
+    slope = 3 * np.abs(np.diff(design.bezier(), axis=3)).max(axis=(0, 2, 3))
+    moved, weights = late(clock_of(design, period)), sum(weight_errors(), Fraction(0))
+    return tuple((int(v) * moved + int(d) * weights + 2) * design.unit for v, d in zip(slope, step, strict=True))
+
+
+@cache
+def rate_weight_error(rate: Rate, per_second: Fraction) -> Fraction:
+    """The largest sum of the errors of the three weights of a rate, in steps a second, over all s: exactly."""
+    s = np.arange(HALF_WORD, dtype=np.int64)
+    found = at_all(rates_kernel(rate), {"s": s})
+    one, s = HALF_WORD, s.astype(object)
+    true = (3 * (one - s) ** 2, 3 * one**2 + 6 * s * (one - s), 3 * s**2)
+    a, b = per_second.numerator << rate.places, per_second.denominator << 32
+    wrong = sum(abs(w.astype(object) * b - t * a) for w, t in zip(found, true, strict=True))
+    return Fraction(int(wrong.max()), b << rate.places)
+
+
+def rate_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
+    """By dimension, a bound on |rate at a tick - gammadot(t)|, in units per second; it has two units more, for a v that is
+    rounded to its units and a product with lambda that is rounded down."""
+    per_second = Fraction(design.segments) / design.prescribed_time
+    step = np.abs(np.diff(design.integers(), axis=0)).max(axis=(0, 2))
+    bend = 6 * np.abs(np.diff(design.bezier(), n=2, axis=3)).max(axis=(0, 2, 3))
+    weights = rate_weight_error(rate_of(design), per_second)
+    moved = late(clock_of(design, period)) * per_second
+    return tuple((int(v) * moved + int(d) * weights + 4) * design.unit for v, d in zip(bend, step, strict=True))
+
+
+def law_error(law: FixedLaw, widest: Fraction) -> tuple[Fraction, Fraction]:
+    """What |u| is wrong by against (13) on the edges as they are, where it is below u_max: relative, and in eps. widest: of the
+    tube, in the task's units."""
+    over, rise = curves.relative_error(law.octaves)
+    a = over + Fraction(1, 1 << 17)  # the curve's 2^46 is less by so much
+    low = Fraction(law.lowest, 1 << 30)
+    relative = (1 + a) ** 2 * (1 + rise) * (1 + Fraction(1, 1 << 16)) * (1 + Fraction(3, 2) / (low * 2**30 - 1)) - 1
+    unit = Fraction(1, 1 << law.u_bits) if law.u_bits >= 0 else Fraction(1 << -law.u_bits)
+    in_eps = unit * widest / (4 * min(abs(k) for k in law.gain))  # xi is at least 4/d
+    return relative, in_eps + Fraction(65 * 8, 1 << 30)  # 2 atanh(e)/e is below 8 for e_max below 0.9995; beyond it is relative
