@@ -207,7 +207,7 @@ class Controller(pipeline.Controller):
 
     n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then
     states are of shape (n,) or (P, n), and so are results. Other shapes raise `BadInput`. Values are those of the emitted Python,
-    in double arithmetic.
+    in double arithmetic; of a controller in integers at the nearest tick, for the nearest unit of x.
 
     Examples
     --------
@@ -283,6 +283,8 @@ class Controller(pipeline.Controller):
 
     def tube_rate(self, t: npt.ArrayLike) -> tuple[Array, Array]:
         """Rates of the edges at times t, each of shape (n,) or (P, n), in units per second."""
+        if self.program.tick is not None:
+            raise BadInput(f"{self.task.name}: a controller in integers has no rates of its edges")
         lower, upper = self._at("tube_rate", t)
         return lower, upper
 
@@ -360,9 +362,28 @@ class Controller(pipeline.Controller):
         if self.design.stateful:
             arguments = [np.atleast_2d(self.alpha(times)), *arguments]
         function = getattr(self.module, name)
+        if self.program.tick is not None:
+            columns = self._in_integers(name, times, arguments)
+            return [c[0] for c in columns] if single else columns
         rows = [function(float(v), *(a[k] for a in arguments)) for k, v in enumerate(times)]
         columns = [np.array(c) for c in zip(*rows, strict=True)] if isinstance(rows[0], tuple) else [np.array(rows)]
         return [c[0] for c in columns] if single else columns
+
+    def _in_integers(self, name: str, times: Array, states: list[Any]) -> list[Any]:
+        """The emitted function of ticks and units at the nearest ones, and what it gives in the task's units."""
+        module, tick = self.module, float(self.program.tick or 1)
+        for label, values in (("t", times), *zip(("x", "v"), states, strict=False)):
+            if not np.isfinite(values).all():
+                raise BadInput(f"{label}: has a number that is not finite, which a controller in integers cannot be given")
+        ticks = np.clip(np.rint(times / tick), 0, 2**32 - 1).astype(np.int64)
+        units = [np.clip(np.rint(np.ldexp(a, module.X_BITS)), -(2**31), 2**31 - 1).astype(np.int64) for a in states]
+        rows = [getattr(module, name)(int(v), *(a[k].tolist() for a in units)) for k, v in enumerate(ticks)]
+        if name == "margin":
+            return [np.array(rows) / 65536]
+        first, second = (np.array(c) for c in zip(*rows, strict=True))
+        if name == "control":
+            return [first, np.ldexp(second.astype(float), -module.U_BITS)]
+        return [np.ldexp(edge.astype(float), -module.X_BITS) for edge in (first, second)]
 
     # ---- what one does with it
 
@@ -383,6 +404,10 @@ class Controller(pipeline.Controller):
         >>> u.shape
         (2, 1)
         """
+        if self.program.tick is not None:
+            raise BadInput(
+                f"{self.task.name}: a controller in integers has no CasADi functions; build it in floating point for them"
+            )
         import casadi as ca
 
         from stt_codegen.program import REAL

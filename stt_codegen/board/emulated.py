@@ -25,7 +25,8 @@ from stt_codegen.compare.toolchain import run_compiler
 from stt_codegen.emit.render import template, template_folder
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
-from stt_codegen.program import TICK, Function, Param
+from stt_codegen.program import TICK, Function, Param, Program
+from stt_codegen.program.print.c import CPrinter
 
 Array = npt.NDArray[Any]
 LONGEST_RUN = 300.0  # seconds
@@ -250,7 +251,7 @@ def build_image(
     for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
         shutil.copy(templates / name, folder)
     shutil.copy(templates / board.header, folder / "board.h")
-    (folder / "harness.c").write_text(_harness(program.prefix, program.scalar, f, words))
+    (folder / "harness.c").write_text(_harness(program, f, words))
     libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
     sources = [str(folder / v) for v in (*board.sources, "harness.c")]
     sources += board_objects(controller, board.rust, folder) if rust else [str(folder / f"{program.prefix}.c")]
@@ -260,10 +261,10 @@ def build_image(
     return image
 
 
-def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
+def _harness(program: Program, f: Function, words: Array) -> str:
     arrays: list[tuple[str, int, int | None]] = []
     arguments: list[str] = []
-    offset, per = 0, 2 if scalar == "double" else 1
+    offset, per = 0, 2 if program.scalar == "double" else 1
     for p in f.params:
         if p.length is None:
             arguments.append(f"raw[{offset * per}]" if p.type is TICK else f"given[{offset}]")
@@ -276,8 +277,9 @@ def _harness(prefix: str, scalar: str, f: Function, words: Array) -> str:
     outputs = [(p.name, p.length) for p in f.outputs]
     length = 9 * (6 + sum((n or 0) * per for _, n in outputs))
     return template("board/harness.c.j2").render(
-        prefix=prefix, function=f, numbers=offset, bits=32 * per, arrays=arrays, outputs=outputs, call=", ".join(arguments),
-        line_length=length, points=[", ".join(f"0x{w:x}U" for w in row) for row in words.tolist()],
+        prefix=program.prefix, real=CPrinter(program).real, function=f, numbers=offset, bits=32 * per, arrays=arrays,
+        outputs=outputs, call=", ".join(arguments), line_length=length,
+        points=[", ".join(f"0x{w:x}U" for w in row) for row in words.tolist()],
     )  # fmt: skip
 
 

@@ -60,8 +60,8 @@ class CompiledC(Backend):
         self.program = controller.program
         self.scalar = self.program.scalar
         self.name = f"C {self.scalar}"
-        self.number = np.float32 if self.scalar == "float" else np.float64
-        self.real: Any = ctypes.c_float if self.scalar == "float" else ctypes.c_double
+        self.number: Any = {"float": np.float32, "double": np.float64, "fixed": np.int32}[self.scalar]
+        self.real: Any = {"float": ctypes.c_float, "double": ctypes.c_double, "fixed": ctypes.c_int32}[self.scalar]
         if library is not None:
             self.library = ctypes.CDLL(str(library))
             return
@@ -106,10 +106,10 @@ class GeneratedPython(Backend):
     """The emitted Python module, loaded from its text."""
 
     name = "Python"
-    scalar = "double"
 
     def __init__(self, controller: Controller) -> None:
         self.program = controller.program
+        self.scalar = "double" if self.program.tick is None else self.program.scalar
         self.module: Any = load_module(self.program.prefix, controller.files[f"{self.program.prefix}.py"])
 
     def call(self, function: str, *inputs: Array) -> tuple[Array, ...]:

@@ -33,10 +33,11 @@ import numpy.typing as npt
 from stt_codegen import reference
 from stt_codegen.compare.backends import Backend, CompiledC, GeneratedPython
 from stt_codegen.compare.casadi_backends import CasadiAdaptive, CasadiRefined
+from stt_codegen.compare.integers import integer_rows, same_as_python
 from stt_codegen.compare.law_bounds import law_spread, logarithm_error
 from stt_codegen.compare.points import random_alpha, random_states, random_times, with_trajectory
 from stt_codegen.compare.rust import CompiledRust, find_rustc
-from stt_codegen.controller.arithmetic import edge_error, rate_error
+from stt_codegen.controller.arithmetic import edge_error, errors_of_tube, rate_error
 from stt_codegen.controller.probes import probe_program
 from stt_codegen.controller.ticks import ticks_of
 from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
@@ -70,7 +71,8 @@ class Row:
 
 
 def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = lambda _: None) -> list[Row]:
-    """Compare CasADi, the emitted Python, and the emitted C (and Rust) in both precisions with the reference. A task of doubles
+    """Compare CasADi, the emitted Python, and the emitted C (and Rust) in both precisions with the reference; of a controller in
+    integers the Python and the C, and both with one another, bit for bit. A task of doubles
     for which no float has room (far from the origin) is compared in double alone, and `progress` says so."""
     rows: list[Row] = []
     known: dict[str, _Truth] = {}
@@ -85,6 +87,11 @@ Maker = Callable[[Controller], Backend]
 
 
 def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
+    if task.emit.scalar == "fixed":
+        made = build_task(task, uncertified=True)
+        yield made, GeneratedPython
+        yield made, CompiledC
+        return
     double = build_task(task.with_options(scalar="double"), uncertified=True)
     yield double, CasadiRefined if isinstance(double.design, RefinedDesign) else CasadiAdaptive
     yield double, GeneratedPython
@@ -121,7 +128,10 @@ def compare_backend(
     task = controller.task.with_options(scalar=backend.scalar)
     controller = replace(controller, task=task, program=build_program(task, controller.design))
     rows = _Rows(backend.name, float(FORMATS[backend.scalar].roundoff))
-    if isinstance(controller.design, RefinedDesign):
+    if controller.program.tick is not None:
+        assert isinstance(controller.design, RefinedDesign)
+        _integer_rows(rows, controller, controller.design, backend, points)
+    elif isinstance(controller.design, RefinedDesign):
         _refined_rows(rows, controller, controller.design, backend, points)
     else:
         known = {} if known is None else known
@@ -169,6 +179,13 @@ class _Rows:
         self.rows.append(
             Row(self.backend, "status" + label, float(wrong.sum()), float(wrong.sum()), 2.0 if wrong.any() else 0.0, len(got))
         )
+
+
+def _integer_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
+    edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
+    integer_rows(controller, backend, points, (edge, rate), rows.add, rows.status)
+    other = same_as_python(controller, backend, points)
+    rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points))
 
 
 def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.mission import cycle_of
+from stt_codegen.controller.integers.law import law_of
 from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.emit.integers import power_of_two
 from stt_codegen.emit.naming import file_names, guard_name, wrap_name
 from stt_codegen.emit.render import template
 from stt_codegen.plants import Model, model
@@ -33,6 +35,10 @@ def cycle_literal(design: RefinedDesign | AdaptiveDesign) -> str | None:
 
 def adapter_source(task: Task, design: RefinedDesign | AdaptiveDesign, certificate: Certificate) -> str:
     """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
+    if task.emit.scalar == "fixed":
+        assert isinstance(design, RefinedDesign)
+        scales = {"x_scale": power_of_two(design.bits), "u_scale": power_of_two(law_of(task, design).u_bits)}
+        return template("loop/adapter_fixed.c.j2").render(prefix=task.name, macro=task.name.upper(), order=task.order, **scales)
     steps = certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(

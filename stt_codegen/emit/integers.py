@@ -40,8 +40,8 @@ def texts(
     told = common | {
         "x_bits": design.bits,
         "u_bits": law.u_bits,
-        "x_scale": _power(design.bits),
-        "u_scale": _power(law.u_bits),
+        "x_scale": power_of_two(design.bits),
+        "u_scale": power_of_two(law.u_bits),
         "last_tick": math.ceil(task.prescribed_time / program.tick),
         "tick": decimal(program.tick),
         "ticks_a_second": _number(1 / program.tick),
@@ -80,7 +80,7 @@ def loaded(text: str) -> ModuleType:
     return module
 
 
-def _power(bits: int) -> str:
+def power_of_two(bits: int) -> str:
     """2^bits as a number of C."""
     return f"{2**bits}.0" if bits >= 0 else f"(1.0 / {2**-bits}.0)"
 

@@ -103,7 +103,7 @@ def driven(controller: Controller, plant: Model) -> Driven:
 def shipped(controller: Controller) -> tuple[Mapping[str, bytes], bool]:
     """The emitted files, of a refined tube with the logarithm written out, and whether that makes them others than the task's."""
     task = controller.task
-    if controller.design.stateful or task.emit.math == "inline":
+    if controller.design.stateful or task.emit.math == "inline" or task.emit.scalar == "fixed":
         return controller.files, False
     inline = task.model_copy(update={"emit": task.emit.model_copy(update={"math": "inline"})})
     program = program_of(inline, controller.design)

@@ -57,7 +57,7 @@ def _integers(name: str, n: int, output: bool = False) -> Param:
 
 
 TICK_PARAM = Param("tick", None, type=TICK)
-State = tuple[Var, Var, Var]  # the width, and how far the state is from the lower and from the upper edge
+State = tuple[Var, Var]  # how far the state is from the lower and from the upper edge
 
 
 @dataclass(frozen=True)
@@ -102,9 +102,9 @@ class Frame:
         found = between(block, "x", i, edges[0][0], edges[1][0], FARTHEST)
         return found, found
 
-    def inside(self, block: Block, off: Var, states: tuple[State, State]) -> Var:
-        """Statements for whether the state is inside; off: by how much it is off the middle, twice."""
-        return block.op("within", "ilt", off, states[0][0])
+    def inside(self, block: Block, off: Var, room: Var, states: tuple[State, State]) -> Var:
+        """Statements for whether the state is inside; off: by how much it is farther from one edge than from the other."""
+        return block.op("within", "ilt", off, room)
 
     def tube(self) -> Function:
         block = Block({"tick", "lower", "upper"})
@@ -123,12 +123,12 @@ class Frame:
         with block.loop("i", self.n) as loop:
             i, outside = loop.index, loop.carry("outside", FALSE)
             states = self.apart(block, i, self.edges(block, row, i, weights))
-            room, to_lower, to_upper = states[0]
-            push, upper_nearer, off = _pushed(block, self.law, i, room, block.op("apart", "isub", to_lower, to_upper))
+            room = room_of(block, "room", states[0])
+            push, upper_nearer, off = _pushed(block, self.law, i, room, block.op("apart", "isub", *states[0]))
             back = block.op("back", "isub", integer(0), push)
             down, up = (back, push) if positive else (push, back)
             block.store("u", i, block.select("u_i", upper_nearer, down, up))
-            loop.update(outside, block.select("outside_any", self.inside(block, off, states), outside, TRUE))
+            loop.update(outside, block.select("outside_any", self.inside(block, off, room, states), outside, TRUE))
         block.leave(Select(outside, OUTSIDE, OK))
         params = (TICK_PARAM, *(_integers(name, self.n) for name in self.vectors), _integers("u", self.n, True))
         return Function("control", params, tuple(block.statements), True, self.control_doc(task))
@@ -164,7 +164,7 @@ class Frame:
     def margin_doc(self) -> tuple[str, ...]:
         return (
             f"How far x is from leaving the tube, in 2^-{MARGIN_BITS}: the distance to the nearest edge over the width there,",
-            f"least over the components. {HALF_MARGIN} in the middle, positive inside, else negative, at least {-2 * HALF_MARGIN}.",
+            f"least over the components. {HALF_MARGIN} in the middle, positive inside, else {-2 * HALF_MARGIN} to -1.",
             "Watch it: act while there is margin, not when the tube is left.",
         )
 
@@ -179,11 +179,15 @@ def sides(n: int) -> tuple[Param, ...]:
 
 
 def between(block: Block, name: str, i: Var, lower: Var, upper: Var, farthest: int) -> State:
-    """Statements for the width between two edges, and how far component i of an array is from both."""
+    """Statements for how far component i of an array is from two edges."""
     value = block.let(f"{name}_all", Load(name, i, INT))
     held = at_most(block, f"{name}_i", at_least(block, f"{name}_near", value, -farthest), integer(farthest))
-    room = block.op(f"{name}_room", "isub", upper, lower)
-    return room, block.op(f"{name}_lower", "isub", held, lower), block.op(f"{name}_upper", "isub", upper, held)
+    return block.op(f"{name}_lower", "isub", held, lower), block.op(f"{name}_upper", "isub", upper, held)
+
+
+def room_of(block: Block, name: str, state: State) -> Var:
+    """Statements for the width between the edges."""
+    return block.op(name, "iadd", *state)
 
 
 def _over(block: Block, name: str, room: Var, narrow: int) -> tuple[Var, Var, Var, Var]:
@@ -217,9 +221,9 @@ def _pushed(block: Block, law: FixedLaw, i: Var, room: Var, apart: Var) -> tuple
     return push, upper_nearer, off
 
 
-def _share(block: Block, name: str, narrow: int, room: Var, to_lower: Var, to_upper: Var) -> Var:
+def _share(block: Block, name: str, narrow: int, to_lower: Var, to_upper: Var) -> Var:
     """Statements for the distance to the nearer edge over the width, in 2^-MARGIN_BITS: at least -1, below 0 unless inside."""
-    width, over, _, n = _over(block, name, room, narrow)
+    width, over, _, n = _over(block, name, room_of(block, f"{name}_room", (to_lower, to_upper)), narrow)
     nearest = block.select(f"{name}_nearest", block.op(f"{name}_high", "ilt", to_upper, to_lower), to_upper, to_lower)
     inside = block.op(f"{name}_inside", "ilt", integer(0), nearest)
     size = block.select(f"{name}_size", inside, nearest, block.op(f"{name}_beyond", "isub", integer(0), nearest))

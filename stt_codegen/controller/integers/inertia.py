@@ -79,13 +79,13 @@ class InertialFrame(Frame):
         whole = block.let("filter_i", Load("filters", i, INT))
         to_lower, to_upper = (
             block.op(f"to_{side}", "iadd", v, self.filter.times(block, f"{side}_filtered", x, whole))
-            for side, v, x in zip(("lower", "upper"), speed[1:], place[1:], strict=True)
+            for side, v, x in zip(("lower", "upper"), speed, place, strict=True)
         )
-        return (block.op("room", "iadd", to_lower, to_upper), to_lower, to_upper), place
+        return (to_lower, to_upper), place
 
-    def inside(self, block: Block, off: Var, states: tuple[State, State]) -> Var:
-        _, x_lower, x_upper = states[1]
-        own = super().inside(block, off, states)
+    def inside(self, block: Block, off: Var, room: Var, states: tuple[State, State]) -> Var:
+        x_lower, x_upper = states[1]
+        own = super().inside(block, off, room, states)
         over, under = (block.op(name, "ilt", integer(0), v) for name, v in (("over", x_lower), ("under", x_upper)))
         return block.op("inside", "and", own, block.op("between", "and", over, under))
 
