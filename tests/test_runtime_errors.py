@@ -14,6 +14,7 @@ FOLDERS = sorted({p.parent.relative_to(ROOT / "generated").as_posix() for p in (
 def driver(name: str, header: str, loop: str, any_value: str) -> str:
     """A main that calls every public function of a header with inputs for which any bit pattern is possible."""
     n = int(re.search(rf"#define {name.upper()}_N (\d+)", header).group(1))  # type: ignore[union-attr]
+    number = number_of(name, header)
     calls, declared = [], set()
     for function, parameters in re.findall(rf"^\w+ {name}_(\w+)\(([^;]*)\);", header, re.M):
         arguments = []
@@ -23,7 +24,7 @@ def driver(name: str, header: str, loop: str, any_value: str) -> str:
             if parameter.startswith("uint32_t "):
                 arguments.append("(uint32_t)draw()")
                 continue
-            array = re.fullmatch(rf"(?:const )?{name}_real (\w+)\[(.+)\]", parameter)
+            array = re.fullmatch(rf"(?:const )?{number} (\w+)\[(.+)\]", parameter)
             if array:
                 label = array.group(1)
                 declared.add((label, 2 * n if "2 *" in array.group(2) or label in ("rate", "jacobian", "alpha") else n))
@@ -32,15 +33,20 @@ def driver(name: str, header: str, loop: str, any_value: str) -> str:
             else:
                 arguments.append(any_value)
         calls.append(f"(void){name}_{function}({', '.join(arguments)});")
-    arrays = "".join(f"    {name}_real {label}[{size}];\n" for label, size in sorted(declared))
+    arrays = "".join(f"    {number} {label}[{size}];\n" for label, size in sorted(declared))
     return (
-        f'#include "{name}.h"\n{any_value_text(name)}\nint main(void)\n{{\n{arrays}    {loop}{{\n        '
+        f'#include "{name}.h"\n{any_value_text(number)}\nint main(void)\n{{\n{arrays}    {loop}{{\n        '
         + "\n        ".join(calls)
         + "\n    }\n    return 0;\n}\n"
     )
 
 
-def any_value_text(name: str) -> str:
+def number_of(name: str, header: str) -> str:
+    """What the functions take and give."""
+    return f"{name}_real" if f"{name}_real;" in header else "int32_t"
+
+
+def any_value_text(number: str) -> str:
     return f"""#include <stdint.h>
 #include <string.h>
 #ifdef ANALYSIS
@@ -54,10 +60,10 @@ static uint64_t draw(void)
     return state >> (state % 3U == 0U ? 32 : 0);
 }}
 #endif
-static {name}_real any(void)
+static {number} any(void)
 {{
     uint64_t bits = draw();
-    {name}_real value;
+    {number} value;
     memcpy(&value, &bits, sizeof value);
     return value;
 }}"""

@@ -49,7 +49,7 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
     tenth, mission = certify_mission(task, design, units_of_error(design, error))
     seventh = Finding(
         "P7",
-        f"{program.scalar} arithmetic moves no edge by more than {above(max(error), 2):g}",
+        f"{_arithmetic(program)} arithmetic moves no edge by more than {above(max(error), 2):g}",
         min(
             (f.margin - f.required for f in (*certificate.findings, *tenth) if f.required > 0 and not f.in_time),
             default=Fraction(0),
@@ -59,6 +59,9 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
             'the task needs more room than single precision leaves: use emit.scalar = "double", shift the origin, or, where the '
             "tube is fast, raise prescribed_time"
             if program.scalar == "float"
+            else 'the task needs more room than integers of 15 bits leave: use emit.scalar = "float", shift the origin, or raise '
+            "prescribed_time"
+            if program.scalar == "fixed"
             else "the task needs more room than the tube's grid leaves: shift the origin near the task, or raise prescribed_time"
         ),
     )
@@ -71,6 +74,10 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
 
     ninth, proved = certify_period(task, design, error, rate)
     return replace(certificate, findings=(*certificate.findings, seventh, *own, ninth, *tenth), proved_period=proved)
+
+
+def _arithmetic(program: Program) -> str:
+    return "integer" if program.scalar == "fixed" else program.scalar
 
 
 def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Fraction]) -> Certificate:

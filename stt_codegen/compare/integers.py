@@ -10,7 +10,6 @@ status                may differ only where x is within P7 of an edge
 from __future__ import annotations
 
 from collections.abc import Callable
-from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
 
@@ -20,12 +19,11 @@ import numpy.typing as npt
 from stt_codegen import reference
 from stt_codegen.compare.law_bounds import law_spread
 from stt_codegen.controller.integers import curves
-from stt_codegen.controller.integers.errors import law_error
+from stt_codegen.controller.integers.errors import law_error, widest
 from stt_codegen.controller.integers.frame import FARTHEST, MARGIN_BITS
 from stt_codegen.controller.integers.kernels import clock_of
 from stt_codegen.controller.integers.law import law_of
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.designs.filtered import filtered
 from stt_codegen.pipeline import Controller
 from stt_codegen.program import Program
 from stt_codegen.sampling.setting import ROUNDING
@@ -72,15 +70,6 @@ def ticks_and_states(controller: Controller, count: int, seed: int = 1) -> tuple
     return (*found, np.array(speeds, np.int32)) if design.filter else found
 
 
-def widest(design: RefinedDesign) -> float:
-    """Of the tube the law goes by, in the task's units."""
-    if not design.filter:
-        table = design.integers()
-        return float(6 * int((table[:, :, 1] - table[:, :, 0]).max()) * design.unit)
-    pieces = filtered(design)
-    return float(int((pieces.coefficients[:, :, 1] - pieces.coefficients[:, :, 0]).max()) * pieces.unit)
-
-
 def integer_rows(
     controller: Controller, backend: Backend, points: int, errors: tuple[Array, Array], add: Add, status: Callable[..., None]
 ) -> None:
@@ -111,7 +100,7 @@ def integer_rows(
         got = np.stack(backend.call("filtered_tube", tick)) * unit
         add("filtered tube", got, np.stack(edges), moved[None, None], float(np.abs(edges).max()))
     codes, u = backend.call("control", tick, *states)
-    relative, in_eps = (float(v) for v in law_error(law, Fraction(widest(design))))
+    relative, in_eps = (float(v) for v in law_error(law, widest(design)))
     _, true = reference.control(*edges, held, task.gain, task.e_max, task.u_max)
     _, plain = reference.control(*edges, held, task.gain, task.e_max)
     e, _, xi = reference.transform(*edges, held, task.e_max)

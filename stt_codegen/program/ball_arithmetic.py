@@ -123,6 +123,10 @@ def _times(a: _Int, b: _Int) -> _Int:
     return span(x * y for x in ends(a) for y in ends(b))
 
 
+def _negated(a: _Int) -> _Int:
+    return span(-x for x in ends(a))
+
+
 def _less_by(a: _Int, b: _Int) -> _Int:
     (a_low, a_high), (b_low, b_high) = ends(a), ends(b)
     return span((a_low - b_high, a_high - b_low))
@@ -144,9 +148,9 @@ def _upper(a: _Int, b: _Int) -> _Int:
     return span(x * y >> 16 for x in ends(a) for y in ends(b))
 
 
-def _low(a: _Int) -> _Int:
-    low, high = ends(a)
-    return span((low & 0xFFFF, high & 0xFFFF) if low >> 16 == high >> 16 else (0, 0xFFFF))
+def _low(a: _Int, mask: _Int) -> _Int:
+    (low, high), (_, most) = ends(a), ends(mask)
+    return span((low & most, high & most) if low // (most + 1) == high // (most + 1) else (0, most))
 
 
 def _leading(a: _Int) -> _Int:
@@ -204,7 +208,7 @@ def _mantissa(y: Ball, least: Fraction) -> Ball:
 
 
 HELPERS = (
-    _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _less_by, _quotient, _same,
+    _compared, _less, _equal, _both, _not, _hull, _choose, _finite, _trunc, _added, _times, _negated, _less_by, _quotient, _same,
     _lowered, _raised, _upper, _low, _leading,
     _before, _number, _load, _put,
     _joined, _exponent, _mantissa,

@@ -19,8 +19,9 @@ from stt_codegen.program.nodes import (
     Statement,
     Store,
     Trunc,
+    entry_bits,
 )
-from stt_codegen.program.operations import OPERATIONS
+from stt_codegen.program.operations import INT, OPERATIONS
 
 
 def cost_of(program: Program, function: str) -> Counter[str]:
@@ -30,7 +31,8 @@ def cost_of(program: Program, function: str) -> Counter[str]:
 
 def table_bytes(program: Program) -> int:
     """Bytes of constant tables on the target."""
-    return sum(len(t.values) for t in program.tables) * (4 if program.scalar == "float" else 8)
+    real = 64 if program.scalar == "double" else 32
+    return sum(len(t.values) * (entry_bits(t) if t.type is INT else real) for t in program.tables) // 8
 
 
 def _statements(program: Program, body: Iterable[Statement]) -> Counter[str]:

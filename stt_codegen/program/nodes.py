@@ -203,6 +203,11 @@ class Table:
     type: Type = REAL
 
 
+def entry_bits(table: Table) -> int:
+    """Of the smallest type that holds a table's integers: 8 or 16 where none is negative, else 32."""
+    return next((bits for bits in (8, 16) if all(0 <= v < 1 << bits for v in table.values)), 32)
+
+
 @dataclass(frozen=True)
 class Kernel:
     """A pure function of scalars. `outputs` are operands, so an input or constant may be passed through."""

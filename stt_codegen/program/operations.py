@@ -184,6 +184,7 @@ OPERATIONS: dict[str, Operation] = {
     "not": _truth("", operator.not_, "OP_NOT", "_not({0})", 1),
     "iadd": _whole("+", operator.add, "_added({0}, {1})"),
     "isub": _whole("-", operator.sub, "_less_by({0}, {1})"),
+    "ineg": Operation((INT,), INT, "integer", operator.neg, ball="_negated({0})"),
     "imul": _whole("*", operator.mul, "_times({0}, {1})"),
     "idiv": _whole("/", operator.floordiv, "_quotient({0}, {1})"),  # of a number not negative by a positive one, rounded down
     "ishr": _whole(">>", operator.rshift, "_lowered({0}, {1})"),  # rounded down, of a negative number too
@@ -193,7 +194,9 @@ OPERATIONS: dict[str, Operation] = {
     ),
     # of 16 bits each, the first with a sign, the second without one
     "product": Operation((INT, INT), INT, "mul", operator.mul, "*", ball="_times({0}, {1})"),
-    "low": Operation((INT,), INT, "integer", lambda a: a & 0xFFFF, ball="_low({0})"),  # a mod 2^16
+    # a mod 2^k, for a second argument of 2^k - 1
+    "low": Operation((INT, INT), INT, "integer", operator.and_, ball="_low({0}, {1})"),
+    "short": Operation((INT,), INT, "integer", lambda a: a, ball="_same({0})"),  # of 16 bits with a sign, which C is told so
     # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
     "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading({0})"),
     "int": Operation((TICK,), INT, "integer", int, ball="_same({0})"),  # of a count below 2^31

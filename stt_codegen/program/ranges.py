@@ -165,6 +165,10 @@ class _Reader:
         args = [self.span(a, scope) for a in op.args]
         if op.name in ("ishr", "ishl") and not 0 <= args[1].low <= args[1].high <= 31:
             raise OutOfRange(f"{op.name} by {args[1].low} to {args[1].high} places")
+        if op.name == "short" and not args[0].within(-(2**15), 2**15):
+            raise OutOfRange(f"{args[0].low} to {args[0].high} are not of 16 bits")
+        if op.name == "low" and (args[1].low != args[1].high or args[1].low & (args[1].low + 1)):
+            raise OutOfRange(f"low: {args[1].low} to {args[1].high} is no mask")
         if op.name == "upper" and not args[1].within(0, 2**16):
             raise OutOfRange(f"upper: its second factor may be {args[1].low} to {args[1].high}, not within 16 bits")
         if op.name in ("leading", "ishl") and args[0].low < (op.name == "leading"):

@@ -24,6 +24,7 @@ CMAKE_TARGETS = frozenset(  # what no library may be called (CMake, policy CMP00
     "all help clean edit_cache rebuild_cache install preinstall test package package_source "
     "ALL_BUILD ZERO_CHECK INSTALL RUN_TESTS PACKAGE".split()
 )
+NO_INTEGERS = "takes and gives real numbers, and this controller has none; use --scalar float"
 PERIOD = Fraction(1, 100)  # seconds, the longest of the example sketch
 
 
@@ -47,9 +48,13 @@ def package(controller: Controller, kind: str, plant: Model | None = None) -> Fi
     """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
     cannot have, `MissingTool` without what it takes."""
     if kind == "fmu":
+        if controller.program.tick is not None:
+            raise BadInput(f"--package fmu: {NO_INTEGERS}")
         return fmu_units(controller, plant)
     if plant is not None:
         raise BadInput("--plant: is for --package fmu; leave it out")
+    if kind == "ros2" and controller.program.tick is not None:
+        raise BadInput(f"--package ros2: {NO_INTEGERS}")
     return KINDS[kind](controller)
 
 
@@ -59,14 +64,15 @@ def _library(kind: str, controller: Controller) -> Files:
     if kind == "cmake" and prefix in CMAKE_TARGETS:
         raise BadInput(f"name: {prefix!r} is a target of CMake's own; choose another name, or another --package")
     header, source, module, proof = file_names(prefix)
-    inline = controller.task.emit.math == "inline"
+    inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
+    sketch = "sketch_fixed.ino" if integers else "sketch.ino"
     period = loop_period(controller)
     words = {
         "prefix": prefix,
         "macro": prefix.upper(),
         "kind": controller.design.kind,
         "verdict": "certified" if controller.certificate.holds else "NOT CERTIFIED",
-        "library": "" if inline else "m",
+        "library": "" if inline or integers else "m",
         "ticks": controller.task.emit.tick_period is not None,
         "selftest": controller.task.emit.selftest,
         "hash": design_hash(controller.task, controller.design),
@@ -77,12 +83,13 @@ def _library(kind: str, controller: Controller) -> Files:
         "repeats": controller.task.repeat,
         "period_us": int(period * 10**6),
         "period_ms": f"{float(period * 1000):g}",
+        "most": f"{float(min(controller.task.u_max or (1,))):.9g}",
         "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
     }
     own = {
         "cmake": {"CMakeLists.txt": "CMakeLists.txt"},
-        "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
-        "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": "sketch.ino"},
+        "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
+        "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
     }[kind]
     sources = [
         name

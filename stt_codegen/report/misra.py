@@ -28,8 +28,8 @@ DEVIATIONS = {
     one.rule: one
     for one in (
         Deviation(
-            "2.3", "advisory", "`<p>_real_size`, inline logarithms only",
-            "a type that cannot be made where the scalar has another size: C99 has no static assertion",
+            "2.3", "advisory", "`<p>_real_size`, inline logarithms only; `<p>_shifts_down`, integers only",
+            "a type that cannot be made where the scalar or the compiler is another one: C99 has no static assertion",
         ),
         Deviation(
             "2.5", "advisory", "`<P>_T_C`, `<P>_DESIGN_HASH`, `<P>_TICK_PERIOD`, `<P>_DT_SHORTEST`, `<P>_DT_LONGEST`",
@@ -38,6 +38,10 @@ DEVIATIONS = {
         Deviation(
             "8.9", "advisory", "tables of one function: gains and limits by component, those of `<p>_selftest.c`",
             "tables stand before the code, where a reviewer looks for them",
+        ),
+        Deviation(
+            "10.1", "required", "`<p>_down`, integers only",
+            "a negative number moves right as by a division that rounds down; a type that cannot be made says so of the compiler",
         ),
         Deviation(
             "15.5", "advisory", "a return for bad input before the law",

@@ -32,10 +32,14 @@ from stt_codegen.controller.integers.kernels import (
     rates_kernel,
     weights_kernel,
 )
-from stt_codegen.controller.integers.law import FixedLaw
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.controller.integers.law import LOOSE, FixedLaw, law_of
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign
+from stt_codegen.designs.filtered import filtered
+from stt_codegen.errors import BadInput
 from stt_codegen.program import Const, Kernel, Op, Operand, Select
 from stt_codegen.program.operations import OPERATIONS
+from stt_codegen.sampling.setting import ROUNDING
+from stt_codegen.task import Task
 
 Integers = npt.NDArray[np.int64]
 
@@ -106,6 +110,28 @@ def rate_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
     weights = rate_weight_error(rate_of(design), per_second)
     moved = late(clock_of(design, period)) * per_second
     return tuple((int(v) * moved + int(d) * weights + 4) * design.unit for v, d in zip(bend, step, strict=True))
+
+
+def widest(design: RefinedDesign) -> Fraction:
+    """Of the tube that the law goes by, in the task's units, of order 2 a second."""
+    if not design.filter:
+        table = design.integers()
+        return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit
+    pieces = filtered(design)
+    return int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
+
+
+def require_right(task: Task, design: RefinedDesign) -> None:
+    """Raise `BadInput` where the law is wrong by more than the sampled statements allow for."""
+    law = law_of(task, design)
+    allowed = Fraction(ROUNDING["fixed", "libm"])
+    relative, in_eps = law_error(law, widest(design))
+    late = (1 + LOOSE) * (1 + Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
+    if (1 + relative) * (1 + late) - 1 > allowed or in_eps > allowed:
+        raise BadInput(
+            "control.gain: is so small beside u_max that integers of 32 bits lose u in the middle of the tube; raise it, lower "
+            'u_max, or use emit.scalar = "float"'
+        )
 
 
 def law_error(law: FixedLaw, widest: Fraction) -> tuple[Fraction, Fraction]:

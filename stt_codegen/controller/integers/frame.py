@@ -49,6 +49,7 @@ from stt_codegen.task import Task
 OK, OUTSIDE = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE))
 FARTHEST = 1 << 28  # units: a state that is farther out counts as so far
 MARGIN_BITS = 16  # of the fraction of a margin
+OCTAVES_BEFORE = (1 << (OVER_BITS - RISE_BITS)) - 1  # as many rows as the rows of 1/d, less the first octave, are before m = 0
 HALF_MARGIN = 1 << (MARGIN_BITS - 1)
 
 
@@ -125,7 +126,7 @@ class Frame:
             states = self.apart(block, i, self.edges(block, row, i, weights))
             room = room_of(block, "room", states[0])
             push, upper_nearer, off = _pushed(block, self.law, i, room, block.op("apart", "isub", *states[0]))
-            back = block.op("back", "isub", integer(0), push)
+            back = block.op("back", "ineg", push)
             down, up = (back, push) if positive else (push, back)
             block.store("u", i, block.select("u_i", upper_nearer, down, up))
             loop.update(outside, block.select("outside_any", self.inside(block, off, room, states), outside, TRUE))
@@ -195,7 +196,7 @@ def _over(block: Block, name: str, room: Var, narrow: int) -> tuple[Var, Var, Va
     width = at_least(block, f"{name}_width", room, narrow)
     n = block.op(f"{name}_n", "leading", width)
     width_up = block.op(f"{name}_width_up", "ishl", width, n)
-    at = row_and_place(block, f"{name}_over", width_up, OVER_BITS, integer(-(1 << OVER_BITS)))
+    at = row_and_place(block, f"{name}_over", width_up, OVER_BITS, integer(0))
     (over,) = block.call(curve_kernel(), *at, names=(f"{name}_over",))
     return width, over, width_up, n
 
@@ -205,13 +206,15 @@ def _pushed(block: Block, law: FixedLaw, i: Var, room: Var, apart: Var) -> tuple
     farther than the upper one, which is e times the width."""
     width, over, width_up, n = _over(block, "e", room, law.narrow)
     upper_nearer = block.op("upper_nearer", "ilt", integer(0), apart)
-    off = block.select("off", upper_nearer, apart, block.op("minus", "isub", integer(0), apart))
+    off = block.select("off", upper_nearer, apart, block.op("minus", "ineg", apart))
     off_up = block.op("off_up", "ishl", at_most(block, "off_held", off, width), n)
     e = at_most(block, "e", block.op("e_all", "upper", off_up, over), integer(law.top))
     y_all = block.op("y_all", "upper", block.op("rest", "isub", width_up, off_up), over)
     y = at_most(block, "y", at_least(block, "y_near", y_all, law.lowest), integer(ONE - 1))
     m = block.op("m", "leading", y)
-    octave = block.op("octave", "imul", m, integer(1 << RISE_BITS))  # the rows of 1/d are as many as two octaves'
+    octave = block.op(
+        "octave", "iadd", block.op("octaves", "imul", m, integer(1 << RISE_BITS)), integer(OCTAVES_BEFORE << RISE_BITS)
+    )
     row, t = row_and_place(block, "rise", block.op("y_up", "ishl", y, m), RISE_BITS, octave)
     (rise,) = block.call(curve_kernel(), row, t, names=("rise",))
     up = block.let("rise_places", Load("places", row, INT))
@@ -226,7 +229,7 @@ def _share(block: Block, name: str, narrow: int, to_lower: Var, to_upper: Var) -
     width, over, _, n = _over(block, name, room_of(block, f"{name}_room", (to_lower, to_upper)), narrow)
     nearest = block.select(f"{name}_nearest", block.op(f"{name}_high", "ilt", to_upper, to_lower), to_upper, to_lower)
     inside = block.op(f"{name}_inside", "ilt", integer(0), nearest)
-    size = block.select(f"{name}_size", inside, nearest, block.op(f"{name}_beyond", "isub", integer(0), nearest))
+    size = block.select(f"{name}_size", inside, nearest, block.op(f"{name}_beyond", "ineg", nearest))
     up = block.op(f"{name}_up", "ishl", at_most(block, f"{name}_held", size, width), n)
     part = block.op(f"{name}_part", "ishr", block.op(f"{name}_quotient", "upper", up, over), integer(30 - MARGIN_BITS))
     most = at_most(block, f"{name}_most", part, integer(2 * HALF_MARGIN - 1))

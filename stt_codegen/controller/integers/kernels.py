@@ -80,13 +80,14 @@ def segment_kernel(clock: Clock, design: RefinedDesign) -> Kernel:
     b = Block({"tick", "row", "s"})
     last = Const(clock.last, TICK)
     count = b.op("count", "int", b.select("held", b.op("running", "tlt", tick, last), tick, last))
-    passed = b.op("passed", "upper", integer(clock.scale), b.op("count_low", "low", count))
+    passed = b.op("passed", "upper", integer(clock.scale), b.op("count_low", "low", count, integer(HALF_WORD - 1)))
     if clock.last >= HALF_WORD:
         high = b.op("passed_high", "imul", b.op("count_high", "ishr", count, integer(16)), integer(clock.scale))
         passed = b.op("passed_both", "iadd", passed, high)
     place = at_most(b, "place", passed, integer((design.segments << clock.bits) - 1))
     index = b.op("segment", "ishr", place, integer(clock.bits))
-    s = b.op("share", "low", b.op("fine", "ishr", place, integer(clock.bits - 16)) if clock.bits > 16 else place)
+    fine = b.op("fine", "ishr", place, integer(clock.bits - 16)) if clock.bits > 16 else place
+    s = b.op("share", "low", fine, integer(HALF_WORD - 1))
     row = b.op("first", "imul", index, integer(2 * design.dimension))
     return _kernel("segment", (tick,), b, {"row": row, "s": s}, "Table index of the segment at a tick, and s in 2^-16 of it.")
 
@@ -130,7 +131,7 @@ def rate_of(design: RefinedDesign) -> Rate:
     """Of the two outer weights, at most 3 segments a second each, none has more than 15 bits. Raises `BadInput` for a tube that
     is too fast for that."""
     per_second = Fraction(design.segments) / design.prescribed_time
-    places = math.floor(math.log2(HALF_WORD / (6 * per_second)))
+    places = math.floor(math.log2((HALF_WORD - 2) / (6 * per_second)))
     if places < 0:
         raise BadInput("prescribed_time: is so short that integers of 16 bits do not hold the tube's rates; raise it")
     shift = 16 - math.frexp(float(per_second))[1]
@@ -162,7 +163,8 @@ def rates_kernel(rate: Rate) -> Kernel:
 def _steps(b: Block, n: int, at: Var) -> tuple[Var, tuple[Var, ...]]:
     """The second of four entries of an edge, from `at` on, and the steps between them."""
     q = loaded(b, n, at, LOWER, "at", INT)
-    return q[1], tuple(b.op(f"d{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(q)))
+    apart = [b.op(f"apart_{k}", "isub", after, before) for k, (before, after) in enumerate(pairwise(q))]
+    return q[1], tuple(b.op(f"d{k}", "short", v) for k, v in enumerate(apart))
 
 
 def _edge(b: Block, q1: Var, steps: tuple[Var, ...], weights: tuple[Var, ...]) -> Var:
@@ -205,16 +207,17 @@ def curve_kernel() -> Kernel:
     level, slope, bend = (b.let(name, Load(f"{name}s", row, INT)) for name in ("level", "slope", "bend"))
     down = b.op("down", "isub", slope, b.op("bent", "ishr", b.op("bend_t", "product", bend, t), integer(16)))
     fall = b.op("fall", "ishr", b.op("down_t", "product", down, t), integer(16 + SLOPE_BITS))
-    value = b.op("found", "isub", level, fall)
+    value = b.op("found", "low", b.op("left", "isub", level, fall), integer(HALF_WORD - 1))  # which is all of it
     told = "The quadratic of a row, level - (slope - bend t) t, at t in 2^-16."
     return _kernel("curve", (row, t), b, {"value": value}, told)
 
 
 def row_and_place(b: Block, name: str, value: Operand, bits: int, first: Operand) -> tuple[Var, Var]:
     """Of a number in [2^30, 2^31): its row of the curves by the `bits` bits after the first, and its place in that row's piece,
-    in 2^-16. first: the row of 2^30, less 2^bits for the leading bit."""
-    row = b.op(f"{name}_row", "iadd", b.op(f"{name}_head", "ishr", value, integer(30 - bits)), first)
-    return row, b.op(f"{name}_t", "low", b.op(f"{name}_tail", "ishr", value, integer(14 - bits)))
+    in 2^-16. first: the row of 2^30."""
+    head = b.op(f"{name}_head", "low", b.op(f"{name}_bits", "ishr", value, integer(30 - bits)), integer((1 << bits) - 1))
+    row = head if first == integer(0) else b.op(f"{name}_row", "iadd", head, first)
+    return row, b.op(f"{name}_t", "low", b.op(f"{name}_tail", "ishr", value, integer(14 - bits)), integer(HALF_WORD - 1))
 
 
 @cache

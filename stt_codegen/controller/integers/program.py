@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from stt_codegen.controller.integers.errors import require_right
 from stt_codegen.controller.integers.frame import Frame
 from stt_codegen.controller.integers.inertia import Filter, InertialFrame
 from stt_codegen.controller.integers.kernels import clock_of, curve_kernel, push_kernel, rate_of, segment_kernel
@@ -23,6 +24,7 @@ def fixed_program(task: Task, design: RefinedDesign) -> Program:
         told = f"a step of {steps} units is beyond the {STEP_BITS} bits that integers have"
         raise BadInput(f"tube.segments: {told}; use more segments")
     segment, narrow = segment_kernel(clock_of(design, period), design), narrow_of(narrowest(design)[0] / design.unit)
+    require_right(task, design)
     frame: Frame = Frame(n, segment, law_of(task, design), narrow)
     if design.filter:
         frame = InertialFrame(n, segment, frame.law, narrow, rate_of(design), Filter.of(design.filter))

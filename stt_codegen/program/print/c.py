@@ -23,6 +23,7 @@ from stt_codegen.program.nodes import (
     Status,
     Table,
     Var,
+    entry_bits,
     uses_fixed,
     uses_split,
 )
@@ -88,24 +89,27 @@ def fixed_lines(prefix: str) -> list[str]:
         "/* a / 2^n rounded down, and a 2^n of a >= 0, by bytes first. */",
         f"static inline int32_t {prefix}_down(int32_t a, int32_t n)",
         "{",
+        "    int32_t rest = a;",
         "    if (__builtin_constant_p(n) && (n >= 16)) {",
         "        return (int16_t)(a >> 16) >> (n - 16);",
         "    }",
         "    if (__builtin_constant_p(n) && (n > 12)) {",
-        "        return (a >> 16) * ((int32_t)1 << (16 - n)) + (int32_t)((uint16_t)a >> n);",
+        "        return ((a >> 16) * ((int32_t)1 << (16 - n))) + (int32_t)((uint16_t)a >> n);",
         "    }",
-        "    if ((n & 16) != 0) { a >>= 16; }",
-        "    if ((n & 8) != 0) { a >>= 8; }",
-        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { a >>= 1; }",
-        "    return a;",
+        "    if (((uint8_t)n & 16U) != 0U) { rest >>= 16; }",
+        "    if (((uint8_t)n & 8U) != 0U) { rest >>= 8; }",
+        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest >>= 1; }",
+        "    return rest;",
         "}",
         "",
         f"static inline int32_t {prefix}_up(int32_t a, int32_t n)",
         "{",
-        "    if ((n & 16) != 0) { a <<= 16; }",
-        "    if ((n & 8) != 0) { a <<= 8; }",
-        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { a <<= 1; }",
-        "    return a;",
+        "    uint32_t rest = (uint32_t)a;",
+        "    if (((uint8_t)n & 16U) != 0U) { rest <<= 16; }",
+        "    if (((uint8_t)n & 8U) != 0U) { rest <<= 8; }",
+        "    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest <<= 1; }",
+        "    rest &= 0x7fffffffU;",
+        "    return (int32_t)rest;",
         "}",
         "",
         "/* a b, a of 16 bits with a sign, b of 16 without one. */",
@@ -120,7 +124,8 @@ def fixed_lines(prefix: str) -> list[str]:
         "/* a b / 2^16 rounded down, for 0 <= b < 2^16. */",
         f"static inline int32_t {prefix}_upper(int32_t a, int32_t b)",
         "{",
-        "    uint16_t own = (uint16_t)a, other = (uint16_t)b;",
+        "    uint16_t own = (uint16_t)a;",
+        "    uint16_t other = (uint16_t)b;",
         '    __asm__("" : "+r"(own), "+r"(other));',
         "    const uint32_t low = (uint32_t)own * other;",
         f"    return {prefix}_product(a >> 16, b) + (int32_t)(low >> 16);",
@@ -134,7 +139,8 @@ def fixed_lines(prefix: str) -> list[str]:
         "",
         f"static inline int32_t {prefix}_up(int32_t a, int32_t n)",
         "{",
-        "    return a << n;",
+        "    const uint32_t moved = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;",
+        "    return (int32_t)moved;",
         "}",
         "",
         "/* a b, a of 16 bits with a sign, b of 16 without one. */",
@@ -146,19 +152,29 @@ def fixed_lines(prefix: str) -> list[str]:
         "/* a b / 2^16 rounded down, for 0 <= b < 2^16. */",
         f"static inline int32_t {prefix}_upper(int32_t a, int32_t b)",
         "{",
-        "    return (a >> 16) * b + (int32_t)(((uint32_t)(a & 0xffff) * (uint32_t)b) >> 16);",
+        "    const uint32_t low = ((uint32_t)a & 0xffffU) * (uint32_t)b;",
+        f"    return ({prefix}_down(a, 16) * b) + (int32_t)(low >> 16);",
         "}",
         "#endif",
         "",
         "/* By how many places the bits of a > 0 can move up. */",
         f"static inline int32_t {prefix}_leading(int32_t a)",
         "{",
+        "    uint32_t rest = (uint32_t)a;",
         "    int32_t places = 0;",
-        "    if (a < 0x8000) { a <<= 16; places = 16; }",
-        "    if (a < 0x800000) { a <<= 8; places += 8; }",
-        "    if (a < 0x8000000) { a <<= 4; places += 4; }",
-        "    if (a < 0x20000000) { a <<= 2; places += 2; }",
-        "    return (a < 0x40000000) ? (places + 1) : places;",
+        "    if (rest < 0x8000U) { rest <<= 16; places = 16; }",
+        "    if (rest < 0x800000U) { rest <<= 8; places += 8; }",
+        "    if (rest < 0x8000000U) { rest <<= 4; places += 4; }",
+        "    if (rest < 0x20000000U) { rest <<= 2; places += 2; }",
+        "    if (rest < 0x40000000U) { places += 1; }",
+        "    return places;",
+        "}",
+        "",
+        "/* a mod 2^k, mask being 2^k - 1. */",
+        f"static inline int32_t {prefix}_low(int32_t a, int32_t mask)",
+        "{",
+        "    const uint32_t bits = (uint32_t)a & (uint32_t)mask;",
+        "    return (int32_t)bits;",
         "}",
     ]
 
@@ -213,7 +229,7 @@ class CPrinter(Printer):
         table = next((t for t in self.program.tables if self.array(t.name) == array), None)
         if table is None or not uses_fixed(self.program):
             return entry
-        return f"{self.macro}_READ_{self.entry_bits(table)}({entry})"
+        return f"{self.macro}_READ_{entry_bits(table)}({entry})"
 
     def format_select(self, select: Select, condition: str, then: str, other: str) -> str:
         return f"{condition} ? {then} : {other}"
@@ -258,8 +274,14 @@ class CPrinter(Printer):
     def op_product(self, a: str, b: str) -> str:
         return f"{self.prefix}_product({a}, {b})"
 
-    def op_low(self, a: str) -> str:
-        return f"{a} & 0xffff"
+    def op_ineg(self, a: str) -> str:
+        return f"-{a}"
+
+    def op_low(self, a: str, mask: str) -> str:
+        return f"{self.prefix}_low({a}, {mask})"
+
+    def op_short(self, a: str) -> str:
+        return f"(int32_t)(int16_t){a}"
 
     def op_leading(self, a: str) -> str:
         return f"{self.prefix}_leading({a})"
@@ -313,18 +335,12 @@ class CPrinter(Printer):
     # ---- tables, kernels, functions
 
     def table(self, table: Table) -> list[str]:
-        bits, flash = self.entry_bits(table), f" {self.macro}_FLASH" if uses_fixed(self.program) else ""
+        bits, flash = entry_bits(table) if table.type is INT else 32, f" {self.macro}_FLASH" if uses_fixed(self.program) else ""
         kind = f"uint{bits}_t" if bits < 32 else self.type_name(table.type)
         lines = [*self.comment(table.doc), f"static const {kind} {self.prefix}_{table.name}[{len(table.values)}]{flash} = {{"]
         lines += self.rows(table)
         lines[-1] = lines[-1].removesuffix(",")
         return [*lines, "};"]
-
-    def entry_bits(self, table: Table) -> int:
-        """Of the smallest type that holds a table's integers: 8 or 16 where none is negative, else 32."""
-        if table.type is not INT:
-            return 32
-        return next((bits for bits in (8, 16) if all(0 <= v < 1 << bits for v in table.values)), 32)
 
     def kernel(self, kernel: Kernel) -> list[str]:
         inputs = [f"{self.type_name(v.type)} {v.name}" for v in kernel.inputs]

@@ -101,8 +101,14 @@ class PythonPrinter(Printer):
     def op_upper(self, a: str, b: str) -> str:
         return f"{a} * {b} >> 16"
 
-    def op_low(self, a: str) -> str:
-        return f"{a} & 0xFFFF"
+    def op_ineg(self, a: str) -> str:
+        return f"-{a}"
+
+    def op_low(self, a: str, mask: str) -> str:
+        return f"{a} & {mask}"
+
+    def op_short(self, a: str) -> str:
+        return a
 
     def op_leading(self, a: str) -> str:
         return f"31 - {a}.bit_length()"
