@@ -80,12 +80,12 @@ def main() -> int:
     parser.add_argument("--record", type=Path, metavar="FILE.md")
     asked = parser.parse_args()
     found = [rows_of(name, asked.board or list(SHOWN), asked.points) for name in asked.task]
-    text = table(
-        ["", "least / median / most seen", "code B", "tables B", "stack B", "the Python's bits"], [r for f, _ in found for r in f]
-    )
+    head = ["", "least / median / most seen", "code B", "tables B", "stack B", "the Python's bits"]
+    text = table(head, [row for rows, _ in found for row in rows])
     print(text)
     if asked.record:
-        title = f"## Integers in place of floats\n\nMade by `{command()}`: `control`, -O2; {machine()}. For avr cycles; its tables are in flash, within the code."
+        title = f"## Integers in place of floats\n\nMade by `{command()}`: `control`, -O2; {machine()}."
+        title += " For avr cycles; there the integers' tables are in flash, and counted with the code."
         record(asked.record, "fixed", f"{title}\n\n{text}")
     return int(not all(good for _, good in found))
 

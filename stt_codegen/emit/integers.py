@@ -95,16 +95,23 @@ def _literal(value: int) -> str:
 
 def _calls(design: RefinedDesign, module: ModuleType, last: int, vectors: int) -> list[tuple[int, list[int], str]]:
     """Calls of `control` and their results: near the middle in every third segment, where u is not saturated, so that every
-    coefficient moves some u; at the edges, outside, and at the ends of all integers. v is near 0, of order 2."""
+    coefficient moves some u; at the edges, outside, and at the ends of all integers. Of order 2 v + lambda x stands so too."""
     places = [k for k in range(design.segments) if k % 3 == 0 or k == design.segments - 1]
     when = [(last * (2 * k + 1) // (2 * design.segments), CALM) for k in places]
     when += [(last * (2 * k + 1) // (2 * len(STRIKING)), (share,)) for k, share in enumerate(STRIKING)]
     when += [(tick, CALM) for tick in (0, last, 2**32 - 1)]
     given = []
     for k, (tick, shares) in enumerate(when):
-        edges = list(zip(*module.tube(tick), strict=True))
-        x = [a + round((b - a) * shares[(k + i) % len(shares)]) for i, (a, b) in enumerate(edges)]
-        given.append((tick, [x] + [[(17 * k + 5 * i) % 64 for i in range(len(x))]] * (vectors - 1)))
+
+        def standing(edges: Any, shift: int, k: int = k, shares: tuple[float, ...] = shares) -> list[int]:
+            pairs = enumerate(zip(*edges, strict=True))
+            return [a + round((b - a) * shares[(k + i + shift) % len(shares)]) for i, (a, b) in pairs]
+
+        state = [standing(module.tube(tick), 0)]
+        if design.filter:
+            held = zip(standing(module.filtered_tube(tick), 1), design.filter, state[0], strict=True)
+            state.append([round(z - value * x) for z, value, x in held])
+        given.append((tick, state))
     given += [(last // 3, [[end] * design.dimension] * vectors) for end in ENDS]
     calls = []
     for tick, state in given:

@@ -60,6 +60,8 @@ def at_all(kernel: Kernel, inputs: Mapping[str, Integers]) -> tuple[Integers, ..
 
     for assign in kernel.body:
         match assign.value:
+            case Op(name="int", args=(count,)):
+                known[assign.var.name] = value(count)
             case Op(name=name, args=args):
                 known[assign.var.name] = OPERATIONS[name].number(*map(value, args))
             case Select(condition=c, then=then, other=other):
