@@ -43,11 +43,12 @@ from stt_codegen.program.nodes import (
     Table,
     Trunc,
     Var,
+    entry_bits,
     type_of,
 )
 from stt_codegen.program.number import round_to
 from stt_codegen.program.operations import BOOL, INT, OPERATIONS, REAL, STATUS, TICK, Type
-from stt_codegen.program.print.c import split_lines
+from stt_codegen.program.print.c import fixed_lines, split_lines
 
 
 class Unreadable(Exception):
@@ -98,7 +99,7 @@ def printed(program: Program) -> Program:
             case Trunc(arg=a):
                 return Trunc(constant(a))
             case Load(array=array, index=i):
-                return Load(array, constant(i))
+                return Load(array, constant(i), value.type)
         return value
 
     def statement(s: Statement) -> Statement:
@@ -121,7 +122,11 @@ def printed(program: Program) -> Program:
 
     return replace(
         program,
-        tables=tuple(Table(t.name, tuple(round_to(v, program.scalar) for v in t.values), 0) for t in program.tables),
+        tables=tuple(
+            Table(t.name, t.values if t.type is INT else tuple(round_to(v, program.scalar) for v in t.values), 0, type=t.type)
+            for t in program.tables
+        ),
+        tick=None,
         kernels=tuple(
             Kernel(k.name, k.inputs, tuple(map(statement, k.body)), tuple(map(constant, k.outputs)), ())  # type: ignore[arg-type]
             for k in program.kernels
@@ -148,23 +153,33 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     """The Program of a .h and .c text. Raises `Unreadable` for C that no Program prints."""
     dimension = re.search(rf"^#define {prefix.upper()}_N (\d+)$", header, re.M)
     real = re.search(rf"^typedef (\w+) {prefix}_real;$", header, re.M)
-    if not dimension or not real:
+    if not dimension or (not real and "float" in header.replace("No floating", "")):
         raise Unreadable("the header has no dimension or no scalar type")
-    reader = _Reader(prefix, real.group(1), int(dimension.group(1)))
-    known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool;"
-    known += f"typedef {real.group(1)} {prefix}_real; typedef int {prefix}_status;\n"
+    found = real.group(1) if real else "fixed"
+    reader = _Reader(prefix, found, int(dimension.group(1)))
+    known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool; typedef char uint8_t; typedef short uint16_t;"
+    known += (
+        f"typedef short int16_t; typedef {'int' if found == 'fixed' else found} {prefix}_real; typedef int {prefix}_status;\n"
+    )
     code = re.sub(r"/\*.*?\*/", "", source, flags=re.S)
-    split = re.sub(r"/\*.*?\*/", "", "\n".join(split_lines(prefix, scalar)))  # the one text that is no Program, there as printed
-    if code.count(split) != (f"{prefix}_exponent(" in code or f"{prefix}_mantissa(" in code):
-        raise Unreadable("the split into exponent and mantissa is not the one that was printed")
-    code = code.replace(split, "")
+    # the one text that is no Program, there as printed
+    own = fixed_lines(prefix) if found == "fixed" else split_lines(prefix, scalar)
+    text = re.sub(r"/\*.*?\*/", "", "\n".join(own))
+    splits = f"{prefix}_exponent(" in code or f"{prefix}_mantissa(" in code
+    if code.count(text) != (found == "fixed" or splits):
+        told = "what integers are counted with" if found == "fixed" else "the split into exponent and mantissa"
+        raise Unreadable(f"{told} is not the one that was printed")
+    code = code.replace(text, "").replace(f"{prefix.upper()}_FLASH", "")
     for line in re.findall(r"^#.*$", code, re.M):
         if not _DIRECTIVE.match(line.replace(prefix, "P")):
             raise Unreadable(f"the line {line!r}")
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)
-    return Program(prefix, reader.dimension, real.group(1), tuple(reader.tables), tuple(reader.kernels), tuple(reader.functions))
+    return Program(prefix, reader.dimension, found, tuple(reader.tables), tuple(reader.kernels), tuple(reader.functions))
+
+
+COUNTED = {"down": "ishr", "up": "ishl", "product": "product", "upper": "upper", "low": "low", "leading": "leading"}
 
 
 class _Reader:
@@ -176,6 +191,8 @@ class _Reader:
         self.kernels: list[Kernel] = []
         self.functions: list[Function] = []
         self.splits = {f"{prefix}_exponent", f"{prefix}_mantissa"}
+        self.counted = {f"{prefix}_{name}": op for name, op in COUNTED.items()} if scalar == "fixed" else {}
+        self.bits: dict[str, int] = {}  # of a table's entries
         self.types: dict[str, Type] = {}
         self.pointers: list[str] = []  # of a kernel: where its outputs go, in order
 
@@ -205,10 +222,25 @@ class _Reader:
     def table(self, node: Any) -> Table:
         if node.quals != ["const"] or node.storage != ["static"]:
             raise Unreadable(f"{node.name} is not static const")
-        values = tuple(self.number(v) for v in node.init.exprs)
+        whole = self.scalar == "fixed"
+        values = tuple(self.whole(v) if whole else self.number(v) for v in node.init.exprs)
         if int(node.type.dim.value) != len(values):
             raise Unreadable(f"{node.name} has {len(values)} entries, not {node.type.dim.value}")
-        return Table(self.name(node.name), values, 0)
+        found = Table(self.name(node.name), values, 0, type=INT if whole else REAL)
+        kind = " ".join(node.type.type.type.names)
+        bits = entry_bits(found) if whole else 32
+        if kind != ((f"uint{bits}_t" if bits < 32 else "int32_t") if whole else f"{self.prefix}_real"):
+            raise Unreadable(f"{node.name} is a table of {kind}")
+        self.bits[found.name] = bits
+        return found
+
+    def whole(self, node: Any) -> Fraction:
+        """A whole number, negative ones included."""
+        if isinstance(node, c_ast.UnaryOp) and node.op == "-":
+            return -self.whole(node.expr)
+        if not isinstance(node, c_ast.Constant) or not node.value.isdigit():
+            raise Unreadable(f"no whole number, {node.coord}")
+        return Fraction(node.value)
 
     def number(self, node: Any) -> Fraction:
         """A literal, negative ones included, as the compiler rounds it."""
@@ -240,10 +272,13 @@ class _Reader:
                 return Const(int(text), INT)
             case c_ast.Constant(value=text) if text[:-1].isdigit() and text.endswith("U"):
                 return Const(int(text[:-1]), TICK)
+            case c_ast.UnaryOp(op="-", expr=c_ast.Constant(value=text)) if text.isdigit():
+                return Const(-int(text), INT)
             case c_ast.Constant() | c_ast.UnaryOp(op="-", expr=c_ast.Constant()):
                 return Const(self.number(node))
             case c_ast.UnaryOp(op="-"):
-                return Op("neg", (self.operand(node.expr),))
+                value = self.operand(node.expr)
+                return Op("ineg" if value.type is INT else "neg", (value,))
             case c_ast.UnaryOp(op="!", expr=c_ast.BinaryOp(op="&&") as both):
                 return Op("ne", self.equal(both))
             case c_ast.UnaryOp(op="!"):
@@ -258,6 +293,11 @@ class _Reader:
                 return Op("eq", self.equal(node))
             case c_ast.BinaryOp(op=op):
                 return self.binary(op, self.operand(node.left), self.operand(node.right), node)
+            case c_ast.Cast(expr=c_ast.Cast(expr=inner)) if self.scalar == "fixed":
+                outer, own = (" ".join(c.to_type.type.type.names) for c in (node, node.expr))
+                if (outer, own) != ("int32_t", "int16_t"):
+                    raise Unreadable(f"a {own} made {outer}, {node.coord}")
+                return Op("short", (self.operand(inner),))
             case c_ast.Cast(expr=c_ast.ID(name="NAN")):
                 return Const(None)
             case c_ast.Cast():
@@ -268,7 +308,16 @@ class _Reader:
             case c_ast.ArrayRef():
                 array = node.name.name
                 own = array in self.types
-                return Load(array if own else self.name(array), self.operand(node.subscript))
+                kind = INT if self.scalar == "fixed" else REAL
+                return Load(array if own else self.name(array), self.operand(node.subscript), kind)
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name in self.counted:
+                return Op(self.counted[name], tuple(map(self.operand, args.exprs)))
+            case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name.startswith(f"{self.prefix.upper()}_READ_"):
+                (read,) = args.exprs
+                load = self.expression(read)
+                if not isinstance(load, Load) or self.bits.get(load.array) != int(name.rpartition("_")[2]):
+                    raise Unreadable(f"{name} of something else, {node.coord}")
+                return load
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name in self.splits:
                 return Op(self.name(name), tuple(map(self.operand, args.exprs)))
             case c_ast.FuncCall(name=c_ast.ID(name=name)):
@@ -305,7 +354,7 @@ class _Reader:
                 case c_ast.Decl(init=None):
                     self.types[node.name] = self.kind(node.type)
                 case c_ast.Decl(quals=["const"], init=c_ast.FuncCall(name=c_ast.ID(name=name), args=args)) if (
-                    name.startswith(f"{self.prefix}_") and name not in self.splits
+                    name.startswith(f"{self.prefix}_") and name not in self.splits and name not in self.counted
                 ):
                     given = tuple(map(self.operand, args.exprs))
                     body.append(Call((self.declare(node),), self.name(name), given))
@@ -379,6 +428,10 @@ class _Reader:
 
     # ---- functions
 
+    @property
+    def number_type(self) -> str:
+        return "int32_t" if self.scalar == "fixed" else f"{self.prefix}_real"
+
     def function(self, node: Any) -> None:
         declared = node.decl
         name, kernel = self.name(declared.name), "static" in declared.storage
@@ -389,7 +442,8 @@ class _Reader:
             match p.type:
                 case c_ast.ArrayDecl(dim=dim, type=inner):
                     self.types[p.name] = self.kind(inner)
-                    params.append(Param(p.name, self.length(dim), "const" not in inner.quals))
+                    kind = INT if self.scalar == "fixed" else REAL
+                    params.append(Param(p.name, self.length(dim), "const" not in inner.quals, type=kind))
                 case c_ast.PtrDecl():
                     self.pointers.append(p.name)
                 case _:
@@ -398,7 +452,7 @@ class _Reader:
                     params.append(Param(p.name, None, type=self.types[p.name]))
         body, outputs = self.statements(node.body.block_items, kernel)
         returned = declared.type.type.type.names
-        known = ["void", f"{self.prefix}_real", *(["int32_t", "bool"] if kernel else [f"{self.prefix}_status"])]
+        known = ["void", self.number_type, *(["int32_t", "bool"] if kernel else [f"{self.prefix}_status"])]
         if len(returned) != 1 or returned[0] not in known or declared.funcspec != ["inline"] * kernel:
             raise Unreadable(f"{name} is declared {' '.join([*declared.storage, *declared.funcspec, *returned])}, {node.coord}")
         if kernel:
@@ -407,7 +461,7 @@ class _Reader:
                 raise Unreadable(f"the kernel {name} is not straight")
             self.kernels.append(Kernel(name, tuple(inputs), assigns, tuple(outputs), ()))
         else:
-            status, real = ([f"{self.prefix}_{kind}"] == returned for kind in ("status", "real"))
+            status, real = [f"{self.prefix}_status"] == returned, [self.number_type] == returned
             self.functions.append(Function(name, tuple(params), tuple(body), status, (), real))
 
     def length(self, node: Any) -> int:
