@@ -18,7 +18,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))  # whose oracles and arenas the tests share
 TASK_FILES = sorted((ROOT / "tasks").glob("*.toml"))
 INERTIAL = [p.stem for p in TASK_FILES if "\norder = 2" in p.read_text()]  # tests/test_inertia.py has them
-ELSEWHERE = ("rover", "waypoints", "either", "watchman", "crawler")  # files of their own have these
+ELSEWHERE = ("rover", "waypoints", "either", "watchman", "crawler", "gantry")  # files of their own have these
 NAMES = [p.stem for p in TASK_FILES if p.stem not in (*INERTIAL, *ELSEWHERE)]  # unsafe sets are boxes
 ADAPTABLE = [name for name in NAMES if name not in ("omni_board", "trolley", "courier")]  # their options are for refined tubes
 

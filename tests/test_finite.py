@@ -71,7 +71,7 @@ def test_ten_million_random_patterns(folder: str, tool, tmp_path) -> None:
         f"for (int i = 0; i < {size}; i++) {a}[i] = k % 2 ? any() : ({name}_real)(draw() % 6000U) / 1000;" for a, size in arrays
     )
     text = (
-        f'#include "{name}.h"\n#include <math.h>\n{any_value_text(name)}\nint main(void)\n{{\n    long seen[3] = {{0}};\n'
+        f'#include "{name}.h"\n#include <math.h>\n{any_value_text(f"{name}_real")}\nint main(void)\n{{\n    long seen[3] = {{0}};\n'
         + "".join(f"    {name}_real {a}[{size}];\n" for a, size in arrays)
         + f"    for (long k = 0; k < {count}L; k++) {{\n        {fill}\n        {name}_real u[{name.upper()}_N];\n"
         f"        const {name}_real t = k % 3 ? any() : ({name}_real)(draw() % 10000U) / 1000;\n"

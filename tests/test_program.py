@@ -138,7 +138,7 @@ def test_the_bank_covers_every_opcode_and_operation() -> None:
         opcodes |= {opcode_names()[function.instruction_id(k)] for k in range(function.n_instructions())}
     frame_only = {"iadd", "imul", "ilt", "real"}  # driven by the frame test below
     elsewhere = {"exponent", "mantissa", "isub", "idiv", "int", "tlt"}  # tests/test_logarithm.py, tests/test_ticks.py
-    elsewhere |= {"ishr", "ishl", "upper", "low", "leading"}  # tests/test_fixed.py
+    elsewhere |= {"ishr", "ishl", "upper", "low", "leading", "product", "short", "ineg"}  # tests/test_fixed.py
     assert used | frame_only | elsewhere == set(OPERATIONS)
     assert set(direct_opcodes()) <= opcodes | {"OP_CONSTPOW"}
     assert {"OP_TWICE", "OP_SQ", "OP_INV", "OP_SIGN", "OP_FMIN", "OP_FMAX", "OP_IF_ELSE_ZERO"} <= opcodes

@@ -11,13 +11,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
+from stt_codegen.compare.backends import Backend, GeneratedPython
 from stt_codegen.compare.law_bounds import law_spread
+from stt_codegen.compare.toolchain import load_module
 from stt_codegen.controller.integers import curves
 from stt_codegen.controller.integers.errors import law_error, widest
 from stt_codegen.controller.integers.frame import FARTHEST, MARGIN_BITS
@@ -28,9 +30,6 @@ from stt_codegen.pipeline import Controller
 from stt_codegen.program import Program
 from stt_codegen.sampling.setting import ROUNDING
 
-if TYPE_CHECKING:
-    from stt_codegen.compare.backends import Backend
-
 Array = npt.NDArray[Any]
 Add = Callable[[str, Array, Array, Array, float], None]
 PLACES = (0.5, 0.005, 0.995, 0.0049, 0.9951, -0.5, 1.5)  # of the way from one edge to the other
@@ -40,8 +39,6 @@ ENDS = (-(2**31), 2**31 - 1)
 def ticks_and_states(controller: Controller, count: int, seed: int = 1) -> tuple[Array, ...]:
     """Ticks (P,) of the mission and of none; states (P, n) in and about the tube, at its edges and anywhere; of order 2 speeds
     with which v + lambda x is so in its own tube. By the emitted Python, with all that it takes."""
-    from stt_codegen.compare.toolchain import load_module
-
     task, design, dice = controller.task, controller.design, Random(seed)
     assert isinstance(design, RefinedDesign)
     assert task.emit.tick_period is not None
@@ -124,8 +121,6 @@ def integer_rows(
 
 def same_as_python(controller: Controller, backend: Backend, points: int) -> int:
     """How many of so many points give another integer than the emitted Python, over all functions."""
-    from stt_codegen.compare.backends import GeneratedPython
-
     python, given = GeneratedPython(controller), ticks_and_states(controller, points, seed=2)
 
     def differs(program: Program, name: str) -> int:

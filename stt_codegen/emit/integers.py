@@ -76,7 +76,7 @@ def texts(
 def loaded(text: str) -> ModuleType:
     """The emitted Python."""
     module = ModuleType("emitted")
-    exec(compile(text, "emitted.py", "exec"), module.__dict__)
+    exec(compile(text, "emitted", "exec"), module.__dict__)
     return module
 
 

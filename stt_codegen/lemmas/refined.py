@@ -150,7 +150,7 @@ def _late() -> Outcome:
     k, z = sp.symbols("K z", positive=True)
     eps = z / (1 + z)  # any number from 0 to 1
     given = arithmetic.late(k, eps)
-    forms = [(scalar, FORMATS[scalar], segments) for scalar in FORMATS for segments in (1, 48, 8192)]
+    forms = [(scalar, FORMATS[scalar], segments) for scalar in ("float", "double") for segments in (1, 48, 8192)]
     wrong = []
     for scalar, form, segments in forms:
         design: Any = SimpleNamespace(segments=segments)

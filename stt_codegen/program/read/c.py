@@ -48,7 +48,7 @@ from stt_codegen.program.nodes import (
 )
 from stt_codegen.program.number import round_to
 from stt_codegen.program.operations import BOOL, INT, OPERATIONS, REAL, STATUS, TICK, Type
-from stt_codegen.program.print.c import fixed_lines, split_lines
+from stt_codegen.program.print.c_helpers import fixed_lines, split_lines
 
 
 class Unreadable(Exception):
@@ -155,19 +155,19 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     real = re.search(rf"^typedef (\w+) {prefix}_real;$", header, re.M)
     if not dimension or (not real and "float" in header.replace("No floating", "")):
         raise Unreadable("the header has no dimension or no scalar type")
-    found = real.group(1) if real else "fixed"
-    reader = _Reader(prefix, found, int(dimension.group(1)))
+    kind = real.group(1) if real else "fixed"
+    reader = _Reader(prefix, kind, int(dimension.group(1)))
     known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool; typedef char uint8_t; typedef short uint16_t;"
     known += (
-        f"typedef short int16_t; typedef {'int' if found == 'fixed' else found} {prefix}_real; typedef int {prefix}_status;\n"
+        f"typedef short int16_t; typedef {'int' if kind == 'fixed' else kind} {prefix}_real; typedef int {prefix}_status;\n"
     )
     code = re.sub(r"/\*.*?\*/", "", source, flags=re.S)
     # the one text that is no Program, there as printed
-    own = fixed_lines(prefix) if found == "fixed" else split_lines(prefix, scalar)
+    own = fixed_lines(prefix) if kind == "fixed" else split_lines(prefix, scalar)
     text = re.sub(r"/\*.*?\*/", "", "\n".join(own))
     splits = f"{prefix}_exponent(" in code or f"{prefix}_mantissa(" in code
-    if code.count(text) != (found == "fixed" or splits):
-        told = "what integers are counted with" if found == "fixed" else "the split into exponent and mantissa"
+    if code.count(text) != (kind == "fixed" or splits):
+        told = "what integers are counted with" if kind == "fixed" else "the split into exponent and mantissa"
         raise Unreadable(f"{told} is not the one that was printed")
     code = code.replace(text, "").replace(f"{prefix.upper()}_FLASH", "")
     for line in re.findall(r"^#.*$", code, re.M):
@@ -176,7 +176,7 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     code = re.sub(r"^#.*$", "", code, flags=re.M).replace(f"{prefix.upper()}_N", dimension.group(1))
     for part in c_parser.CParser().parse(known + code).ext:
         reader.part(part)
-    return Program(prefix, reader.dimension, found, tuple(reader.tables), tuple(reader.kernels), tuple(reader.functions))
+    return Program(prefix, reader.dimension, kind, tuple(reader.tables), tuple(reader.kernels), tuple(reader.functions))
 
 
 COUNTED = {"down": "ishr", "up": "ishl", "product": "product", "upper": "upper", "low": "low", "leading": "leading"}
@@ -308,8 +308,8 @@ class _Reader:
             case c_ast.ArrayRef():
                 array = node.name.name
                 own = array in self.types
-                kind = INT if self.scalar == "fixed" else REAL
-                return Load(array if own else self.name(array), self.operand(node.subscript), kind)
+                number = INT if self.scalar == "fixed" else REAL
+                return Load(array if own else self.name(array), self.operand(node.subscript), number)
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name in self.counted:
                 return Op(self.counted[name], tuple(map(self.operand, args.exprs)))
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name.startswith(f"{self.prefix.upper()}_READ_"):
@@ -442,8 +442,8 @@ class _Reader:
             match p.type:
                 case c_ast.ArrayDecl(dim=dim, type=inner):
                     self.types[p.name] = self.kind(inner)
-                    kind = INT if self.scalar == "fixed" else REAL
-                    params.append(Param(p.name, self.length(dim), "const" not in inner.quals, type=kind))
+                    number = INT if self.scalar == "fixed" else REAL
+                    params.append(Param(p.name, self.length(dim), "const" not in inner.quals, type=number))
                 case c_ast.PtrDecl():
                     self.pointers.append(p.name)
                 case _:
