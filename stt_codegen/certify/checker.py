@@ -2347,7 +2347,7 @@ def main(arguments: list[str]) -> int:
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
         if certificate.get("scalar") == "fixed":
-            raise Unusable("the certificate is of a controller in integers, whose C is not read here; `check` and `compare` read it")
+            raise Unusable("the certificate is of a controller in integers, whose C is not read here; `compare` reads it")
         certificate = json.loads(proof, parse_float=_no_decimals, object_pairs_hook=_no_doubles)
         tube = compare(task, certificate, text, Path(arguments[1]).parent)
     except Failed as error:
