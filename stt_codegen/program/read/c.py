@@ -305,9 +305,8 @@ class _Reader:
                 return Op("real", (value,))
             case c_ast.ArrayRef():
                 array = node.name.name
-                own = array in self.types
-                number = INT if self.scalar == "fixed" else REAL
-                return Load(array if own else self.name(array), self.operand(node.subscript), number)
+                known = array if array in self.types else self.name(array)
+                return Load(known, self.operand(node.subscript), INT if self.scalar == "fixed" else REAL)
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name in self.counted:
                 return Op(self.counted[name], tuple(map(self.operand, args.exprs)))
             case c_ast.FuncCall(name=c_ast.ID(name=name), args=args) if name.startswith(f"{self.prefix.upper()}_READ_"):
