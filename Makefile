@@ -49,6 +49,7 @@ integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	$(BIN)/python benchmarks/moving.py --count 60
 	$(BIN)/python benchmarks/physics.py --runs 100
 	$(BIN)/python benchmarks/fixed.py
+	$(BIN)/python benchmarks/integer_bits.py --inputs 100000
 	$(BIN)/python benchmarks/mutations.py --inertia --count 400
 	$(BIN)/python benchmarks/mission_mutants.py --count 1000
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000

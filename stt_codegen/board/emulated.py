@@ -245,20 +245,26 @@ def build_image(
 ) -> Path:
     """The image that calls `f` at these points (words of their bits), in `folder`."""
     program = controller.program
-    templates = template_folder() / "board"
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
-    for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
-        shutil.copy(templates / name, folder)
-    shutil.copy(templates / board.header, folder / "board.h")
+    sources, libraries = copy_board(board, folder)
     (folder / "harness.c").write_text(_harness(program, f, words))
-    libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
-    sources = [str(folder / v) for v in (*board.sources, "harness.c")]
+    sources.append(str(folder / "harness.c"))
     sources += board_objects(controller, board.rust, folder) if rust else [str(folder / f"{program.prefix}.c")]
     image = folder / "image.elf"
     thin = ("-Wl,--gc-sections",) if rust else ()  # of the core library what is called
     run_compiler([board.compiler, *board.flags, *flags, *thin, f"-I{folder}", *sources, "-o", str(image), *libraries])
     return image
+
+
+def copy_board(board: Board, folder: Path) -> tuple[list[str], list[str]]:
+    """Copies what the board starts with, and its header as board.h, to `folder`: the sources, and what to link with."""
+    templates = template_folder() / "board"
+    for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
+        shutil.copy(templates / name, folder)
+    shutil.copy(templates / board.header, folder / "board.h")
+    libraries = [str(folder / v) if v.endswith(".ld") else v for v in board.libraries]
+    return [str(folder / name) for name in board.sources], libraries
 
 
 def _harness(program: Program, f: Function, words: Array) -> str:
