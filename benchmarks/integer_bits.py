@@ -1,15 +1,16 @@
 """Whether controllers in integers give the same bits everywhere: the emitted Python, the C on this machine and on every board.
 
-    python benchmarks/integer_bits.py [--task gantry crane] [--inputs 1000000] [--board m0 ...]
+    python benchmarks/integer_bits.py [--task omni_s2 crane] [--inputs 1000000] [--board m0 ...]
 
-`tube`, `control` and `margin` (of order 2 `filtered_tube` too) at ticks and states drawn by the same generator everywhere: any bit
-patterns, the edges with two units about them, places all through the tube and beside it. What comes out is folded into one number
-for each block of inputs, which the board writes. The command ends with 1 where two of these differ.
+`tube`, `control` and `margin` (of order 2 `filtered_tube` too) at ticks and states drawn by the same generator everywhere: any
+bit patterns, the edges with two units about them, places all through the tube and beside it. What comes out is folded into one
+number for each block of inputs, which the board writes. The command ends with 1 where two of these differ.
 """
 
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import tempfile
 import time
@@ -18,13 +19,15 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
-from stt_codegen.bench.report import table
-from stt_codegen.board.emulated import BOARDS, CFLAGS, Board, copy_board
-from stt_codegen.compare.toolchain import load_module, run_compiler
-from stt_codegen.pipeline import Controller, build
+from fixed import limited
 
-ROOT = Path(__file__).resolve().parent.parent
+from stt_codegen.bench.report import table
+from stt_codegen.board.emulated import BOARDS, CFLAGS, DECORATION, Board, copy_board
+from stt_codegen.compare.toolchain import load_module, run_compiler
+from stt_codegen.pipeline import Controller, build_task
+
 BLOCKS = 16
+FOLD = re.compile("[0-9a-f]{8}")  # as a board writes it
 MASK = 2**32 - 1
 OFFSET, PRIME = 2166136261, 16777619  # of the hash FNV-1a, here by words
 
@@ -189,20 +192,20 @@ def on_board(controller: Controller, board: Board | None, inputs: int) -> list[s
             sources, libraries = copy_board(board, Path(folder))
             run_compiler([board.compiler, *board.flags, *CFLAGS, f"-I{folder}", *sources, *mine, "-o", str(image), *libraries])
         command = [*(board.command if board else ()), str(image)]
-        out = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, check=False)
-    found = [word for line in out.stdout.splitlines() for word in [line.replace("\x1b[32m", "").replace("\x1b[0m", "").rstrip(".")]]
-    return [word for word in found if len(word) == 8 and all(c in "0123456789abcdef" for c in word)]
+        out = subprocess.run(command, capture_output=True, stdin=subprocess.DEVNULL, text=True, check=False)
+    lines = (DECORATION.sub("", line) for line in (out.stdout + out.stderr).splitlines())  # semihosting writes to either
+    return [line for line in lines if FOLD.fullmatch(line)]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--task", nargs="+", default=["gantry", "crane"])
+    parser.add_argument("--task", nargs="+", default=["omni_s2", "crane"])
     parser.add_argument("--inputs", type=int, default=1_000_000)
     parser.add_argument("--board", choices=tuple(BOARDS), action="append")
     asked = parser.parse_args()
     rows, wrong = [], 0
     for task in asked.task:
-        controller = build(ROOT / "tasks" / f"{task}.toml")
+        controller = build_task(limited(task))
         began, text = time.perf_counter(), controller.files[f"{controller.program.prefix}.py"]
         with ProcessPoolExecutor() as pool:
             told = partial(folded, text, asked.inputs, filter_of(controller))
