@@ -91,6 +91,8 @@ def _library(kind: str, controller: Controller) -> Files:
         "arduino": {"library.properties": "library.properties", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
         "platformio": {"library.json": "library.json", f"examples/{prefix}_loop/{prefix}_loop.ino": sketch},
     }[kind]
+    if kind == "platformio" and integers:  # whose boards are many
+        own[f"examples/{prefix}_loop/platformio.ini"] = "platformio.ini"
     sources = [
         name
         for name in (header, source, guard_name(prefix), phase_name(prefix), wrap_name(prefix), selftest_name(prefix))
