@@ -36,7 +36,7 @@ def test_every_command_prints_what_the_page_shows(folder: Path, tool) -> None:
         tool(name)
     version = subprocess.run(["arm-none-eabi-gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout
     found = steps()
-    assert len(found) == 5
+    assert len(found) == 7
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     for command, shown in found:
         result = subprocess.run(
@@ -49,15 +49,23 @@ def test_every_command_prints_what_the_page_shows(folder: Path, tool) -> None:
         pytest.skip(f"the sizes and counts on the page are those of arm-none-eabi-gcc {GCC}, this is {version.strip()}")
 
 
-def test_the_pages_loop_compiles_for_the_board_without_a_warning(folder: Path, tool) -> None:
-    (source,) = re.findall(r"^```c\n(.*?)^```", PAGE, re.M | re.S)
-    shutil.copytree(ROOT / "generated" / "omni_board" / "refined" / "float", folder / "firmware")
-    own = "void SysTick_Handler(void);\n"  # declared by the vendor's header
+M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")
+
+
+@pytest.mark.parametrize(
+    ("which", "name", "scalar", "board"),
+    [(0, "omni_board", "float", M4F), (1, "gantry", "fixed", ("-mcpu=cortex-m0", "-mthumb"))],
+)
+def test_the_pages_loops_compile_for_their_boards_without_a_warning(
+    which: int, name: str, scalar: str, board: tuple[str, ...], folder: Path, tool
+) -> None:
+    source = re.findall(r"^```c\n(.*?)^```", PAGE, re.M | re.S)[which]
+    shutil.copytree(ROOT / "generated" / name / "refined" / scalar, folder / "firmware")
+    own = "void SysTick_Handler(void);\n" if which == 0 else "void every_millisecond(void);\n"  # declared where it is called
     (folder / "firmware" / "main.c").write_text(own + source)
     flags = [v for v in STRICT if v != "-Wcast-qual"]
-    command = [tool("arm-none-eabi-gcc"), "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", *flags]
-    for name in ("main.c", "omni_board.c", "omni_board_selftest.c"):
-        subprocess.run([*command, "-c", name], cwd=folder / "firmware", check=True)
+    for file in ("main.c", f"{name}.c", f"{name}_selftest.c"):
+        subprocess.run([tool("arm-none-eabi-gcc"), *board, *flags, "-c", file], cwd=folder / "firmware", check=True)
 
 
 def test_the_page_on_lemmas_shows_what_design_prints_and_a_plant_that_works(folder: Path) -> None:

@@ -109,8 +109,9 @@ class InertialFrame(Frame):
     def control_doc(self, task: Task) -> tuple[str, ...]:
         first = super().control_doc(task)[0]
         return (
-            first,
-            f"for v + lambda x in its tube, lambda = {by_component(self.filter.values)}. {ticks_doc(task)}",
+            first.removesuffix(".") + ",",
+            f"for v + lambda x in its tube, lambda = {by_component(self.filter.values)}.",
+            ticks_doc(task),
             "x: state; v: its rate; u: input.",
             *axes_doc(task),
             "OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law and",

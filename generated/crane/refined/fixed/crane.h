@@ -7,8 +7,8 @@
  * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest, for |f +
  * w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
  *
- * Call crane_control once every period with the tick since the start and the measured x and v. It keeps no state and
- * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Call crane_control once every period with the tick since the start and the measured x and v.
+ * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
  * No floating point, no division, no library. Every bit pattern of an argument is a number, and none overflows.
  */
 #ifndef CRANE_H
@@ -47,8 +47,9 @@ void crane_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N]);
  */
 void crane_filtered_tube(uint32_t tick, int32_t lower[CRANE_N], int32_t upper[CRANE_N]);
 
-/* Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated.
- * for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375]. tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
+/* Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated,
+ * for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375].
+ * tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
  * x: state; v: its rate; u: input.
  * x by component: x [m], y [m].
  * OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law and
@@ -65,8 +66,8 @@ crane_status crane_control(uint32_t tick, const int32_t x[CRANE_N], const int32_
  */
 int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRANE_N]);
 
-/* In crane_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the board's boot.
- * 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */
+/* In crane_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the
+ * board's boot. 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */
 #define CRANE_SELFTEST_94579429cb9a0d6c
 int crane_selftest(void);
 

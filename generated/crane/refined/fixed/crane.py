@@ -589,8 +589,9 @@ def filtered_tube(tick):
 
 
 def control(tick, x, v):
-    """Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated.
-    for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375]. tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
+    """Control law (13), u = -k xi epsilon, k = [0.262, 0.253], e clamped to [-0.99, 0.99], u saturated,
+    for v + lambda x in its tube, lambda = [0.66162109375, 0.65380859375].
+    tick: periods of 0.005 s since the start (it must not wrap to 0: stop counting at t_c);
     x: state; v: its rate; u: input.
     x by component: x [m], y [m].
     OK: x strictly inside the tube, and v + lambda x inside its own. OUTSIDE_TUBE: not so; u is the clamped law and

@@ -5,8 +5,8 @@
  * The state stays in it (P9) sampled every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
  * w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0: |e| < 0.9001, |u| <= 0.6.
  *
- * Call gantry_control once every period with the tick since the start and the measured state. It keeps no state and
- * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Call gantry_control once every period with the tick since the start and the measured state.
+ * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
  * No floating point, no division, no library. Every bit pattern of an argument is a number, and none overflows.
  */
 #ifndef GANTRY_H
@@ -53,8 +53,8 @@ gantry_status gantry_control(uint32_t tick, const int32_t x[GANTRY_N], int32_t u
  */
 int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N]);
 
-/* In gantry_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the board's boot.
- * 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */
+/* In gantry_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the
+ * board's boot. 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */
 #define GANTRY_SELFTEST_5e14e4d10f2a54ab
 int gantry_selftest(void);
 
