@@ -41,6 +41,16 @@ def test_double_precision_runs_on_a_board_too(tool) -> None:
     assert all(r.holds for r in rows)
 
 
+def test_integers_have_the_bits_of_the_python_and_few_instructions_on_a_cortex_m0(tool) -> None:
+    for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
+        tool(name)
+    for name, most in (("gantry", 800), ("crane", 1000)):
+        rows, costs = run_on_board(made("refined", "fixed", name), BOARDS["m0"], 1000)
+        assert {r.quantity for r in rows} >= {"tube", "u", "status", "margin", "bits as Python's"}
+        assert all(r.holds for r in rows), [r for r in rows if not r.holds]
+        assert costs["control"].most <= most
+
+
 def test_counts_are_the_same_in_every_run_and_do_not_depend_on_the_other_points(tool) -> None:
     for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
         tool(name)

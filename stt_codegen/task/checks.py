@@ -134,7 +134,7 @@ def _integers_problem(task: TaskTables) -> str | None:
     if control.u_max is None:
         return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
     unknown = {
-        "emit.rust": emit.rust,
+        "emit.rust (--package rust)": emit.rust,
         'emit.math = "inline"': emit.math == "inline",
         'control.saturate = "scale"': task.scales,
         "control.e_max by component": len(set(task.e_max)) > 1,
