@@ -67,10 +67,6 @@ def test_every_shipped_controller_is_confirmed_alone_in_an_empty_folder(folder: 
     shutil.copy(CHECKER, tmp_path)
     command = [sys.executable, "-I", "-S", "checker.py", "task.toml", f"{name}.c", f"{name}.certificate.json"]
     result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    if folder.name == "fixed":  # which it says that it cannot
-        assert result.returncode == 2, result.stdout
-        assert "a controller in integers, whose C is not read here" in result.stderr + result.stdout
-        return
     assert result.returncode == 0, result.stdout + result.stderr
     assert result.stdout.startswith(f"checker: yes: {name}")
 
@@ -79,9 +75,9 @@ def test_the_checker_imports_the_standard_library_only_and_is_short() -> None:
     text = CHECKER.read_text()
     imported = set(re.findall(r"^(?:from|import) (\w+)", text, re.M))
     assert imported <= set(sys.stdlib_module_names)
-    assert (
-        len(text.splitlines()) <= 2400
-    )  # 700 were meant; reading the C takes the other half, shapes and regions 150, motion 70, limits 30, order 2 220, guard, differences and scaling 80
+    # 700 were meant; reading the C takes the other half, shapes and regions 150, motion 70, limits 30, order 2 220, guard, differences
+    # and scaling 80, integers 650: their C in full, their ranges, their curves
+    assert len(text.splitlines()) <= 3060
 
 
 def test_the_checkers_digest_of_a_task_is_the_tools() -> None:
