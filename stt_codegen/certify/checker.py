@@ -33,7 +33,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -1688,7 +1688,6 @@ class Integers(Source):
             for name, body in self.listings.items()
         }
         self.seen: dict[Any, list[Span]] = {}
-        self.lists: dict[str, list[list[int]]] = {}
 
     def named(self, text: str) -> bytes:
         return re.sub(r"\bM_", f"{self.p.upper()}_", re.sub(r"\bP_", f"{self.p}_", text)).encode()
@@ -1740,7 +1739,7 @@ class Integers(Source):
         key = (name, *given)
         if key not in self.seen and name in ("weights", "rates"):
             need(given == [HALF], "s of the C is not within 16 bits")
-            self.seen[key] = [(min(v), max(v)) for v in self.every(name)]
+            self.seen[key] = [(min(v), max(v)) for v in every(name, tuple(self.listings[name]))]
         elif key not in self.seen and name in ("edge", "curve") and given[0][0] < given[0][1]:
             found = [self.call(name, [(k, k), *given[1:]]) for k in range(given[0][0], given[0][1] + 1)]
             self.seen[key] = [(min(v[0] for v in each), max(v[1] for v in each)) for each in zip(*found)]
@@ -1798,23 +1797,6 @@ class Integers(Source):
             known[label] = span
         return results
 
-    def every(self, name: str) -> list[list[int]]:
-        """The results of `weights` or `rates` at every s, exactly."""
-        if name in self.lists:
-            return self.lists[name]
-        known: dict[str, list[int]] = {"s": list(range(1 << 16))}
-        self.lists[name] = []
-        for label, kind, parts in self.listings[name]:
-            if not label:
-                self.lists[name].append(known[kind.rpartition(" ")[2]])
-                continue
-            given = [known[v] if v in known else [int(v)] * (1 << 16) for v in parts]
-            for values, room in zip(given, ROOMS.get(kind, [])):
-                need(inside((min(values), max(values)), room), f"{kind} in {name} of the C may be of what it is not for")
-            known[label] = list(map(EXACT[kind], *given))
-            need(inside((min(known[label]), max(known[label])), INT32), f"{label} in {name} of the C may be beyond 32 bits")
-        return self.lists[name]
-
     # ---- what it is wrong by
 
     def clock(self, task: Task, tube: Tube) -> Fraction:
@@ -1835,18 +1817,9 @@ class Integers(Source):
         d2 s^3 - d0 (1 - s)^3, and its rate d0 3 (1 - s)^2 + d1 (3 + 6 s (1 - s)) + d2 3 s^2, a segment. A step times a weight is
         exact, and so are sums but for two, which are rounded down by less than a unit each. The weights are tried at every s, and
         s is late. A rate has two units more, for v, rounded to a unit, and a distance times lambda, rounded down."""
-        found, one, all_s = [], 1 << 16, range(1 << 16)
-        if order == 0:
-            before, middle, after = self.every("weights")
-            outer = max(abs((a << 33) - (one - s) ** 3) + abs((c << 33) - s**3) for s, a, c in zip(all_s, before, after))
-            inner = max(abs((b << 34) - s * (3 * one * one + s * (3 * one - 2 * s))) for s, b in zip(all_s, middle))
-            wrong, per = Fraction(outer + inner, 1 << 48), Fraction(1)
-        else:
-            per, places = tube.segments / tube.t_c, self.holes["places"]
-            a, b = per.numerator << places, per.denominator << 32
-            true = ((3 * (one - s) ** 2, 3 * one * one + 6 * s * (one - s), 3 * s * s) for s in all_s)
-            sums = (sum(abs(v * b - t * a) for v, t in zip(w, ts)) for *w, ts in zip(*self.every("rates"), true))
-            wrong = Fraction(max(sums), b << places)
+        found, per = [], Fraction(tube.segments) / tube.t_c if order else Fraction(1)
+        name = ("weights", "rates")[order]
+        wrong = weighed(name, tuple(self.listings[name]), per, self.holes.get("places", 0))
         for i in range(tube.n):
             edges = [[row[i][side] for row in tube.table] for side in (0, 1)]
             step = max(abs(v - w) for edge in edges for v, w in zip(edge, edge[1:]))
@@ -1915,8 +1888,9 @@ class Integers(Source):
         places, most = [int(v) for v in self.tables["places"]], 31 - narrow.bit_length()  # by which a width moves up
         for i, k in enumerate(gain):
             mantissa, offset, limit = (int(self.tables[name][i]) for name in ("gains", "offsets", "limits"))
-            c = abs(mantissa * Fraction(2) ** (28 + base - offset - self.x_bits - self.u_bits) / abs(k) - 1)
-            need(c <= r, f"the gain of component {i + 1} of the C is not the certificate's")
+            exact = abs(k) * Fraction(2) ** (self.x_bits + self.u_bits + offset - 28 - base)
+            need(abs(mantissa - exact) <= Fraction(1, 2), f"the gain of component {i + 1} of the C is not the certificate's")
+            c = Fraction(1, 2) / exact
             thin = f"the law of the C takes the tube to be {narrow} units wide or more, in component {i + 1}"
             need(0 < narrow <= held[i][0], f"{thin} it may be {float(held[i][0]):.0f}")
             inside_ = (1 + a) ** 2 * (1 + b) * (1 + c) / (1 - a - 1 / (rest * one)) ** 2
@@ -1964,6 +1938,40 @@ class Integers(Source):
         for name in self.listings.keys() & {"tube", "filtered_tube", "control", "margin"}:
             self.body(name, {"tick": (0, (1 << 32) - 1)})
         self.law(task, tube, gain, held)
+
+
+@lru_cache(maxsize=8)
+def every(name: str, listing: tuple[Step, ...]) -> list[list[int]]:
+    """The results of `weights` or `rates` at every s, exactly."""
+    known: dict[str, list[int]] = {"s": list(range(1 << 16))}
+    results = []
+    for label, kind, parts in listing:
+        if not label:
+            results.append(known[kind.rpartition(" ")[2]])
+            continue
+        given = [known[v] if v in known else [int(v)] * (1 << 16) for v in parts]
+        for values, room in zip(given, ROOMS.get(kind, [])):
+            need(inside((min(values), max(values)), room), f"{kind} in {name} of the C may be of what it is not for")
+        known[label] = list(map(EXACT[kind], *given))
+        need(inside((min(known[label]), max(known[label])), INT32), f"{label} in {name} of the C may be beyond 32 bits")
+    return results
+
+
+@lru_cache(maxsize=8)
+def weighed(name: str, listing: tuple[Step, ...], per: Fraction, places: int) -> Fraction:
+    """What a step is wrong by through its weights at most: of an edge, or of its rate, with `per` segments a second and weights
+    in 2^-places. Of an edge the worst of the outer two together and the worst of the middle one, which are of other s."""
+    one, all_s = 1 << 16, range(1 << 16)
+    if name == "weights":
+        before, middle, after = every(name, listing)
+        outer = max(abs((a << 33) - (one - s) ** 3) + abs((c << 33) - s**3) for s, a, c in zip(all_s, before, after))
+        inner = max(abs((b << 34) - s * (3 * one * one + s * (3 * one - 2 * s))) for s, b in zip(all_s, middle))
+        return Fraction(outer + inner, 1 << 48)
+    a, b = per.numerator << places, per.denominator << 32
+    true = ((3 * (one - s) ** 2, 3 * one * one + 6 * s * (one - s), 3 * s * s) for s in all_s)
+    return Fraction(
+        max(sum(abs(v * b - w * a) for v, w in zip(own, of)) for *own, of in zip(*every(name, listing), true)), b << places
+    )
 
 
 def picked(test: tuple[str, tuple[str, ...]], chosen: tuple[str, ...], get: Callable[[str], Span]) -> Span:
