@@ -23,8 +23,8 @@ from truth import deepest, derivative, signed_edges, signed_faces
 
 from stt_codegen.bench.families import FAMILIES, arena_task
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
-from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import build_task
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.pipeline import build_program, build_task
 from stt_codegen.task import Task, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet, load_task
 from stt_codegen.task.shapes import Target, Waypoint
 
@@ -65,6 +65,12 @@ def base(name: str, scalar: str) -> Base | None:
     """The tube of a task or arena by name; None where there is none."""
     family, _, seed = name.partition(" ")
     task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
+    if scalar == "fixed":  # which needs a limit of u, and a tick
+        limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
+        emit = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "math": "libm"}
+        task = task.model_copy(
+            update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=emit)}
+        )
     try:
         c = build_task(task.with_options("refined", scalar))
     except NotCertified:
@@ -447,14 +453,19 @@ MOVING = ("motion beside", "window beside", "doubt beside", "spread beside")
 BESIDE = tuple(kind for kind in KINDS if kind.endswith(" beside") and kind not in MOVING)  # sets of other shapes than boxes
 
 
-def draw(dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS)) -> tuple[str, str, Base, Mutant]:
-    """A kind, the base's name, the base, and a mutant that is well formed (a box may turn over, a coefficient grow too long)."""
+def draw(
+    dice: Random, names: Sequence[str], kinds: Sequence[str] = tuple(KINDS), scalars: Sequence[str] = ("float", "double")
+) -> tuple[str, str, Base, Mutant]:
+    """A kind, the base's name, the base, and a mutant that is well formed (a box may turn over, a coefficient grow too long, or a
+    step longer than integers have bits for)."""
     kind = dice.choice(list(kinds))
     for _ in range(1000):
-        name, scalar = dice.choice(names), dice.choice(("float", "double"))
+        name, scalar = dice.choice(names), dice.choice(scalars)
         b = base(name, scalar)
-        with contextlib.suppress(ValueError, IndexError):
+        with contextlib.suppress(ValueError, IndexError, BadInput):
             if b is not None and well_formed((mutant := KINDS[kind](dice, b))[0]):
+                if scalar == "fixed":
+                    build_program(*mutant)
                 return kind, f"{name}, {scalar}", b, mutant
     raise RuntimeError(f"no mutant of the kind {kind!r} from {', '.join(names)}")
 

@@ -1,11 +1,13 @@
 """Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by the roots of `truth.py`.
 
-    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--shapes | --moving | --inertia]
+    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--integers]
+                                   [--shapes | --moving | --inertia]
                                    [--first 0] [--record FILE.md]
 
 The mutants are those of `mutants.py`; with --inertia those of `inertia_mutants.py`, judged by `truth_inertia.py` too, and, every
-fourth, of `held_mutants.py`, which a run of `truth_held.py` may refute. The tool's certificate is asked, and the stand-alone
-checker, which gets files whose certificate claims success, so that only its own proof can refuse. Prints one table; exit code 1
+fourth, of `held_mutants.py`, which a run of `truth_held.py` may refute; with --integers those of controllers in integers. The
+tool's certificate is asked, and the stand-alone checker, which gets files whose certificate claims success, so that only its own
+proof can refuse. Prints one table; exit code 1
 when something unsafe passed. A mutant depends on the seed and its number only, so `--first 1234 --count 1` judges number 1234
 again.
 """
@@ -79,10 +81,15 @@ class Verdict:
 
 
 def judge(
-    number: int, seed: int, with_checker: bool, names: Sequence[str] = SHAPED, kinds: Sequence[str] = tuple(KINDS)
+    number: int,
+    seed: int,
+    with_checker: bool,
+    names: Sequence[str] = SHAPED,
+    kinds: Sequence[str] = tuple(KINDS),
+    scalars: Sequence[str] = ("float", "double"),
 ) -> Verdict:
     """Draw a mutant, find the truth and ask the tool and, `with_checker`, the checker."""
-    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, kinds)
+    kind, name, _, (task, design) = draw(Random(f"{seed} {number}"), names, kinds, scalars)
     try:
         fault = first_fault(task, design)
         near = (first_fault(task, design, (NEAR if fault is None else -NEAR) * design.unit) is None) != (fault is None)
@@ -211,8 +218,11 @@ def ask_checker(
 
     def error() -> Fraction:
         known = checker.Task(files["task.toml"])
-        source = checker.Source(files[f"{task.name}.c"], known, task.emit.scalar == "float")
-        return max(checker.arithmetic(source, checker.Tube(source, known, design.bits)))
+        text, whole = files[f"{task.name}.c"], task.emit.scalar == "fixed"
+        source = checker.Integers(text, known) if whole else checker.Source(text, known, task.emit.scalar == "float")
+        tube = checker.Tube(source, known, design.bits)
+        source.clock(known, tube)
+        return max(checker.arithmetic(source, tube))
 
     return answer == 0, error, found[0][:2] if found else ""
 
@@ -223,7 +233,8 @@ def claiming(task: Task, design: RefinedDesign, certificate: Certificate, proof:
     known = task if proof else task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
     if task.order == 1:  # its mutants are not about u: with bounds on the plant P8 would be claimed where u is limited
         known = known.model_copy(update={"plant": PlantBounds()})
-    plain = {"tick_period": None, "rust": False, "selftest": False}  # of the mutants is what `toml` says, and nothing beside it
+    plain: dict[str, Any] = {"rust": False, "selftest": False}  # of the mutants is what `toml` says, and nothing beside it
+    plain |= {} if task.emit.scalar == "fixed" else {"tick_period": None}
     known = known.model_copy(update={"emit": known.emit.model_copy(update=plain)})
     text = toml(known).encode()
     known = known.model_copy()
@@ -271,6 +282,9 @@ def toml(task: Task) -> str:
     limits = "" if task.u_max is None else f"u_max = {vector(task.u_max)}\n"
     limited = ((name, getattr(task, name)) for name in ("max_speed", "max_acceleration"))
     speed = "".join(f"{name} = {vector(most)}\n" for name, most in limited if most is not None)
+    emit = f'math = "{task.emit.math}"\n'
+    if task.emit.scalar == "fixed" and task.emit.tick_period is not None:
+        emit = f'scalar = "fixed"\ntick_period = {number_text(task.emit.tick_period)}\n'
     starts = plant = ""
     if task.order == 2:
         starts = f"share = {number_text(task.initial_set.share)}\n"
@@ -289,7 +303,7 @@ def toml(task: Task) -> str:
             starts,
             *(f'[[unsafe]]\nname = "{s.name}"\n{told(s)}' for s in task.unsafe),
             f"[tube]\nclearance = {number_text(task.tube.clearance)}\nmin_width = {number_text(task.tube.min_width)}\n{speed}",
-            f'[control]\ngain = {vector(task.gain)}\ne_max = {vector(task.e_max)}\n{limits}[emit]\nmath = "{task.emit.math}"\n',
+            f"[control]\ngain = {vector(task.gain)}\ne_max = {vector(task.e_max)}\n{limits}[emit]\n{emit}",
             plant,
         )
     )
@@ -348,13 +362,15 @@ def main() -> int:
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--shapes", action="store_true", help="only unsafe sets of other shapes, put beside a tube")
     parser.add_argument("--moving", action="store_true", help="only sets that move, put beside a tube")
+    parser.add_argument("--integers", action="store_true", help="controllers in integers, of order 1")
     parser.add_argument("--checker", action=argparse.BooleanOptionalAction, default=True)
     parser.add_argument("--record", type=Path, metavar="FILE.md", help="put the table into this file")
     parser.add_argument("--inertia", action="store_true", help="only tubes and held loops for plants of order 2")
     options = parser.parse_args()
     begin, verdicts = time.perf_counter(), []
     kinds = BESIDE if options.shapes else MOVING if options.moving else SECOND if options.inertia else tuple(KINDS)
-    asked = judge_inertia if options.inertia else partial(judge, kinds=kinds)
+    scalars = ("fixed",) if options.integers else ("float", "double")
+    asked = judge_inertia if options.inertia else partial(judge, kinds=kinds, scalars=scalars)
     with multiprocessing.Pool(options.processes) as pool:
         numbers = range(options.first, options.first + options.count)
         for v in pool.imap(partial(asked, seed=options.seed, with_checker=options.checker), numbers, chunksize=20):
@@ -366,6 +382,7 @@ def main() -> int:
     print(found)
     passed = [v for v in verdicts if v.fault and any(a.passed for a in v.answers)]
     again = next((f" --{name}" for name in ("shapes", "moving", "inertia") if getattr(options, name)), "")
+    again += " --integers" if options.integers else ""
     for v in passed:
         print(f"PASSED THOUGH UNSAFE: --seed {options.seed} --first {v.number} --count 1{again}: {v.kind} of {v.base}: {v.fault}")
     took = f"{len(verdicts)} mutants in {time.perf_counter() - begin:.0f} s, {options.processes} processes"

@@ -3,7 +3,8 @@
     python benchmarks/token_mutants.py [--every 1] [--task trolley --task omni_board] [--processes 2]
 
 A changed file gets new hashes, so only what the checker reads can refuse it. What is accepted must mean the same, and is listed
-with the reason: a literal of the same value, a local that is no longer `const`. Exit code 1 where something else is accepted.
+with the reason: a literal of the same value, a local that is no longer `const`, and of a controller in integers a row of the
+curves with which the law is within its bound too. Exit code 1 where something else is accepted.
 """
 
 from __future__ import annotations
@@ -27,13 +28,17 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import numpy as np
+
 from stt_codegen.certify import checker
 from stt_codegen.pipeline import build
 from stt_codegen.program.number import round_to
 
 ROOT = Path(__file__).parent.parent
 TOKEN = re.compile(
-    r"/\*.*?\*/|\d+\.\d+(?:e-?\d+)?F?|0x[0-9a-f]+U|\d+U?|[A-Za-z_]\w*|\"[^\"\n]*\"|<=|>=|==|!=|&&|>>|\+\+|[^\s\w]", re.DOTALL
+    r"/\*.*?\*/|\d+\.\d+(?:e-?\d+)?F?|0x[0-9a-f]+U|\d+U?|[A-Za-z_]\w*|\"[^\"\n]*\"|<<=|>>=|<=|>=|==|!=|&&|<<|>>|\+\+|--|\+=|&="
+    r"|[^\s\w]",
+    re.DOTALL,
 )
 SIGNS = ("+", "-", "*", "/", "<", "<=", ">", "&&", "!", "==", "?", ":", ",", ";")
 WORDS = (
@@ -137,14 +142,37 @@ def judge(mutant: Mutant, task: str) -> tuple[Mutant, bool]:
     return mutant, accepted(changed(mutant, task), task)
 
 
-def same_meaning(mutant: Mutant) -> str:
+def same_meaning(mutant: Mutant, task: str) -> str:
     """Why a changed token means the same, in words; empty where it does not."""
+    if as_right(mutant, task):
+        return "a row of the curves that is as right"
     if mutant.before == "const" and not mutant.after and mutant.line.startswith("const "):
         return "a local that is no longer const"
     if all(re.fullmatch(r"\d+\.\d+(?:e-?\d+)?F", v) for v in (mutant.before, mutant.after)):
         before, after = (round_to(Fraction(v[:-1]), "float") for v in (mutant.before, mutant.after))
         return "a literal of the same float" if before == after else ""
     return ""
+
+
+def as_right(mutant: Mutant, task: str) -> bool:
+    """Whether the change is one of a table of the curves of a controller in integers, and every value of them is within 2^-11 of
+    1/d or H: the law may be wrong by 2^-10."""
+    text = changed(mutant, task)[mutant.file].decode()
+    found = {
+        name: list(map(int, body.split(",")))
+        for name, body in re.findall(r"const uint\d+_t \w+_(levels|slopes|bends|places)\[\d+\] \w+ = \{([\d,\s]*)\}", text)
+    }
+    if len(found) < 4 or not re.fullmatch(r"\d+", mutant.before + mutant.after) or not re.fullmatch(r"\d+,?", mutant.line):
+        return False
+    t = np.arange(1 << 16)
+    level, slope, bend, places = (np.array(found[name])[:, None] for name in ("levels", "slopes", "bends", "places"))
+    value = level - ((slope - (bend * t >> 16)) * t >> 17)
+    head, place = np.arange(len(level))[:, None], (t + 0.5) / (1 << 16)
+    over = 2.0**16 / (1 + (head[:16] + place) / 16)
+    e = 1 - (8 + (head[16:] - 16) % 8 + place) / 2.0 ** (4 + (head[16:] - 16) // 8)
+    rise = 8 * np.arctanh(e) / (e * (1 - e * e)) * 2.0 ** (places[16] - places[16:])
+    right = np.concatenate([over, rise * 2.0 ** np.round(np.log2(level[16] / rise[0, 0]))])
+    return bool((value >= 0).all() and (value < 1 << 16).all() and (np.abs(value / right - 1) < 2.0**-11).all())
 
 
 # ------------------------------------------------------------------------------------------------ claims
@@ -223,19 +251,19 @@ def main() -> int:
         with multiprocessing.Pool(options.processes) as pool:
             verdicts = list(pool.imap(partial(judge, task=task), mutants(task, options.every), chunksize=20))
         yes = [m for m, good in verdicts if good]
-        reasons = Counter(same_meaning(m) for m in yes)
+        reasons = Counter(same_meaning(m, task) for m in yes)
         print(f"{task}: {len(verdicts)} changed tokens, {len(yes)} accepted ({time.perf_counter() - begin:.0f} s)")
         for reason, count in sorted(reasons.items()):
             print(f"  {count:4d}  {reason or 'WHICH DO NOT MEAN THE SAME'}")
         for m in yes:
-            if not same_meaning(m):
+            if not same_meaning(m, task):
                 print(f"  ACCEPTED: {m.file}: {m.before!r} -> {m.after!r} in: {m.line}")
         kept = changed_claims(task)
         told = sum(1 for _ in claims(task))
         print(f"{task}: {told} changed claims, {len(kept)} accepted")
         for label in kept:
             print(f"  {claim_is_true(label) or 'ACCEPTED'}: {label}")
-        wrong += sum(not same_meaning(m) for m in yes) + sum(not claim_is_true(label) for label in kept)
+        wrong += sum(not same_meaning(m, task) for m in yes) + sum(not claim_is_true(label) for label in kept)
     return 1 if wrong else 0
 
 

@@ -7,11 +7,13 @@ It reads the task's numbers as exact decimals and every token of the C, runs the
 compute the tube of the C's table and the control law of the task: every branch, every index, every constant. It repeats the proof
 that this tube starts, keeps its width, stays, avoids, arrives and is smooth (P1 to P6), that u can hold the state in it where it
 is limited (P8), and that a sampled loop does where the task has a period (P9), in exact fractions, with a bound of its own on the
-rounding of the statements read (P7).
+rounding of the statements read (P7). Of a controller in integers it compares every token with a text of its own, proves that its
+tables are the curves of the law, that no value leaves 32 bits, and what all of it is wrong by.
 Every claim of the certificate is compared; a claim that it does not know is refused. docs/certificate-format.md says what it all
 means. It speaks about refined tubes; for others it says that it cannot.
 
-Long because it is one file, to be copied anywhere and read from top to bottom: task, C, symbols, specification, proof, claims.
+Long because it is one file, to be copied anywhere and read from top to bottom: task, C, symbols, specification, integers, proof,
+claims.
 
 Assumed: a C99 compiler without contraction of a * b + c, IEEE-754 arithmetic, and a library whose logarithm is within 4 units.
 Exit code 0: all holds. 1: something does not, and what. 2: a file cannot be used.
@@ -31,7 +33,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from functools import partial
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -47,6 +49,7 @@ LOCAL = re.compile(rf"(?!(?:{KEYWORDS.replace(' ', '|')})$)[a-z]\w*", re.ASCII) 
 LAW = {
     "libm": {24: 2.0**-19, 53: 2.0**-46},
     "inline": {24: 2.0**-14, 53: 2.0**-14},
+    "integers": {20: 2.0**-10},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
     "": "name axes units prescribed_time repeat start_delay initial_state body state_space initial_set target_set unsafe region "
@@ -480,7 +483,7 @@ def rounded(value: Fraction, bits: int, toward: Callable[[Fraction], int] = roun
 
 TOKEN = re.compile(
     r"(?P<skip>[ \n]+|/\*.*?\*/)|(?P<line>#[^\n]*)|(?:\d+\.\d+(?:e-?\d{1,3})?F?|0x[0-9a-f]+U|\d+U?)(?!\w)|[A-Za-z_]\w*"
-    r"|\"[^\"\n]*\"|<=|!=|&&|>>|\+\+|[-+*/<=!?:;,(){}\[\]&]", re.DOTALL | re.ASCII,
+    r"|\"[^\"\n]*\"|<<=|>>=|<=|>=|<<|>>|!=|==|&&|\+\+|--|\+=|&=|[-+*/<>=!?:;,(){}\[\]&]", re.DOTALL | re.ASCII,
 )  # fmt: skip
 
 
@@ -592,6 +595,10 @@ class Source:
             f'#error "{self.p}.c: compile without -ffast-math; it tests its inputs for NaN and infinity"', "#endif",
             f"#if {sure}", f'#error "{self.p}.c: compile for {x87}"', "#endif",
         ]  # fmt: skip
+
+    def clock(self, task: Task, tube: Tube) -> Fraction:
+        """What its time is wrong by at most, of t_c: t, K/t_c and their product are rounded."""
+        return Fraction(4, 1 << self.bits)
 
     def number(self, token: str) -> tuple[str, Fraction]:
         """A literal's type, and its value as the compiler rounds it."""
@@ -1296,7 +1303,7 @@ class Tube:
         rows, rest = divmod(len(values), 2 * task.n)
         need(rows > 3 and not rest, f"the table has {len(values)} entries, no multiple of {2 * task.n}, or too few")
         self.n, self.segments, self.unit, self.t_c = task.n, rows - 3, Fraction(2) ** -bits, task.t_c
-        whole = [v / self.unit for v in values]
+        whole = values if isinstance(source, Integers) else [v / self.unit for v in values]
         need(all(v.denominator == 1 for v in whole), "the table is not of whole units of 2^-unit_bits")
         self.table = [
             [(int(whole[j + 2 * i]), int(whole[j + 2 * i + 1])) for i in range(task.n)] for j in range(0, len(whole), 2 * task.n)
@@ -1324,6 +1331,8 @@ def arithmetic(source: Source, tube: Tube, order: int = 0) -> list[Fraction]:
     """P7, by dimension: how far the emitted edge, of order 1 its rate, is from the tube's. Spline time is within K (2 eps +
     eps^2) of the true one; twice that is allowed, so that t may have been rounded. Then the statements of basis and blend, one
     rounding each; of a rate also the product with K/t_c, which is rounded too."""
+    if isinstance(source, Integers):
+        return source.moved(tube, order)
     eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
     late, found = tube.segments * 4 * eps * (1 + eps) + tiny, []
     for _, _, wrong in _errors(source, "basis_rate", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny):
@@ -1373,6 +1382,649 @@ def _errors(source: Source, name: str, inputs: list[Inexact], eps: Fraction, tin
         need(size < 1 / SMALL, f"a value of {name} may overflow")
         known[target] = (low, high, error + size * eps + tiny)
     return [results[label] for _, label, how in f.params if how == "out"] or [results["return"]]
+
+
+# ------------------------------------------------------------------------------------------------ the C in integers
+
+# What a controller in integers must be. It counts x in units of the table, u in units of 2^-U_BITS, time in ticks. Of these lines
+# `<` gives a bool; `a over b` is the larger and `a under b` the lesser, in two statements; `p, q, r = size of a` are p = 0 < a,
+# q = -a, r = p ? a : q; `each i` begins the loop over the components and `end` ends it; `?name` is a constant that is read from
+# the C and that the proof below asks something of; `!` is C as it stands.
+WEIGHTS = """s_up = up(s, 12); square = upper(s_up, s); cube = upper(square, s); sum = s_up + square; sum_3 = sum * 3;
+cube_2 = cube * 2; bend = sum_3 - cube_2; less = s_up - square; less_held = less over 0; less_3 = less_held * 3;
+left_square = 268435456 - less_3; left = left_square - cube; bend_held = bend over 0; bend_near_half = bend_held + 8192;
+bend_near = down(bend_near_half, 14); left_held = left over 0; before_half = left_held + 4096; before = down(before_half, 13);
+middle = bend_near under 65535; after_half = cube + 4096; after = down(after_half, 13);
+!*w0 = before; !*w1 = middle; !*w2 = after"""
+RATES = """s_up = up(s, 12); square = upper(s_up, s); less = s_up - square; less_held = less over 0;
+less_most = less_held under 67108864; one_less = 268435456 - s_up; left = one_less - less_most; left_held = left over 0;
+less_2 = less_most * 2; middle = 268435456 + less_2;
+before_3 = left_held * 3; before_second = upper(before_3, ?mantissa); before_half = before_second + ?half;
+before = down(before_half, ?down); between_3 = middle * 3; between_second = upper(between_3, ?mantissa);
+between_half = between_second + ?half; between = down(between_half, ?down); after_3 = square * 3;
+after_second = upper(after_3, ?mantissa); after_half = after_second + ?half; after = down(after_half, ?down);
+!*r0 = before; !*r1 = between; !*r2 = after"""
+EDGE = """at_q0 = coefficients[at]; at_1 = at + {a}; at_q1 = coefficients[at_1]; at_2 = at + {b}; at_q2 = coefficients[at_2];
+at_3 = at + {c}; at_q3 = coefficients[at_3]; apart_0 = at_q1 - at_q0; apart_1 = at_q2 - at_q1; apart_2 = at_q3 - at_q2;
+d0 = short apart_0; d1 = short apart_1; d2 = short apart_2; q1_6 = at_q1 * 6; base = q1_6 + d1; d1_w1 = product(d1, w1);
+middle = down(d1_w1, 14); d2_w2 = product(d2, w2); d0_w0 = product(d0, w0); outer = d2_w2 - d0_w0; ends = down(outer, 15);
+bent = base + middle; value = bent + ends"""
+SLOPE = """; d1_r1 = product(d1, r1); between = down(d1_r1, ?places); d0_r0 = product(d0, r0); d2_r2 = product(d2, r2);
+about = d0_r0 + d2_r2; around = down(about, ?places); slope = between + around; !*edge = value; !*rate = slope"""
+CURVE = """level = levels[row]; slope = slopes[row]; bend = bends[row]; bend_t = product(bend, t); bent = down(bend_t, 16);
+down = slope - bent; down_t = product(down, t); fall = down(down_t, 17); left = level - fall; found = low(left, 65535);
+!return found"""
+PUSH = """steep = upper(e, rise); over_width = upper(steep, over); size = upper(over_width, gain); moved = down(size, places);
+push_held = moved under limit; !return push_held"""
+FOUND = (  # of order 1 and 2
+    "lower_edge = edge(at, {w}); upper_edge = edge(at_upper, {w})",
+    "edge(at, {w}, &lower_edge, &lower_rate); edge(at_upper, {w}, &upper_edge, &upper_rate)",
+)
+HELD = """{x}_all = {x}[i]; {x}_near = {x}_all over (-{far}); {x}_i = {x}_near under {far}; {x}_lower = {x}_i - lower_{of};
+{x}_upper = upper_{of} - {x}_i"""
+FILTERED = """filter_i = filters[i]; {more_l}lower_filtered = upper({l}, filter_i); to_lower = v_lower + lower_filtered;
+{more_u}upper_filtered = upper({u}, filter_i); to_upper = v_upper + upper_filtered"""
+OVER = """{n}_width = {room} over ?{narrow}; {n}_n = leading({n}_width); {n}_width_up = up({n}_width, {n}_n);
+{n}_over_bits = down({n}_width_up, 26); {n}_over_head = low({n}_over_bits, 15); {n}_over_tail = down({n}_width_up, 10);
+{n}_over_t = low({n}_over_tail, 65535); {n}_over = curve({n}_over_head, {n}_over_t)"""
+PUSHED = """upper_nearer, minus, off = size of apart; off_held = off under e_width; off_up = up(off_held, e_n);
+e_all = upper(off_up, e_over); e = e_all under ?top; rest = e_width_up - off_up; y_all = upper(rest, e_over);
+y_near = y_all over ?lowest; y = y_near under 1073741823; m = leading(y); octaves = m * 8; octave = octaves + 8; y_up = up(y, m);
+rise_bits = down(y_up, 27); rise_head = low(rise_bits, 7); rise_row = rise_head + octave; rise_tail = down(y_up, 11);
+rise_t = low(rise_tail, 65535); rise = curve(rise_row, rise_t); rise_places = places[rise_row]; gain = gains[i];
+offset = offsets[i]; limit = limits[i]; down_n = offset - e_n; down_all = down_n - rise_places; down = down_all over 0;
+push = push(e, rise, e_over, gain, down, limit); back = -push; u_i = upper_nearer ? {turned}; !u[i] = u_i; within = off < room"""
+SHARE = """{n}_room = {l} + {u}; {over}; {n}_high = {u} < {l}; {n}_nearest = {n}_high ? {u} : {l};
+{n}_inside, {n}_beyond, {n}_size = size of {n}_nearest; {n}_held = {n}_size under {n}_width; {n}_up = up({n}_held, {n}_n);
+{n}_quotient = upper({n}_up, {n}_over); {n}_part = down({n}_quotient, 14); {n}_most = {n}_part under 65535;
+{n}_minus = (-1) - {n}_most; {n} = {n}_inside ? {n}_most : {n}_minus"""
+# What integers are counted with: floor(a / 2^n); a 2^n for 0 <= a below 2^(31 - n); a b; floor(a b / 2^16) for 0 <= b < 2^16, of
+# which a = 2^16 h + l gives h b and l b / 2^16; by how many places a > 0 moves up until it begins with a 1; a mod (mask + 1).
+# The first half is for an AVR, where n of a constant is at most 31: (a >> 16) >> (n - 16), and for 12 < n < 16, of the same h
+# and l, h 2^(16 - n) + floor(l / 2^n); shifts by the bits of n else.
+COUNTED = """#if defined(__AVR__)
+#include <avr/pgmspace.h>
+#define M_FLASH PROGMEM
+#define M_READ_8(entry) ((int32_t)pgm_read_byte(&(entry)))
+#define M_READ_16(entry) ((int32_t)pgm_read_word(&(entry)))
+#define M_READ_32(entry) ((int32_t)pgm_read_dword(&(entry)))
+#else
+#define M_FLASH
+#define M_READ_8(entry) ((int32_t)(entry))
+#define M_READ_16(entry) ((int32_t)(entry))
+#define M_READ_32(entry) ((int32_t)(entry))
+#endif
+typedef char P_shifts_down[((-3) >> 1 == -2) ? 1 : -1];
+#if defined(__AVR__)
+static inline int32_t P_down(int32_t a, int32_t n) { int32_t rest = a;
+    if (__builtin_constant_p(n) && (n >= 16)) { return (int16_t)(a >> 16) >> (n - 16); }
+    if (__builtin_constant_p(n) && (n > 12)) { return ((a >> 16) * ((int32_t)1 << (16 - n))) + (int32_t)((uint16_t)a >> n); }
+    if (((uint8_t)n & 16U) != 0U) { rest >>= 16; } if (((uint8_t)n & 8U) != 0U) { rest >>= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest >>= 1; } return rest; }
+static inline int32_t P_up(int32_t a, int32_t n) { uint32_t rest = (uint32_t)a;
+    if (((uint8_t)n & 16U) != 0U) { rest <<= 16; } if (((uint8_t)n & 8U) != 0U) { rest <<= 8; }
+    for (uint8_t k = (uint8_t)n & 7U; k != 0U; --k) { rest <<= 1; } rest &= 0x7fffffffU; return (int32_t)rest; }
+static inline int32_t P_product(int32_t a, int32_t b) { int16_t own = (int16_t)a; uint16_t other = (uint16_t)b;
+    __asm__("" : "+r"(own), "+r"(other)); return (int32_t)own * (int32_t)other; }
+static inline int32_t P_upper(int32_t a, int32_t b) { uint16_t own = (uint16_t)a; uint16_t other = (uint16_t)b;
+    __asm__("" : "+r"(own), "+r"(other)); const uint32_t low = (uint32_t)own * other;
+    return P_product(a >> 16, b) + (int32_t)(low >> 16); }
+#else
+static inline int32_t P_down(int32_t a, int32_t n) { return a >> n; }
+static inline int32_t P_up(int32_t a, int32_t n) { const uint32_t moved = ((uint32_t)a << (uint32_t)n) & 0x7fffffffU;
+    return (int32_t)moved; }
+static inline int32_t P_product(int32_t a, int32_t b) { return a * b; }
+static inline int32_t P_upper(int32_t a, int32_t b) { const uint32_t low = ((uint32_t)a & 0xffffU) * (uint32_t)b;
+    return (P_down(a, 16) * b) + (int32_t)(low >> 16); }
+#endif
+static inline int32_t P_leading(int32_t a) { uint32_t rest = (uint32_t)a; int32_t places = 0;
+    if (rest < 0x8000U) { rest <<= 16; places = 16; } if (rest < 0x800000U) { rest <<= 8; places += 8; }
+    if (rest < 0x8000000U) { rest <<= 4; places += 4; } if (rest < 0x20000000U) { rest <<= 2; places += 2; }
+    if (rest < 0x40000000U) { places += 1; } return places; }
+static inline int32_t P_low(int32_t a, int32_t mask) { const uint32_t bits = (uint32_t)a & (uint32_t)mask; return (int32_t)bits; }
+"""
+HEAD = """#ifndef M_H
+#define M_H
+#include <stdint.h>
+#ifdef __cplusplus
+extern "C" {{
+#endif
+#define M_N {n}
+#define M_X_BITS {x}
+#define M_U_BITS {u}
+#define M_X(v) M_UNITS(v, {x_scale})
+#define M_U(v) M_UNITS(v, {u_scale})
+#define M_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
+#define M_TICKS {last}U
+#define M_TICKS_A_SECOND {second}
+{proved}#define M_DESIGN_HASH "{hash}"
+typedef enum {{ M_OK = 0, M_OUTSIDE_TUBE = 1 }} P_status;
+{heads}
+#ifdef __cplusplus
+}}
+#endif
+#endif"""
+Step = tuple[str, str, tuple[str, ...]]  # name, operation, operands
+STEPS = {
+    "size": r"size of (\w+)", "most": r"(\S+) over (\S+)", "least": r"(\S+) under (\S+)", "pick": r"(\w+) \? (\S+) : (\S+)",
+    "load": r"(\w+)\[(\w+)\]", "short": r"short (\w+)", "same": r"\(int32_t\)(\w+)", "neg": r"-(\w+)", "call": r"(\w+)\((.+)\)",
+    "two": r"(\S+) ([-+*<]|&&) (\S+)",
+}  # fmt: skip
+
+
+SIGNS = ("+", "-", "*", "<", "&&")
+
+
+def steps(text: str) -> list[Step]:
+    """The statements of a listing: results, operation, operands. Of what is C as it stands the name is empty."""
+    found: list[Step] = []
+    for line in (part.strip() for part in text.replace("\n", " ").split(";")):
+        name, _, right = line.rpartition(" = ")
+        if line[0] == "!" or not name:
+            found.append(("", line, ()))
+            continue
+        kind, match = next((k, m) for k, v in STEPS.items() if (m := re.fullmatch(v, right)))
+        parts = match.groups()
+        if kind == "call":
+            kind, parts = parts[0], tuple(parts[1].split(", "))
+        elif kind == "two":
+            kind, parts = parts[1], (parts[0], parts[2])
+        found.append((name, kind, parts))
+    return found
+
+
+def written(listing: list[Step], n: int, reads: dict[str, int]) -> Iterator[str]:
+    """The C of a listing; `reads`: the bits of a table's entries."""
+    for name, kind, parts in listing:
+        if not name and kind[0] == "!":
+            yield f"{kind[1:]};"
+        elif not name and kind in ("each i", "end"):
+            yield "}" if kind == "end" else f"for (int32_t i = 0; i < {n}; ++i) {{"
+        elif not name:
+            yield from (f"int32_t {v};" for v in re.findall(r"&(\w+)", kind))
+            yield f"P_{kind};"
+        elif kind in ("most", "least"):
+            test, (a, b) = f"{name}_{'over' if kind == 'most' else 'under'}", parts
+            yield f"const bool {test} = {f'{b} < {a}' if kind == 'most' else f'{a} < {b}'};"
+            yield f"const int32_t {name} = {test} ? {a} : {b};"
+        elif kind == "size":
+            test, minus, size = name.split(", ")
+            yield f"const bool {test} = 0 < {parts[0]}; const int32_t {minus} = -{parts[0]};"
+            yield f"const int32_t {size} = {test} ? {parts[0]} : {minus};"
+        else:
+            label = "uint32_t" if name == "held" else "bool" if kind in ("<", "&&") or parts[-1] == "true" else "int32_t"
+            a, b, c = (*parts, "", "", "")[:3]
+            own = {
+                "pick": f"{a} ? {b} : {c}", "short": f"(int32_t)(int16_t){a}", "same": f"(int32_t){a}", "neg": f"-{a}",
+                "load": f"M_READ_{reads[a]}(P_{a}[{b}])" if a in reads else f"{a}[{b}]",
+            }  # fmt: skip
+            called = f"{a} {kind} {b}" if kind in SIGNS else f"P_{kind}({', '.join(parts)})"
+            yield f"const {label} {name} = {own.get(kind, called)};"
+
+
+def listings(n: int, order: int, positive: bool, words: list[str]) -> list[tuple[str, str]]:
+    """Heads and listings of all functions, in their order; `words` of the C say which of a few statements there are."""
+    high, fine, more = ("passed_high" in words), ("fine" in words), ("lower_filtered_more" in words)
+    moves, last = order == 2, "passed_both" if "passed_high" in words else "passed"
+    w = "w0, w1, w2, r0, r1, r2" if moves else "w0, w1, w2"
+    values, made = (", ".join(f"int32_t {mark}{v}" for v in w.split(", ")) for mark in ("", "*"))
+    both = "; count_high = down(count, 16); passed_high = count_high * ?scale; passed_both = passed + passed_high"
+    found = [("static inline void P_segment(uint32_t tick, int32_t *row, int32_t *s)", (
+        "running = tick < ?lastU; held = running ? tick : ?lastU; count = (int32_t)held; count_low = low(count, 65535); "
+        f"passed = upper(?scale, count_low){both if high else ''}"
+        f"; place = {last} under ?end; segment = down(place, ?bits)" + ("; fine = down(place, ?fine)" if fine else "")
+        + f"; share = low({'fine' if fine else 'place'}, 65535); first = segment * {2 * n}; !*row = first; !*s = share"
+    ))]  # fmt: skip
+    found.append((f"static inline void P_weights(int32_t s, {made.split(', int32_t *r')[0]})", WEIGHTS))
+    if moves:
+        found.append((f"static inline void P_rates(int32_t s, {made[made.index('int32_t *r') :]})", RATES))
+    edge = EDGE.format(a=2 * n, b=4 * n, c=6 * n)
+    if moves:
+        found.append((f"static inline void P_edge(int32_t at, {values}, int32_t *edge, int32_t *rate)", edge + SLOPE))
+    else:
+        found.append((f"static inline int32_t P_edge(int32_t at, {values})", edge + "; !return value"))
+    found.append(("static inline int32_t P_curve(int32_t row, int32_t t)", CURVE))
+    names = ("e", "rise", "over", "gain", "places", "limit")
+    found.append((f"static inline int32_t P_push({', '.join(f'int32_t {v}' for v in names)})", PUSH))
+    begin = "segment(tick, &row, &s); weights(s, &w0, &w1, &w2)" + ("; rates(s, &r0, &r1, &r2)" if moves else "")
+    edges = f"pair = i * 2; at = row + pair; at_upper = at + 1; {FOUND[moves].format(w=w)}"
+
+    def times(a: str, b: str) -> str:
+        """lambda times two values; where it has less than 16 bits behind the point, of the values moved up by so many."""
+        up = [(f"{side}_filtered_more = {v} * ?more; " if more else "") for side, v in (("lower", a), ("upper", b))]
+        a, b = ("lower_filtered_more", "upper_filtered_more") if more else (a, b)
+        return FILTERED.format(more_l=up[0], more_u=up[1], l=a, u=b)
+
+    place = f"{edges}; {HELD.format(x='x', of='edge', far=67108864 if moves else 268435456)}"
+    if moves:
+        place += f"; {HELD.format(x='v', of='rate', far=268435456)}; {times('x_lower', 'x_upper')}"
+    low, high_ = ("to_lower", "to_upper") if moves else ("x_lower", "x_upper")
+    state = "const int32_t x[M_N], " + ("const int32_t v[M_N], " if moves else "")
+    sides = "uint32_t tick, int32_t lower[M_N], int32_t upper[M_N]"
+    found.append((f"void P_tube({sides})", f"{begin}; each i; {edges}; !lower[i] = lower_edge; !upper[i] = upper_edge; end"))
+    if moves:
+        lower, _, upper = times("lower_edge", "upper_edge").partition("; to_lower = v_lower + lower_filtered;")
+        upper = upper.removesuffix("; to_upper = v_upper + upper_filtered")
+        factor, lower = lower.split("; ", 1)
+        found.append((f"void P_filtered_tube({sides})", (
+            f"{begin}; each i; {factor}; {edges}; {lower}; lower_z = lower_rate + lower_filtered; !lower[i] = lower_z; "
+            f"{upper}; upper_z = upper_rate + upper_filtered; !upper[i] = upper_z; end"
+        )))  # fmt: skip
+    over = OVER.format(n="e", room="room", narrow="narrow")
+    law = f"room = {low} + {high_}; apart = {low} - {high_}; {over}; {PUSHED}"
+    law = law.format(turned="back : push" if positive else "push : back")
+    inside = "; over = 0 < x_lower; under = 0 < x_upper; between = over && under; inside = within && between" if moves else ""
+    found.append((f"P_status P_control(uint32_t tick, {state}int32_t u[M_N])", (
+        f"{begin}; !bool outside = false; each i; {place}; {law}{inside}; "
+        f"outside_any = {'inside' if moves else 'within'} ? outside : true; !outside = outside_any; end; "
+        "!return outside ? M_OUTSIDE_TUBE : M_OK"
+    )))  # fmt: skip
+    parts = [("share", low, high_, "narrow"), *([("place", "x_lower", "x_upper", "narrow_x")] if moves else [])]
+    shares = [SHARE.format(n=v, l=a, u=b, over=OVER.format(n=v, room=f"{v}_room", narrow=c)) for v, a, b, c in parts]
+    least = "; filtered_less = share < place; lesser = filtered_less ? share : place" if moves else ""
+    name = "lesser" if moves else "share"
+    found.append((f"int32_t P_margin(uint32_t tick, {state.removesuffix(', ')})", (
+        f"{begin}; !int32_t margin = 32768; each i; {place}; {'; '.join(shares)}{least}; less = {name} < margin; "
+        f"margin_next = less ? {name} : margin; !margin = margin_next; end; !return margin"
+    )))  # fmt: skip
+    return found
+
+
+Function1 = Callable[[Fraction], tuple[Fraction, Fraction]]  # from below and above
+Span = tuple[int, int]  # all whole numbers from one to the other
+INT32, INT16, HALF = (-(1 << 31), (1 << 31) - 1), (-(1 << 15), (1 << 15) - 1), (0, (1 << 16) - 1)
+EXACT: dict[str, Callable[..., int]] = {
+    "+": operator.add, "-": operator.sub, "*": operator.mul, "neg": operator.neg, "down": operator.rshift, "up": operator.lshift,
+    "upper": lambda a, b: a * b >> 16, "product": operator.mul, "low": operator.and_, "most": max, "least": min,
+    "same": int, "short": int,
+}  # fmt: skip
+
+
+ROOMS = {  # of what an operation is for, where that is not all 32 bits
+    "down": [INT32, (0, 31)], "up": [(0, INT32[1]), (0, 31)], "upper": [INT32, HALF], "product": [INT16, HALF],
+    "short": [INT16], "leading": [(1, INT32[1])],
+}  # fmt: skip
+
+
+def inside(span: Span, room: Span) -> bool:
+    return room[0] <= span[0] <= span[1] <= room[1]
+
+
+class Integers(Source):
+    """The C and the header of a controller in integers: tables, constants, and that all else is the listing's."""
+
+    def __init__(self, data: bytes, task: Task) -> None:
+        p = self.p = task.name
+        self.single, self.bits, self.scalar, self.functions = False, 20, "fixed", {}  # of u_max and of a state 20 bits are known
+        self.x_bits, self.late, self.reads = 0, Fraction(0), dict[str, int]()
+        foreign = task.inline or task.scales or task.outside != "return" or task.repeats or task.apart is not None
+        need(not foreign and len({*task.e_max}) == 1, "the task asks for what no controller in integers has")
+        need(task.tick is not None and task.u_max is not None, "the task has no tick_period or no u_max, which integers need")
+        self.names = ["coefficients", *(["filters"] if task.order == 2 else []), "levels", "slopes", "bends", "places"]
+        self.names += ["gains", "offsets", "limits"]
+        words = tokens(data)
+        own = tokens(self.named(f'#include "{p}.h"\n#include <stdbool.h>\n' + COUNTED))
+        different = next((f"{a} where {b} is expected" for a, b in zip([*words, "the end"], own) if a != b), "")
+        need(not different, f"the C has {different}")
+        self.tables, at = {}, len(own)
+        for name in self.names:
+            at = self.entries(name, words, at)
+        self.holes: dict[str, int] = {}
+        self.listings: dict[str, list[Step]] = {}
+        self.params: dict[str, list[str]] = {}
+        self.heads, wanted = list[str](), list[str]()
+        positive = task.gain is None or task.gain[0] > 0
+        for head, text in listings(task.n, task.order, positive, words):
+            name = re.findall(r"P_(\w+)\(", head)[0]
+            self.listings[name], self.params[name] = steps(text), re.findall(r"int32_t (\w+)[,)]", head)
+            spelled = " ".join(written(self.listings[name], task.n, self.reads))
+            wanted += tokens(self.named(re.sub(r"\?(?=\w)", "hole_", f"{head} {{ {spelled} }}")))
+            self.heads += [] if head.startswith("static") else [f"{head};"]
+        for a, b in zip([*words[at:], "the end"], [*wanted, "the end"]):
+            good = self.hole(b.removeprefix("hole_"), a) if b.startswith("hole_") else a == b
+            need(good, f"the C has {a[:60]} where {b.replace('hole_', 'the constant ')} is expected")
+        self.listings = {
+            name: [(v, kind, tuple(str(self.holes[a[1:]]) if a[0] == "?" else a for a in parts)) for v, kind, parts in body]
+            for name, body in self.listings.items()
+        }
+        self.seen: dict[Any, list[Span]] = {}
+
+    def named(self, text: str) -> bytes:
+        return re.sub(r"\bM_", f"{self.p.upper()}_", re.sub(r"\bP_", f"{self.p}_", text)).encode()
+
+    def hole(self, name: str, token: str) -> bool:
+        """A constant of the C: the same wherever it stands."""
+        found = re.fullmatch(r"(0|[1-9]\d{0,9})" + ("U" if name.endswith("U") else ""), token)
+        return found is not None and int(found[1]) < 1 << 31 and self.holes.setdefault(name, int(found[1])) == int(found[1])
+
+    def entries(self, name: str, words: list[str], at: int) -> int:
+        """A table, from a token on; the place behind it."""
+        end = next((k for k in range(at, len(words)) if words[k] == "}"), len(words))
+        head, text = " ".join(words[at : at + 10]), " ".join(words[at + 10 : end])
+        shape = rf"static const (uint8_t|uint16_t|int32_t) {self.p}_{name} \[ ([1-9]\d*) \] {self.p.upper()}_FLASH = {{"
+        match = re.fullmatch(shape, head)
+        whole = re.fullmatch(r"(- )?(0|[1-9]\d{0,9})( , (- )?(0|[1-9]\d{0,9}))*", text) is not None
+        need(match is not None and whole and words[end + 1 : end + 2] == [";"], f"the C has no table {name} where it should")
+        values = [int(v.replace(" ", "")) for v in text.split(" , ")]
+        self.reads[name] = {"uint8_t": 8, "uint16_t": 16, "int32_t": 32}[match[1]]  # type: ignore[index]
+        room = INT32 if self.reads[name] == 32 else (0, (1 << self.reads[name]) - 1)
+        need(len(values) == int(match[2]) and inside((min(values), max(values)), room), f"the table {name} is of another size")  # type: ignore[index]
+        self.tables[name] = [Fraction(v) for v in values]
+        return end + 2
+
+    def header(self, text: bytes, task: Task, tube: Tube, hash_: str, phased: bool) -> None:
+        """The header: nothing but its units, constants and prototypes."""
+        assert task.tick is not None
+        match = re.search(rf"^#define {self.p.upper()}_U_BITS (-?\d{{1,3}}) ", text.decode("ascii", "replace"), re.M)
+        need(match is not None and int(match[1]) == self.u_bits, f"U_BITS of the header is not {self.u_bits}")
+        bits = {"x_scale": self.x_bits, "u_scale": self.u_bits}
+        scales = {name: f"{2**v}.0" if v >= 0 else f"(1.0 / {2**-v}.0)" for name, v in bits.items()}
+        a, b = (1 / task.tick).as_integer_ratio()
+        proved = "" if task.period is None else f"#define M_TICKS_PROVED {math.floor(task.period / task.tick)}U\n"
+        heads = [*self.heads, *(["int P_phase(uint32_t tick);"] if phased else [])]
+        heads += [f"\n#define M_SELFTEST_{hash_}\nint P_selftest(void);"] if task.selftest else []
+        own = HEAD.format(
+            n=task.n, x=self.x_bits, u=self.u_bits, last=-(-task.t_c // task.tick), second=a if b == 1 else f"({a}.0 / {b}.0)",
+            proved=proved, hash=hash_, heads="\n".join(heads), **scales,
+        )  # fmt: skip
+        should = [*tokens(self.named(own)), "the end"]
+        different = next((f"{a} where {b} is expected" for a, b in zip([*tokens(text), "the end"], should) if a != b), "")
+        need(not different, f"the header has {different}")
+
+    # ---- nothing leaves 32 bits
+
+    def call(self, name: str, given: list[Span]) -> list[Span]:
+        """From spans of what a function is given to spans of its results. One that reads tables is read index by index; weights
+        are reckoned at every s."""
+        key = (name, *given)
+        if key not in self.seen and name in ("weights", "rates"):
+            need(given == [HALF], "s of the C is not within 16 bits")
+            self.seen[key] = [(min(v), max(v)) for v in every(name, tuple(self.listings[name]))]
+        elif key not in self.seen and name in ("edge", "curve") and given[0][0] < given[0][1]:
+            found = [self.call(name, [(k, k), *given[1:]]) for k in range(given[0][0], given[0][1] + 1)]
+            self.seen[key] = [(min(v[0] for v in each), max(v[1] for v in each)) for each in zip(*found)]
+        elif key not in self.seen:
+            self.seen[key] = self.body(name, dict(zip(self.params[name], given)))
+        return self.seen[key]
+
+    def body(self, name: str, known: dict[str, Span]) -> list[Span]:
+        """The spans of the results of a listing; `Failed` where a value may leave 32 bits, an index its table, or an operand what
+        its operation is for."""
+        made: dict[str, tuple[str, tuple[str, ...]]] = {}
+        results: list[Span] = []
+
+        def get(text: str) -> Span:
+            return known[text] if text in known else (int(text.strip("()")), int(text.strip("()")))
+
+        for label_, kind, parts in self.listings[name]:
+            label = label_
+            if not label:
+                given, of = re.fullmatch(r"(\w+)\((.+)\)", kind), re.fullmatch(r"!(?:\*\w+ =|return) (\w+)", kind)
+                if given:
+                    words = given[2].split(", ")
+                    found = self.call(given[1], [get(v) for v in words if v[0] != "&"])
+                    known |= dict(zip((v[1:] for v in words if v[0] == "&"), found))
+                elif of:
+                    results.append(get(of[1]))
+                elif kind == "each i":
+                    known["i"] = (0, len(self.tables["gains"]) - 1)
+                elif kind == "!int32_t margin = 32768":
+                    known["margin"] = INT32  # with which nothing is reckoned
+                continue
+            made[label] = (kind, parts)
+            if kind in ("<", "&&") or parts[-1] == "true":
+                continue
+            if kind == "size":
+                test, minus, label = label.split(", ")
+                low, high = get(parts[0])
+                made[test], known[minus] = ("<", ("0", parts[0])), (-high, -low)
+                span = (0 if low <= 0 <= high else min(abs(low), abs(high)), max(abs(low), abs(high)))
+                need(inside(known[minus], INT32), f"{minus} in {name} of the C may be beyond 32 bits")
+            elif kind == "pick":
+                span = picked(made[parts[0]], parts[1:], get)
+            elif kind == "load" and parts[0] not in self.tables:
+                span = INT32  # x or v, of which nothing is known
+            elif kind == "load":
+                at, table = get(parts[1]), self.tables[parts[0]]
+                need(inside(at, (0, len(table) - 1)), f"{name} of the C may read {parts[0]} where it has no entry")
+                part = table[at[0] : at[1] + 1]
+                span = (int(min(part)), int(max(part)))
+            elif kind in EXACT or kind == "leading":
+                span = reckoned(name, kind, parts, [get(v) for v in parts], made)
+            else:
+                span = self.call(kind, [get(v) for v in parts])[0]
+            need(inside(span, INT32), f"{label} in {name} of the C may be {span[0]} to {span[1]}, beyond 32 bits")
+            known[label] = span
+        return results
+
+    # ---- what it is wrong by
+
+    def clock(self, task: Task, tube: Tube) -> Fraction:
+        """`late`: how many segments the place of a tick is off at most. It is scale/2^16 for each tick, rounded down and held a
+        unit before the end, in units of 2^-bits; s has 16 bits of it; a tick's length is right within half a unit."""
+        assert task.tick is not None
+        holes, step = self.holes, task.tick * tube.segments / task.t_c
+        bits, last = holes["bits"], math.ceil(task.t_c / task.tick)
+        good = holes["lastU"] == last and bits < 31 and holes["end"] == (tube.segments << bits) - 1
+        good = good and holes.get("fine", 0) == bits - 16 and abs(holes["scale"] - step * 2 ** (bits + 16)) <= Fraction(1, 2)
+        all_of_it = last < 1 << 16 or any(label == "passed_both" for label, _, _ in self.listings["segment"])
+        need(good and all_of_it, "segment of the C counts other ticks than the task's")
+        self.late = Fraction(1, 1 << bits) * (Fraction(last, 1 << 17) + 2) + (Fraction(1, 1 << 16) if bits > 16 else 0)
+        return max(super().clock(task, tube), self.late / tube.segments)
+
+    def moved(self, tube: Tube, order: int) -> list[Fraction]:
+        """P7, by dimension. With d0, d1, d2 the steps between the four entries, an edge is 6 q1 + d1 + d1 (3 s + 3 s^2 - 2 s^3) +
+        d2 s^3 - d0 (1 - s)^3, and its rate d0 3 (1 - s)^2 + d1 (3 + 6 s (1 - s)) + d2 3 s^2, a segment. A step times a weight is
+        exact, and so are sums but for two, which are rounded down by less than a unit each. The weights are tried at every s, and
+        s is late. A rate has two units more, for v, rounded to a unit, and a distance times lambda, rounded down."""
+        found, per = [], Fraction(tube.segments) / tube.t_c if order else Fraction(1)
+        name = ("weights", "rates")[order]
+        wrong = weighed(name, tuple(self.listings[name]), per, self.holes.get("places", 0))
+        for i in range(tube.n):
+            edges = [[row[i][side] for row in tube.table] for side in (0, 1)]
+            step = max(abs(v - w) for edge in edges for v, w in zip(edge, edge[1:]))
+            found.append((step * wrong + tube.fastest(i, order + 1) * self.late * per + (2, 4)[order]) * tube.unit)
+        return found
+
+    # ---- the law
+
+    def fitted(self, row: int, f: Function1, begin: Fraction, length: Fraction, scale: Fraction) -> tuple[Fraction, Fraction]:
+        """What a row of the curves is wrong by, relative, at most against f/scale on its piece; and the least of f/scale there.
+
+        Let P = level - (slope - bend z) z/2 be the row, z from 0 to 1, and F = f/scale - P. On a quarter of the piece F is the
+        quadratic through its values at both ends and in the middle, within its three Bezier coefficients, and its third
+        derivative/6 times z (z - 1/2) (z - 1), which is at most 1/20. f is 2^46/m or H. Its third derivative falls in size: of
+        1/m plainly; H is 8 atanh(e)/e/(1 - e^2) with e = 1 - y, a power series in e with no negative coefficient. So a third
+        difference of values up to the quarter shows no less. What is emitted is P, more than 1/2 less and less than 1 more, for
+        `bent` and `fall` are rounded down; and z is, by less than 2^-16, in which P falls by slope/2^17 or rises by (2 bend -
+        slope)/2^17 at most."""
+        level, slope, bend = (int(self.tables[name][row]) for name in ("levels", "slopes", "bends"))
+        need(min(slope, bend) >= 0, f"row {row} of the curves of the C has a slope or bend below 0")
+        known = {k: f(begin + length * k / 8) for k in (-6, -4, -2, *range(9))}
+        doubt = 16 * max(high - low for low, high in known.values()) / scale
+        value = {k: low / scale for k, (low, _) in known.items()}
+        off = [value[k] - level + (slope - Fraction(bend * k, 8)) * Fraction(k, 16) for k in range(9)]
+        least, most = Fraction(0), Fraction(0)
+        for k in range(0, 8, 2):
+            third = abs(value[k] - 3 * value[k - 2] + 3 * value[k - 4] - value[k - 6]) / 120 + doubt
+            ends = off[k], 2 * off[k + 1] - (off[k] + off[k + 2]) / 2, off[k + 2]
+            least, most = min(least, min(ends) - third), max(most, max(ends) + third)
+        less = most + Fraction(1, 2) + Fraction(max(0, 2 * bend - slope), 1 << 17)
+        return max(less, 1 + Fraction(slope, 1 << 17) - least) / (value[8] - doubt), value[8] - doubt
+
+    def curves(self) -> tuple[Fraction, list[tuple[Fraction, Fraction]], int]:
+        """What 1/d is wrong by at most; of every row of H what that is, and the least of it; and how 2^places stands for
+        2^(places - base)."""
+        one, places = 1 << 30, [int(v) for v in self.tables["places"]]
+        size = {len(self.tables[name]) for name in ("levels", "slopes", "bends", "places")}
+        whole = size == {len(places)} and len(places) % 8 == 0 and len(places) > 16
+        need(whole, "the curves of the C have tables of another length")
+        over = [self.fitted(k, inverse, Fraction(one + (k << 26)), Fraction(1 << 26), Fraction(1))[0] for k in range(16)]
+        first = steep(Fraction(1, 2))[0] / max(self.tables["levels"][16], Fraction(1))
+        base, rise = places[16] - min(range(-64, 64), key=lambda k: abs(1 - first / Fraction(2) ** k)), []
+        for row in range(16, len(places)):
+            octave, head = divmod(row - 16, 8)
+            length = Fraction(1, 16 << octave)
+            rise.append(self.fitted(row, steep, (8 + head) * length, length, Fraction(2) ** (places[row] - base)))
+        return max(over), rise, base
+
+    def law(self, task: Task, tube: Tube, gain: list[Fraction], held: list[tuple[Fraction, Fraction]]) -> None:
+        """(13) within r = 2^-10, relative and in epsilon, as P9 takes it. held: by component the least and the largest width of
+        what is held, in units, less and more by what the arithmetic moves it.
+
+        With e the normalized error and d the width (13) is k/d |e| H(1 - |e|). Let a and b be what 1/d and H are wrong by, c what
+        the gain is. |e| and y = 1 - |e| are wrong by a too, and rounded down to 2^-30. -y H'/H is between 0 and 3/2: 1 - e times
+        the slope of -ln(1 - e^2) is 2 e/(1 + e) <= 1, and times that of ln(atanh(e)/e) at most e/(1 + e) <= 1/2. So H is wrong by
+        a power of 3/2 at most; 2 is taken. Beyond e_max |e| is at most `top`, y at least `lowest`. `push` rounds three products
+        down, by less than 3 of its units, and e is rounded down by one: |e| counts as so much less. At last u is rounded down by
+        less than a unit, and xi is at least 4/d."""
+        one, r, e_max, rest = 1 << 30, Fraction(1, 1 << 10), task.e_max[0], 1 - task.e_max[0]
+        a, rises, base = self.curves()
+        b = max(v for v, _ in rises)
+        top, lowest, narrow = Fraction(self.holes["top"], one), Fraction(self.holes["lowest"], one), self.holes["narrow"]
+        need(max(a, b) <= r, f"the curves of the C are wrong by {float(max(a, b)):.3g}: they are not 1/d and H")
+        need(0 < lowest < 1, "the least y of the C is not within 0 and 1")
+        over, rise = (1 - a) / 2, min(v for _, v in rises) * (1 - b) / (1 << 16)  # the least of both, over 2^16
+        places, most = [int(v) for v in self.tables["places"]], 31 - narrow.bit_length()  # by which a width moves up
+        for i, k in enumerate(gain):
+            mantissa, offset, limit = (int(self.tables[name][i]) for name in ("gains", "offsets", "limits"))
+            exact = abs(k) * Fraction(2) ** (self.x_bits + self.u_bits + offset - 28 - base)
+            need(abs(mantissa - exact) <= Fraction(1, 2), f"the gain of component {i + 1} of the C is not the certificate's")
+            c = Fraction(1, 2) / exact
+            thin = f"the law of the C takes the tube to be {narrow} units wide or more, in component {i + 1}"
+            need(0 < narrow <= held[i][0], f"{thin} it may be {float(held[i][0]):.0f}")
+            inside_ = (1 + a) ** 2 * (1 + b) * (1 + c) / (1 - a - 1 / (rest * one)) ** 2
+            beyond = top / e_max * steep(lowest)[1] / steep(rest)[0] * (1 + a) * (1 + b) * (1 + c)
+            less = min(1 - a, top / e_max) * (1 - a) * (1 - b) * (1 - c) / max(1 + a, lowest / rest) ** 2
+            relative = max(inside_ - 1, beyond - 1, 1 - less)
+            lost = (1 + 3 / (over * rise * Fraction(mantissa, 1 << 16))) * (1 + relative) / one
+            lost *= logarithm((1 + e_max) / (1 - e_max))[1] / e_max  # the largest 2 atanh(e)/e
+            lost += Fraction(2) ** -self.u_bits * held[i][1] * tube.unit / (4 * abs(k))
+            told = f"u of component {i + 1} of the C is wrong by {float(relative):.3g} of it and {float(lost):.3g} of epsilon"
+            need(relative <= r and lost <= r * (1 - relative), f"{told}, which is more than 2^-10")
+            for row, (_, least) in enumerate(rises, 16):
+                octave, head = divmod(row - 16, 8)
+                if places[row] > offset - most:  # u would have to move up: it must be at its limit already
+                    e = min(1 - a - Fraction(9 + head, 16 << octave) - Fraction(2, one), top)
+                    size = e * one * least * (1 - b) * over * mantissa / (1 << 32) - 3
+                    need(limit <= size, f"u of component {i + 1} of the C may be lost before it is at its limit")
+
+    def proves(
+        self, task: Task, tube: Tube, gain: list[Fraction], limits: list[Fraction], filtered: list[Fraction], x_bits: int
+    ) -> None:
+        """The law; that nothing leaves 32 bits; and that no state within the tube is beyond where the C holds x and v."""
+        self.x_bits = x_bits
+        wrong, whole, unit = self.moved(tube, 0), self.tables["limits"], tube.unit
+        sizes = {len(self.tables[name]) for name in ("gains", "offsets", "limits")}
+        need(sizes == {task.n}, "a table of the C has other components than the task")
+        ratio = whole[0] / limits[0]
+        self.u_bits = ratio.numerator.bit_length() - ratio.denominator.bit_length()
+        need(whole == [v * Fraction(2) ** self.u_bits for v in limits], "the limits of the C are not u_max")
+        own = [[h - v for piece in tube.pieces for v, h in zip(*piece[i])] for i in range(task.n)]
+        held = [(min(v) - 2 * e / unit, max(v) + 2 * e / unit) for v, e in zip(own, wrong)]
+        reach = 6 * max(abs(v) for row in tube.table for pair in row for v in pair)
+        need(reach < 1 << (28 if task.order == 1 else 26), "the tube is beyond where the C holds x")
+        if task.order == 2:
+            more, narrow, rates = self.holes.get("more", 1), self.holes["narrow_x"], self.moved(tube, 1)
+            same = self.tables["filters"] == [s * (1 << 16) / more for s in filtered]
+            need(more in (1, 2, 4) and same, "the filters of the C are not lambda")
+            thin = f"margin of the C takes the tube to be {narrow} units wide or more"
+            need(0 < narrow <= min(v for v, _ in held), f"{thin}, which it is not")
+            pieces, per = derived(tube, task, filtered)[0], tube.segments / task.t_c
+            for i, s in enumerate(filtered):
+                need(tube.fastest(i) * per + s * held[i][1] < 1 << 28, "the tube's rates are beyond where the C holds v")
+                z, room = [(h - v) / unit for piece in pieces for v, h in zip(*piece[i])], 2 * (rates[i] + s * wrong[i]) / unit
+                held[i] = (min(z) - room, max(z) + room)
+        for name in self.listings.keys() & {"tube", "filtered_tube", "control", "margin"}:
+            self.body(name, {"tick": (0, (1 << 32) - 1)})
+        self.law(task, tube, gain, held)
+
+
+@lru_cache(maxsize=8)
+def every(name: str, listing: tuple[Step, ...]) -> list[list[int]]:
+    """The results of `weights` or `rates` at every s, exactly."""
+    known: dict[str, list[int]] = {"s": list(range(1 << 16))}
+    results = []
+    for label, kind, parts in listing:
+        if not label:
+            results.append(known[kind.rpartition(" ")[2]])
+            continue
+        given = [known[v] if v in known else [int(v)] * (1 << 16) for v in parts]
+        for values, room in zip(given, ROOMS.get(kind, [])):
+            need(inside((min(values), max(values)), room), f"{kind} in {name} of the C may be of what it is not for")
+        known[label] = list(map(EXACT[kind], *given))
+        need(inside((min(known[label]), max(known[label])), INT32), f"{label} in {name} of the C may be beyond 32 bits")
+    return results
+
+
+@lru_cache(maxsize=8)
+def weighed(name: str, listing: tuple[Step, ...], per: Fraction, places: int) -> Fraction:
+    """What a step is wrong by through its weights at most: of an edge, or of its rate, with `per` segments a second and weights
+    in 2^-places. Of an edge the worst of the outer two together and the worst of the middle one, which are of other s."""
+    one, all_s = 1 << 16, range(1 << 16)
+    if name == "weights":
+        before, middle, after = every(name, listing)
+        outer = max(abs((a << 33) - (one - s) ** 3) + abs((c << 33) - s**3) for s, a, c in zip(all_s, before, after))
+        inner = max(abs((b << 34) - s * (3 * one * one + s * (3 * one - 2 * s))) for s, b in zip(all_s, middle))
+        return Fraction(outer + inner, 1 << 48)
+    a, b = per.numerator << places, per.denominator << 32
+    true = ((3 * (one - s) ** 2, 3 * one * one + 6 * s * (one - s), 3 * s * s) for s in all_s)
+    return Fraction(
+        max(sum(abs(v * b - w * a) for v, w in zip(own, of)) for *own, of in zip(*every(name, listing), true)), b << places
+    )
+
+
+def picked(test: tuple[str, tuple[str, ...]], chosen: tuple[str, ...], get: Callable[[str], Span]) -> Span:
+    """c ? p : q; where c is a < b, and p or q is a or b itself, what is chosen is known to be on its side."""
+    found = []
+    for which, holds in zip(chosen, (True, False)):
+        low, high = get(which)
+        if test[0] == "<":
+            a, b = (get(v) for v in test[1])
+            if which == test[1][0]:
+                low, high = (low, min(high, b[1] - 1)) if holds else (max(low, b[0]), high)
+            elif which == test[1][1]:
+                low, high = (max(low, a[0] + 1), high) if holds else (low, min(high, a[1]))
+        if low <= high:
+            found.append((low, high))
+    return min(low for low, _ in found), max(high for _, high in found)
+
+
+def reckoned(
+    name: str, kind: str, parts: tuple[str, ...], given: list[Span], made: dict[str, tuple[str, tuple[str, ...]]]
+) -> Span:
+    """One operation. Each is monotone in either operand, or linear: its ends are at corners."""
+    for span, room in zip(given, ROOMS.get(kind, [])):
+        need(inside(span, room), f"{kind} in {name} of the C may be of {span[0]} to {span[1]}, which it is not for")
+    if kind == "leading":
+        return 31 - given[0][1].bit_length(), 31 - given[0][0].bit_length()
+    if kind == "low":
+        mask = given[1][1]
+        need(given[1] == (mask, mask) and mask & (mask + 1) == 0, f"low in {name} of the C has no mask")
+        need(name != "curve" or inside(given[0], (0, mask)), f"a row of the curves of the C has values beyond {mask}")
+        return given[0] if inside(given[0], (0, mask)) else (0, mask)
+    if kind == "up":
+        of, by = (made.get(v, ("", ())) for v in parts)
+        if by == ("leading", (parts[0],)):  # moved up until it begins with a 1
+            return 1 << 30, INT32[1]
+        if by[0] == "leading" and of[0] == "least" and of[1][1] == by[1][0]:  # and what is at most that
+            return 0, INT32[1]
+    ends = [EXACT[kind](*corner) for corner in itertools.product(*given)]
+    return min(ends), max(ends)
+
+
+def inverse(m: Fraction) -> tuple[Fraction, Fraction]:
+    """2^46/m, from below and above."""
+    return (1 << 46) / m, (1 << 46) / m
+
+
+@cache
+def steep(y: Fraction) -> tuple[Fraction, Fraction]:
+    """H = 4 ln((2 - y)/y)/((1 - y) y (2 - y)) for 0 < y <= 1, from below and above."""
+    if y == 1:
+        return Fraction(8), Fraction(8)
+    low, high = logarithm((2 - y) / y)
+    return 4 * low / ((1 - y) * y * (2 - y)), 4 * high / ((1 - y) * y * (2 - y))
 
 
 # ------------------------------------------------------------------------------------------------ P1 to P6
@@ -1735,12 +2387,12 @@ class Mission:
 
         return within_boxes
 
-    def prove(self, task: Task, tube: Tube, error: int, claims: list[Any], cuts: int, told: Any, bits: int) -> None:
+    def prove(self, task: Task, tube: Tube, error: int, claims: list[Any], cuts: int, told: Any, late: Fraction) -> None:
         """P10: every claim about a state, and that the mission follows from them."""
         need(isinstance(told, dict) and set(told) == {"formula", "time_margin"}, "the certificate's mission is not known")
         need(self.told(formula(told["formula"])) == self.formula, "the certificate's formula is not the task's mission")
         margin, part, end = told["time_margin"], task.t_c / (tube.segments * cuts), tube.segments * cuts
-        clock = task.t_c * Fraction(4, 1 << bits) + self.delay
+        clock = task.t_c * late + self.delay
         need(type(margin) is int and margin * part >= clock, "P10: the time margin is less than the clock's error")
         known: dict[Formula, list[tuple[Any, Any]]] = {}
         for claim in claims:
@@ -1884,8 +2536,10 @@ def prove(
     bits: int,
     more: list[tuple[str, list[int], int, Fraction, dict[str, Any]]],
     mission: Any,
+    late: Fraction,
 ) -> None:
-    """Every property's slack in whole units, as its claim says it, and what rounding may take. Raises `Failed`."""
+    """Every property's slack in whole units, as its claim says it, and what rounding may take. late: of t_c, what the clock
+    is wrong by. Raises `Failed`."""
     unit, dims, end = tube.unit, range(task.n), tube.segments * cuts
     need(all(task.start[0][i] < task.start[1][i] for i in dims), "the initial set is empty")
 
@@ -1952,7 +2606,7 @@ def prove(
     if task.limited and task.order == 1:
         claim("P8", [0, end], spare(task, tube, bits), 1)
     if task.mission is not None:
-        task.mission.prove(task, tube, error, claims, cuts, mission, bits)
+        task.mission.prove(task, tube, error, claims, cuts, mission, late)
     need(not claims or task.mission is not None, "the certificate claims more than is known")
 
 
@@ -2085,7 +2739,7 @@ def sampled(
     n, plant = range(task.n), [bounds(task, i) for i in range(task.n)]
     need(all(g_min <= g_max for _, g_min, g_max, _ in plant), "P9 does not hold: g_min is above g_max")
     r, tau, segment = (
-        Fraction(LAW["inline" if task.inline else "libm"][bits]),
+        Fraction(LAW["integers" if bits == 20 else "inline" if task.inline else "libm"][bits]),
         task.period + task.latency,
         task.t_c / tube.segments,
     )
@@ -2158,8 +2812,8 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
     scalar, p = certificate["scalar"], task.name
-    need(scalar in ("float", "double"), "the scalar is not known")
-    source = Source(text, task, scalar == "float")
+    need(scalar in ("float", "double", "fixed"), "the scalar is not known")
+    source = Integers(text, task) if scalar == "fixed" else Source(text, task, scalar == "float")
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
     there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased, "wrap": task.repeats}
     names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name, wanted in there.items() if wanted)]
@@ -2177,16 +2831,12 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
         "the certificate's grid is not of whole numbers",
     )
     tube, cuts = Tube(source, task, grid["unit_bits"], grid.get("seam")), grid["cuts"]
+    late = source.clock(task, tube)
     need(grid["segments"] == tube.segments, "the certificate has another number of segments than the C")
     need(task.segments in (None, tube.segments), "the task asks for another number of segments than the C has")
     need(cuts > 0 and cuts & (cuts - 1) == 0, "cuts is no power of two")
     error = arithmetic(source, tube)
-    need(
-        len(certificate["edge_error"]) == task.n, f"edge_error has {len(certificate['edge_error'])} numbers, {task.n} are needed"
-    )
-    for own, claimed in zip(error, certificate["edge_error"]):
-        fits = type(claimed) is int and above(own, tube.unit) <= claimed <= above(own * Fraction(32769, 32768), tube.unit)
-        need(fits, f"P7: the arithmetic moves an edge by {float(own / tube.unit):.4g} units, not {claimed}")
+    _rounds("edge", error, certificate["edge_error"], tube.unit)
     need(certificate["speed"] == [tube.fastest(i) for i in range(task.n)], "the certificate's speed is not the tube's")
     start = [[low[0], high[0]] for low, high in tube.pieces[0]]
     need(certificate["start"] == start, "the certificate's start is not the tube's")
@@ -2197,13 +2847,26 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     need(isinstance(certificate["claims"], list), "the certificate's claims are no list")
     filtered, more, wide = _filter(task, tube, source, certificate, error) if task.order == 2 else ([], [], True)
     claims = [dict(claim) for claim in certificate["claims"]]
-    prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"))
-    narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
-    computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
-    _header(head, source, task, tube, design_hash(task, tube, scalar, grid["unit_bits"], filtered), phased)
+    prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"), late)
+    hash_ = design_hash(task, tube, scalar, grid["unit_bits"], filtered)
+    if isinstance(source, Integers):
+        source.proves(task, tube, gain, fractions(certificate["control"]["u_max"], task.n), filtered, grid["unit_bits"])
+    else:
+        narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
+        computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
+    _header(head, source, task, tube, hash_, phased)
     if task.period is not None:
         _sampled(task, tube, certificate["sampled"], gain, source, error, filtered)
     return tube
+
+
+def _rounds(what: str, error: list[Fraction], told: Any, unit: Fraction) -> None:
+    """P7: the claim about edges, or their rates, is what the arithmetic moves them by."""
+    known = isinstance(told, list) and len(told) == len(error)
+    need(known, f"the certificate's {what}_error is not known: {len(error)} whole numbers are needed")
+    for own, claimed in zip(error, told):
+        fits = type(claimed) is int and above(own, unit) <= claimed <= above(own * Fraction(32769, 32768), unit)
+        need(fits, f"P7: the arithmetic moves an edge or a rate by {float(own / unit):.4g} units, not {claimed} ({what}_error)")
 
 
 def _beside(task: Task, hashes: dict[str, str], text: bytes, folder: Path) -> None:
@@ -2236,14 +2899,16 @@ def _law(task: Task, source: Source, control: Any) -> list[Fraction]:
 def _filter(task: Task, tube: Tube, source: Source, certificate: dict[str, Any], error: list[Fraction]) -> tuple[Any, Any, bool]:
     """For order 2: lambda, its properties, and whether the filtered tube is always wider than LEAST_WIDTH."""
     filtered, claimed = fractions(certificate["filter"], task.n), certificate["rate_error"]
-    good = min(filtered) > 0 and all(rounded(s, source.bits) == s for s in filtered)
-    given = task.filter is None or [rounded(s, source.bits) for s in task.filter] == filtered
+
+    def held(s: Fraction) -> Fraction:
+        """lambda as the C has it."""
+        return Fraction(round(s * (1 << 14)), 1 << 14) if isinstance(source, Integers) else rounded(s, source.bits)
+
+    good = min(filtered) > 0 and (isinstance(source, Integers) or all(held(s) == s for s in filtered))
+    given = task.filter is None or [held(s) for s in task.filter] == filtered
     need(good and given, "the certificate's filter is not the task's, or no number of the C")
-    need(isinstance(claimed, list) and len(claimed) == task.n, "the certificate's rate_error is not known")
     speed, own = tube.unit * tube.segments / task.t_c, arithmetic(source, tube, 1)
-    for found, told in zip(own, claimed):
-        fits = type(told) is int and above(found, speed) <= told <= above(found * Fraction(32769, 32768), speed)
-        need(fits, f"P7: the arithmetic moves a rate by {float(found / speed):.4g} units, not {told}")
+    _rounds("rate", own, claimed, speed)
     more = inertial(task, tube, claimed, certificate["edge_error"], filtered, source.bits)
     room = min(h - v for piece in derived(tube, task, filtered)[0] for low, high in piece for v, h in zip(low, high))
     wrong = max(2 * (r + s * e) for r, s, e in zip(own, filtered, error))
@@ -2311,6 +2976,8 @@ def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequen
 
 def _header(text: bytes, source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> None:
     """The header: nothing but its types, constants and prototypes."""
+    if isinstance(source, Integers):
+        return source.header(text, task, tube, hash_, phased)
     numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period, "PERIOD_SHORTEST": task.apart}
     numbers["CYCLE"] = tube.cycle or None
     found = tokens(text)
@@ -2346,8 +3013,6 @@ def main(arguments: list[str]) -> int:
         certificate = json.loads(proof)
         if not isinstance(certificate, dict) or certificate.get("design") != "refined":
             raise Unusable("the certificate is not of a refined tube; only those can be checked here")
-        if certificate.get("scalar") == "fixed":
-            raise Unusable("the certificate is of a controller in integers, whose C is not read here; `compare` reads it")
         certificate = json.loads(proof, parse_float=_no_decimals, object_pairs_hook=_no_doubles)
         tube = compare(task, certificate, text, Path(arguments[1]).parent)
     except Failed as error:
