@@ -358,6 +358,30 @@ def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
         clock_of(design, Fraction(1, 10**9))
 
 
+THIN = """
+name = "thin"
+prescribed_time = 100
+initial_state = [10.05]
+state_space = {lower = [0], upper = [1000]}
+initial_set = {lower = [10], upper = [10.11]}
+target_set = {lower = [15], upper = [15.11]}
+tube = {clearance = 0.01, min_width = 0.005}
+control = {gain = 0.01, u_max = [0.6]}
+emit = {scalar = "fixed", tick_period = 0.001}
+"""
+
+
+def test_a_tube_that_is_narrower_than_its_law_takes_it_to_be_is_refused() -> None:
+    """Far from the origin units are coarse: this tube has 98, and the law would count it as 256 wide. Near an edge it would push
+    back with a fiftieth of what is proved."""
+    with pytest.raises(BadInput, match=r"tube\.min_width: the tube is 0\.0\d+ wide as it is emitted, .* needs 0\.125 here"):
+        build_task(stt.parse(THIN))
+    wider = THIN.replace("10.11", "10.4").replace("15.11", "15.4")
+    made = build_task(stt.parse(wider))
+    assert isinstance(made.design, RefinedDesign)
+    assert all(narrow <= least for narrow, least in errors.widths_held(made.task, made.design, law_of(made.task, made.design)))
+
+
 def test_a_program_that_could_overflow_is_not_made(monkeypatch) -> None:
     monkeypatch.setattr("stt_codegen.controller.integers.frame.FARTHEST", 1 << 31)
     with pytest.raises(BadInput, match=r'emit\.scalar: "fixed" has too few bits'):

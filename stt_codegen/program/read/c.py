@@ -158,9 +158,7 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     kind = real.group(1) if real else "fixed"
     reader = _Reader(prefix, kind, int(dimension.group(1)))
     known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool; typedef char uint8_t; typedef short uint16_t;"
-    known += (
-        f"typedef short int16_t; typedef {'int' if kind == 'fixed' else kind} {prefix}_real; typedef int {prefix}_status;\n"
-    )
+    known += f"typedef short int16_t; typedef {'int' if kind == 'fixed' else kind} {prefix}_real; typedef int {prefix}_status;\n"
     code = re.sub(r"/\*.*?\*/", "", source, flags=re.S)
     # the one text that is no Program, there as printed
     own = fixed_lines(prefix) if kind == "fixed" else split_lines(prefix, scalar)
