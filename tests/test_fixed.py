@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import subprocess
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -17,6 +18,7 @@ from fixed import limited
 
 import stt_codegen as stt
 from stt_codegen import reference
+from stt_codegen.certify.mission import CLOCK
 from stt_codegen.compare.backends import CompiledC, GeneratedPython
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.compare.integers import ticks_and_states
@@ -356,6 +358,18 @@ def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
         fixed_program(with_control(gain=Fraction(10**5), u_max=(Fraction(10**4), Fraction(1, 10))), design)
     with pytest.raises(BadInput, match="beyond 31 bits"):
         clock_of(design, Fraction(1, 10**9))
+
+
+@pytest.mark.parametrize("segments", [4, 5, 8, 32, 1024])
+def test_the_clock_of_a_mission_is_as_wrong_as_ticks_are(segments: int) -> None:
+    """Whatever a tick and the number of segments; a mission's times may be wrong by so much."""
+    design = replace(design_of("gantry"), segments=segments)
+    worst = Fraction(0)
+    for count in (2, 1000, 2**14 - 1, 2**14, 2**20, 10**7):
+        with suppress(BadInput):  # 31 bits do not hold it
+            worst = max(worst, errors.late(clock_of(design, design.prescribed_time / count)) / segments)
+    assert 0 < worst <= CLOCK["fixed"]
+    assert worst > CLOCK["fixed"] / 5 * 4 or segments > 4
 
 
 THIN = """

@@ -1810,7 +1810,7 @@ class Integers(Source):
         all_of_it = last < 1 << 16 or any(label == "passed_both" for label, _, _ in self.listings["segment"])
         need(good and all_of_it, "segment of the C counts other ticks than the task's")
         self.late = Fraction(1, 1 << bits) * (Fraction(last, 1 << 17) + 2) + (Fraction(1, 1 << 16) if bits > 16 else 0)
-        return max(super().clock(task, tube), self.late / tube.segments)
+        return self.late / tube.segments
 
     def moved(self, tube: Tube, order: int) -> list[Fraction]:
         """P7, by dimension. With d0, d1, d2 the steps between the four entries, an edge is 6 q1 + d1 + d1 (3 s + 3 s^2 - 2 s^3) +
