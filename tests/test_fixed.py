@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 import subprocess
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -17,6 +18,7 @@ from fixed import limited
 
 import stt_codegen as stt
 from stt_codegen import reference
+from stt_codegen.certify.mission import CLOCK
 from stt_codegen.compare.backends import CompiledC, GeneratedPython
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.compare.integers import ticks_and_states
@@ -356,6 +358,42 @@ def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
         fixed_program(with_control(gain=Fraction(10**5), u_max=(Fraction(10**4), Fraction(1, 10))), design)
     with pytest.raises(BadInput, match="beyond 31 bits"):
         clock_of(design, Fraction(1, 10**9))
+
+
+@pytest.mark.parametrize("segments", [4, 5, 8, 32, 1024])
+def test_the_clock_of_a_mission_is_as_wrong_as_ticks_are(segments: int) -> None:
+    """Whatever a tick and the number of segments; a mission's times may be wrong by so much."""
+    design = replace(design_of("gantry"), segments=segments)
+    worst = Fraction(0)
+    for count in (2, 1000, 2**14 - 1, 2**14, 2**20, 10**7):
+        with suppress(BadInput):  # 31 bits do not hold it
+            worst = max(worst, errors.late(clock_of(design, design.prescribed_time / count)) / segments)
+    assert 0 < worst <= CLOCK["fixed"]
+    assert worst > CLOCK["fixed"] / 5 * 4 or segments > 4
+
+
+THIN = """
+name = "thin"
+prescribed_time = 100
+initial_state = [10.05]
+state_space = {lower = [0], upper = [1000]}
+initial_set = {lower = [10], upper = [10.11]}
+target_set = {lower = [15], upper = [15.11]}
+tube = {clearance = 0.01, min_width = 0.005}
+control = {gain = 0.01, u_max = [0.6]}
+emit = {scalar = "fixed", tick_period = 0.001}
+"""
+
+
+def test_a_tube_that_is_narrower_than_its_law_takes_it_to_be_is_refused() -> None:
+    """Far from the origin units are coarse: this tube has 98, and the law would count it as 256 wide. Near an edge it would push
+    back with a fiftieth of what is proved."""
+    with pytest.raises(BadInput, match=r"tube\.min_width: the tube is 0\.0\d+ wide as it is emitted, .* needs 0\.125 here"):
+        build_task(stt.parse(THIN))
+    wider = THIN.replace("10.11", "10.4").replace("15.11", "15.4")
+    made = build_task(stt.parse(wider))
+    assert isinstance(made.design, RefinedDesign)
+    assert all(narrow <= least for narrow, least in errors.widths_held(made.task, made.design, law_of(made.task, made.design)))
 
 
 def test_a_program_that_could_overflow_is_not_made(monkeypatch) -> None:

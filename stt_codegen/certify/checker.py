@@ -1715,8 +1715,6 @@ class Integers(Source):
     def header(self, text: bytes, task: Task, tube: Tube, hash_: str, phased: bool) -> None:
         """The header: nothing but its units, constants and prototypes."""
         assert task.tick is not None
-        match = re.search(rf"^#define {self.p.upper()}_U_BITS (-?\d{{1,3}}) ", text.decode("ascii", "replace"), re.M)
-        need(match is not None and int(match[1]) == self.u_bits, f"U_BITS of the header is not {self.u_bits}")
         bits = {"x_scale": self.x_bits, "u_scale": self.u_bits}
         scales = {name: f"{2**v}.0" if v >= 0 else f"(1.0 / {2**-v}.0)" for name, v in bits.items()}
         a, b = (1 / task.tick).as_integer_ratio()
@@ -1810,7 +1808,7 @@ class Integers(Source):
         all_of_it = last < 1 << 16 or any(label == "passed_both" for label, _, _ in self.listings["segment"])
         need(good and all_of_it, "segment of the C counts other ticks than the task's")
         self.late = Fraction(1, 1 << bits) * (Fraction(last, 1 << 17) + 2) + (Fraction(1, 1 << 16) if bits > 16 else 0)
-        return max(super().clock(task, tube), self.late / tube.segments)
+        return self.late / tube.segments
 
     def moved(self, tube: Tube, order: int) -> list[Fraction]:
         """P7, by dimension. With d0, d1, d2 the steps between the four entries, an edge is 6 q1 + d1 + d1 (3 s + 3 s^2 - 2 s^3) +
@@ -1893,7 +1891,9 @@ class Integers(Source):
             c = Fraction(1, 2) / exact
             thin = f"the law of the C takes the tube to be {narrow} units wide or more, in component {i + 1}"
             need(0 < narrow <= held[i][0], f"{thin} it may be {float(held[i][0]):.0f}")
-            inside_ = (1 + a) ** 2 * (1 + b) * (1 + c) / (1 - a - 1 / (rest * one)) ** 2
+            off = a + 1 / (rest * one)  # relative, of the least y
+            need(off <= r, "e_max is too near 1 for integers")
+            inside_ = (1 + a) ** 2 * (1 + b) * (1 + c) / (1 - off) ** 2
             beyond = top / e_max * steep(lowest)[1] / steep(rest)[0] * (1 + a) * (1 + b) * (1 + c)
             less = min(1 - a, top / e_max) * (1 - a) * (1 - b) * (1 - c) / max(1 + a, lowest / rest) ** 2
             relative = max(inside_ - 1, beyond - 1, 1 - less)

@@ -31,8 +31,9 @@ PARTS = 8  # of a segment, in which slack is looked for
 SLICES = 1024  # of a segment: how finely the ends of intervals are told
 NOWHERE = -(1 << 60)  # the slack of a state that no tube has
 WIDE = 1 << 40  # coefficients below this leave room for the halvings in 64 bits
-# Of t_c: t, K/t_c and their product, each rounded; of ticks `controller.integers.errors.late`, whatever the number of segments.
-CLOCK = {"float": Fraction(4, 1 << 24), "double": Fraction(4, 1 << 53), "fixed": Fraction(4, 1 << 20)}
+# Of t_c: t, K/t_c and their product, each rounded; of ticks `controller.integers.errors.late`, at most 2.125 2^-16 of a segment,
+# of which there are four or more.
+CLOCK = {"float": Fraction(4, 1 << 24), "double": Fraction(4, 1 << 53), "fixed": Fraction(9, 1 << 20)}
 
 
 @dataclass(frozen=True)

@@ -44,8 +44,10 @@ class Row:
         third = abs(_divided([(y, curve(y)) for y in steps]))  # |f'''|/6 somewhere there
         between = max(abs(_nodal(Fraction(k, 512))) for k in range(513)) + Fraction(2, 512)  # its slope is below 2
         missed = third * self.length**3 * between / scale
-        # level and its quarter; slope and bend, half of 2^-SLOPE_BITS each; bend t and fall as they are cut off
-        rounded = Fraction(1, 2) + 2 * Fraction(1, 2 << SLOPE_BITS) + Fraction(3, 4)
+        # level and its quarter; slope and bend, half of 2^-SLOPE_BITS each; bend t and fall as they are cut off; and t is
+        rounded = (
+            Fraction(1, 2) + 2 * Fraction(1, 2 << SLOPE_BITS) + Fraction(3, 4) + Fraction(self.slope, 1 << (16 + SLOPE_BITS))
+        )
         least = self.level - (self.slope >> SLOPE_BITS) - 1
         return (missed + rounded) / least
 

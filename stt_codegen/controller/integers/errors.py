@@ -32,7 +32,8 @@ from stt_codegen.controller.integers.kernels import (
     rates_kernel,
     weights_kernel,
 )
-from stt_codegen.controller.integers.law import LOOSE, FixedLaw, law_of
+from stt_codegen.controller.integers.law import LOOSE, FixedLaw, law_of, narrow_of, narrowest
+from stt_codegen.decimals import decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered
 from stt_codegen.errors import BadInput
@@ -124,16 +125,35 @@ def widest(design: RefinedDesign) -> Fraction:
 
 
 def require_right(task: Task, design: RefinedDesign) -> None:
-    """Raise `BadInput` where the law is wrong by more than the sampled statements allow for."""
+    """Raise `BadInput` where the law is wrong by more than the sampled statements allow for, or takes the tube to be wider than
+    it may be as it is emitted."""
     law = law_of(task, design)
+    for narrow, least in widths_held(task, design, law):
+        if narrow > least:
+            told = f"the tube is {decimal(max(least, Fraction(0)) * design.unit)} wide as it is emitted, and a law in integers"
+            needed = f"{told} needs {decimal(narrow * design.unit)} here"
+            raise BadInput(f'tube.min_width: {needed}; raise it, move the origin near the task, or use emit.scalar = "float"')
     allowed = Fraction(ROUNDING["fixed", "libm"])
     relative, in_eps = law_error(law, widest(design))
-    late = (1 + LOOSE) * (1 + Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
+    late = (1 + LOOSE) / (1 - Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
     if (1 + relative) * (1 + late) - 1 > allowed or in_eps > allowed:
         raise BadInput(
             "control.gain: is so small beside u_max that integers of 32 bits lose u in the middle of the tube; raise it, lower "
             'u_max, or use emit.scalar = "float"'
         )
+
+
+def widths_held(task: Task, design: RefinedDesign, law: FixedLaw) -> list[tuple[int, Fraction]]:
+    """What the law takes the tube to be wide at least, and for order 2 what `margin` takes x's to be, each beside what the
+    emitted edges leave of it at least: whole numbers of units, and units."""
+    assert task.emit.tick_period is not None  # task/checks.py
+    own, held = (v / design.unit for v in narrowest(design))
+    edges = [2 * v / design.unit for v in edge_error(design, task.emit.tick_period)]
+    if not design.filter:
+        return [(law.narrow, own - max(edges))]
+    rates = [2 * v / design.unit for v in rate_error(design, task.emit.tick_period)]
+    wrong = max(r + s * e for r, s, e in zip(rates, design.filter, edges, strict=True))
+    return [(narrow_of(own), own - max(edges)), (law.narrow, held - wrong)]
 
 
 def law_error(law: FixedLaw, widest: Fraction) -> tuple[Fraction, Fraction]:
