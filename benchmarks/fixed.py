@@ -17,7 +17,8 @@ import numpy as np
 
 from stt_codegen.bench.mcu import sizes
 from stt_codegen.bench.report import command, machine, record, table
-from stt_codegen.board.emulated import BOARDS, Emulated
+from stt_codegen.board.boards import BOARDS
+from stt_codegen.board.emulated import Emulated
 from stt_codegen.compare.backends import GeneratedPython
 from stt_codegen.compare.integers import ticks_and_states
 from stt_codegen.pipeline import Controller, build_task

@@ -154,7 +154,7 @@ def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
 def steps(board: str) -> list[str]:
     """Instructions of `control` on an emulated board, with the library and inline."""
     from stt_codegen.bench.mcu import measured
-    from stt_codegen.board.emulated import BOARDS
+    from stt_codegen.board.boards import BOARDS
 
     found = []
     for math in ("libm", "inline"):

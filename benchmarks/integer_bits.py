@@ -22,7 +22,8 @@ from pathlib import Path
 from fixed import limited
 
 from stt_codegen.bench.report import table
-from stt_codegen.board.emulated import BOARDS, CFLAGS, DECORATION, Board, copy_board
+from stt_codegen.board.boards import BOARDS, Board, copy_board
+from stt_codegen.board.emulated import CFLAGS, DECORATION
 from stt_codegen.compare.toolchain import load_module, run_compiler
 from stt_codegen.pipeline import Controller, build_task
 

@@ -8,7 +8,8 @@ from conftest import ROOT
 from typer.testing import CliRunner
 
 from stt_codegen.board import emulated
-from stt_codegen.board.emulated import BOARDS, Emulated, run_on_board
+from stt_codegen.board.boards import BOARDS
+from stt_codegen.board.emulated import Emulated, run_on_board
 from stt_codegen.cli.main import app
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.errors import MissingTool

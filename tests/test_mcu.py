@@ -13,7 +13,8 @@ from conftest import controller_of
 from typer.testing import CliRunner
 
 from stt_codegen.bench import mcu, rivals
-from stt_codegen.board.emulated import BOARDS, Emulated
+from stt_codegen.board.boards import BOARDS
+from stt_codegen.board.emulated import Emulated
 from stt_codegen.cli.main import app
 from stt_codegen.compare.backends import CompiledC
 

@@ -19,7 +19,8 @@ from absent import absent
 from conftest import ROOT
 from typer.testing import CliRunner
 
-from stt_codegen.board.emulated import BOARDS, Emulated, rust_boards
+from stt_codegen.board.boards import BOARDS, rust_boards
+from stt_codegen.board.emulated import Emulated
 from stt_codegen.cli.main import app
 from stt_codegen.compare.backends import CompiledC
 from stt_codegen.compare.comparison import compare, compare_backend

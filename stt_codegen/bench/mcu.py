@@ -18,7 +18,8 @@ from stt_codegen.bench.driven import as_control
 from stt_codegen.bench.families import FAMILIES, Family, arena_task
 from stt_codegen.bench.report import command, record, table
 from stt_codegen.bench.rivals import casadi_text, floor_text, hand_text
-from stt_codegen.board.emulated import BOARDS, CFLAGS, Board, Counts, Emulated
+from stt_codegen.board.boards import BOARDS, Board
+from stt_codegen.board.emulated import CFLAGS, Counts, Emulated
 from stt_codegen.board.rust import board_objects
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.errors import BadInput, MissingTool, NotCertified

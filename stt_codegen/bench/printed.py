@@ -144,7 +144,7 @@ def symbolic_rows(robot: bool = True) -> list[list[str]]:
 def board_rows(policies: Path = POLICIES) -> list[list[str]]:
     """Instructions and bytes of ours, of grids and of a policy on a Cortex-M4F; none where its tools are missing."""
     from stt_codegen.bench.mcu import others
-    from stt_codegen.board.emulated import BOARDS
+    from stt_codegen.board.boards import BOARDS
 
     squares = cubes(PAPER, 0)
     sources = {

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from stt_codegen.board.emulated import BOARDS, run_on_board
+from stt_codegen.board.boards import BOARDS
+from stt_codegen.board.emulated import run_on_board
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.report.evidence import Check

@@ -57,7 +57,7 @@ def mcu(
     Exit code 1 when a controller is beyond a bound of `compare` on some board.
     """
     from stt_codegen.bench.mcu import run_mcu
-    from stt_codegen.board.emulated import BOARDS
+    from stt_codegen.board.boards import BOARDS
 
     for name in board or ():
         if name not in BOARDS:

@@ -22,7 +22,8 @@ def pil(
     from dataclasses import asdict
 
     with patience(f"running {task} on {board}"):
-        from stt_codegen.board.emulated import BOARDS, run_on_board
+        from stt_codegen.board.boards import BOARDS
+        from stt_codegen.board.emulated import run_on_board
         from stt_codegen.pipeline import build
 
         controller = build(task, design, scalar, rust=rust)
