@@ -2002,7 +2002,8 @@ def reckoned(
         mask = given[1][1]
         need(given[1] == (mask, mask) and mask & (mask + 1) == 0, f"low in {name} of the C has no mask")
         need(name != "curve" or inside(given[0], (0, mask)), f"a row of the curves of the C has values beyond {mask}")
-        return given[0] if inside(given[0], (0, mask)) else (0, mask)
+        least, most = given[0]
+        return (least & mask, most & mask) if least == most or inside(given[0], (0, mask)) else (0, mask)
     if kind == "up":
         of, by = (made.get(v, ("", ())) for v in parts)
         if by == ("leading", (parts[0],)):  # moved up until it begins with a 1
