@@ -1678,11 +1678,11 @@ class Integers(Source):
             name = re.findall(r"P_(\w+)\(", head)[0]
             self.listings[name], self.params[name] = steps(text), re.findall(r"int32_t (\w+)[,)]", head)
             spelled = " ".join(written(self.listings[name], task.n, self.reads))
-            wanted += tokens(self.named(re.sub(r"\?(?=\w)", "hole_", f"{head} {{ {spelled} }}")))
+            wanted += tokens(self.named(re.sub(r"\?(?=\w)", "__", f"{head} {{ {spelled} }}")))
             self.heads += [] if head.startswith("static") else [f"{head};"]
         for a, b in zip([*words[at:], "the end"], [*wanted, "the end"]):
-            good = self.hole(b.removeprefix("hole_"), a) if b.startswith("hole_") else a == b
-            need(good, f"the C has {a[:60]} where {b.replace('hole_', 'the constant ')} is expected")
+            good = self.hole(b[2:], a) if b.startswith("__") else a == b
+            need(good, f"the C has {a[:60]} where {b.replace('__', 'the constant ')} is expected")
         self.listings = {
             name: [(v, kind, tuple(str(self.holes[a[1:]]) if a[0] == "?" else a for a in parts)) for v, kind, parts in body]
             for name, body in self.listings.items()
