@@ -41,6 +41,7 @@ integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	$(BIN)/pytest -n auto --dist loadgroup -m slow
 	$(BIN)/python benchmarks/mutations.py --count 3000
 	$(BIN)/python benchmarks/mutations.py --shapes --count 1000
+	$(BIN)/python benchmarks/mutations.py --integers --count 300
 	$(BIN)/python benchmarks/token_mutants.py --every 8
 	$(BIN)/python benchmarks/lemma_mutants.py 120
 	$(BIN)/python benchmarks/sampled.py 100

@@ -40,6 +40,7 @@ TOKEN = re.compile(
     r"|[^\s\w]",
     re.DOTALL,
 )
+TASKS = ("trolley", "omni_board", "gantry", "crane")
 SIGNS = ("+", "-", "*", "/", "<", "<=", ">", "&&", "!", "==", "?", ":", ",", ";")
 WORDS = (
     "int32_t",
@@ -239,11 +240,11 @@ def changed_claims(task: str) -> list[str]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--every", type=int, default=1, help="only every so many tokens")
-    parser.add_argument("--task", action="append", help="tasks/<name>.toml; trolley and omni_board where none is named")
+    parser.add_argument("--task", action="append", help=f"tasks/<name>.toml; where none is named {', '.join(TASKS)}")
     parser.add_argument("--processes", type=int, default=2)
     options = parser.parse_args()
     wrong = 0
-    for task in options.task or ("trolley", "omni_board"):
+    for task in options.task or TASKS:
         begin = time.perf_counter()
         if not accepted(files_of(task), task):
             print(f"{task}: REFUSED as it is")

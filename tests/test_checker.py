@@ -27,6 +27,7 @@ from test_certificate import bend, oracle
 from stt_codegen.certify import checker
 from stt_codegen.certify.claims import claims_of, cuts_of
 from stt_codegen.designs import RefinedDesign
+from stt_codegen.emit.integers import loaded
 from stt_codegen.pipeline import build_program, build_task, certify
 from stt_codegen.task import Task, load_task
 
@@ -947,3 +948,28 @@ def test_its_ranges_hold_u_within_its_limit_and_refuse_what_may_overflow(tmp_pat
         with pytest.raises(checker.Failed, match="beyond 32 bits|which it is not for|values beyond 65535"):
             source.body("control", dict(always))
         source.tables[name] = kept
+
+
+@pytest.mark.parametrize("name", ["gantry", "crane"])
+def test_its_listings_reckon_what_the_emitted_python_does(name: str, tmp_path) -> None:
+    """Every kernel, for spans of one number each; so its ranges are about the statements that run."""
+    task, source, tube = integers_of(name, tmp_path)
+    module = loaded(controller_of(name, "fixed").files[f"{name}.py"].decode())
+    dice, rows = Random("listings"), len(source.tables["levels"])
+
+    def one(kernel: str, *given: int) -> tuple[int, ...]:
+        found = source.body(kernel, dict(zip(source.params[kernel], ((v, v) for v in given), strict=True)))
+        assert all(low == high for low, high in found)
+        return tuple(low for low, _ in found)
+
+    for _ in range(200):
+        tick, s, t = dice.choice((dice.randrange(5000), 2**32 - 1)), dice.randrange(1 << 16), dice.randrange(1 << 16)
+        weights = [
+            v[s] for kernel in ("weights", "rates")[: task.order] for v in checker.every(kernel, tuple(source.listings[kernel]))
+        ]
+        at, row = dice.randrange(tube.segments * 2 * task.n), dice.randrange(rows)
+        push = [dice.randrange(1 << 30), *(dice.randrange(1 << 15, 1 << 16) for _ in range(3)), dice.randrange(20), 1 << 25]
+        for kernel, values in (("segment", [tick]), ("edge", [at, *weights]), ("curve", [row, t]), ("push", push)):
+            told = getattr(module, f"_{kernel}")(*values)
+            assert one(kernel, *values) == (told if isinstance(told, tuple) else (told,))
+        assert [w for kernel in ("weights", "rates")[: task.order] for w in getattr(module, f"_{kernel}")(s)] == weights

@@ -1678,11 +1678,11 @@ class Integers(Source):
             name = re.findall(r"P_(\w+)\(", head)[0]
             self.listings[name], self.params[name] = steps(text), re.findall(r"int32_t (\w+)[,)]", head)
             spelled = " ".join(written(self.listings[name], task.n, self.reads))
-            wanted += tokens(self.named(re.sub(r"\?(?=\w)", "hole_", f"{head} {{ {spelled} }}")))
+            wanted += tokens(self.named(re.sub(r"\?(?=\w)", "__", f"{head} {{ {spelled} }}")))
             self.heads += [] if head.startswith("static") else [f"{head};"]
         for a, b in zip([*words[at:], "the end"], [*wanted, "the end"]):
-            good = self.hole(b.removeprefix("hole_"), a) if b.startswith("hole_") else a == b
-            need(good, f"the C has {a[:60]} where {b.replace('hole_', 'the constant ')} is expected")
+            good = self.hole(b[2:], a) if b.startswith("__") else a == b
+            need(good, f"the C has {a[:60]} where {b.replace('__', 'the constant ')} is expected")
         self.listings = {
             name: [(v, kind, tuple(str(self.holes[a[1:]]) if a[0] == "?" else a for a in parts)) for v, kind, parts in body]
             for name, body in self.listings.items()
@@ -2002,7 +2002,8 @@ def reckoned(
         mask = given[1][1]
         need(given[1] == (mask, mask) and mask & (mask + 1) == 0, f"low in {name} of the C has no mask")
         need(name != "curve" or inside(given[0], (0, mask)), f"a row of the curves of the C has values beyond {mask}")
-        return given[0] if inside(given[0], (0, mask)) else (0, mask)
+        least, most = given[0]
+        return (least & mask, most & mask) if least == most or inside(given[0], (0, mask)) else (0, mask)
     if kind == "up":
         of, by = (made.get(v, ("", ())) for v in parts)
         if by == ("leading", (parts[0],)):  # moved up until it begins with a 1
