@@ -29,11 +29,10 @@ SHOWN = ("m0", "m3", "m4f", "rv32", "avr")
 TASKS = ("omni_s2", "crane")
 
 
-def limited(name: str) -> Task:
-    """The example task in integers, with a limit of u and a tick."""
-    task = load_task(ROOT / "tasks" / f"{name}.toml")
+def limited(task: Task) -> Task:
+    """The task in integers, with a limit of u and a tick where it has none."""
     limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
-    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed"}
+    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed", "math": "libm", "rust": False}
     return task.model_copy(update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=tick)})
 
 
@@ -52,7 +51,7 @@ def cost(controller: Controller, name: str, board: Emulated) -> list[str]:
 
 def rows_of(name: str, boards: list[str], points: int) -> tuple[list[list[str]], bool]:
     """The rows of one task, and whether every board gave the Python's bits."""
-    task = limited(name)
+    task = limited(load_task(ROOT / "tasks" / f"{name}.toml"))
     made, good = build_task(task), True
     tick, *states = ticks_and_states(made, points)
     status, u = GeneratedPython(made).call("control", tick, *states)

@@ -19,13 +19,14 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
-from fixed import limited
+from fixed import ROOT, limited
 
 from stt_codegen.bench.report import table
 from stt_codegen.board.boards import BOARDS, Board, copy_board
 from stt_codegen.board.emulated import CFLAGS, DECORATION
 from stt_codegen.compare.toolchain import load_module, run_compiler
 from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.task import load_task
 
 BLOCKS = 16
 FOLD = re.compile("[0-9a-f]{8}")  # as a board writes it
@@ -206,7 +207,7 @@ def main() -> int:
     asked = parser.parse_args()
     rows, wrong = [], 0
     for task in asked.task:
-        controller = build_task(limited(task))
+        controller = build_task(limited(load_task(ROOT / "tasks" / f"{task}.toml")))
         began, text = time.perf_counter(), controller.files[f"{controller.program.prefix}.py"]
         with ProcessPoolExecutor() as pool:
             told = partial(folded, text, asked.inputs, filter_of(controller))

@@ -19,6 +19,7 @@ from random import Random
 from typing import Any
 
 import numpy as np
+from fixed import limited
 from truth import deepest, derivative, signed_edges, signed_faces
 
 from stt_codegen.bench.families import FAMILIES, arena_task
@@ -66,11 +67,7 @@ def base(name: str, scalar: str) -> Base | None:
     family, _, seed = name.partition(" ")
     task = arena_task(FAMILIES[family], int(seed)) if seed else load_task(TASKS / f"{name}.toml")
     if scalar == "fixed":  # which needs a limit of u, and a tick
-        limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
-        emit = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "math": "libm", "rust": False}
-        task = task.model_copy(
-            update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=emit)}
-        )
+        task = limited(task)
     try:
         c = build_task(task.with_options("refined", scalar))
     except NotCertified:

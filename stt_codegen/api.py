@@ -371,7 +371,8 @@ class Controller(pipeline.Controller):
 
     def _in_integers(self, name: str, times: Array, states: list[Any]) -> list[Any]:
         """The emitted function of ticks and units at the nearest ones, and what it gives in the task's units."""
-        module, tick = self.module, float(self.program.tick or 1)
+        assert self.program.tick is not None
+        module, tick = self.module, float(self.program.tick)
         for label, values in (("t", times), *zip(("x", "v"), states, strict=False)):
             if not np.isfinite(values).all():
                 raise BadInput(f"{label}: has a number that is not finite, which a controller in integers cannot be given")

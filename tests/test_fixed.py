@@ -40,7 +40,7 @@ SHAPES = ("omni_s2", "courier", "rover", *EXAMPLES, "base")
 
 @cache
 def made(name: str) -> Controller:
-    return build_task(limited(name))
+    return build_task(limited(load_task(ROOT / "tasks" / f"{name}.toml")))
 
 
 def design_of(name: str) -> RefinedDesign:
@@ -111,9 +111,19 @@ def without_clamp(program: Program, name: str) -> Program:
 
 
 @pytest.mark.parametrize("name", ["x_near", "x_i", "off_held", "y_near", "e_width", "down"])
-def test_every_clamp_is_needed(name: str) -> None:
+def test_clamps_without_which_a_value_leaves_its_type(name: str) -> None:
     with pytest.raises(OutOfRange):
         ranges(without_clamp(made("omni_s2").program, name), "control")
+
+
+def test_clamps_without_which_a_value_means_another_thing() -> None:
+    """y below 1, so that its row is one of H; |e| within what e_max says."""
+    program, rows = made("omni_s2").program, len(curves.over_rows())
+    law = law_of(made("omni_s2").task, design_of("omni_s2"))
+    for name, row_is_of_h, held in (("", True, True), ("y", False, True), ("e", True, False)):
+        found = ranges(without_clamp(program, name) if name else program, "control")
+        assert (found["rise_row"].low >= rows) == row_is_of_h
+        assert (found["e"].high <= law.top) == held
 
 
 # ------------------------------------------------------------------------------------------------ the same everywhere
@@ -213,7 +223,7 @@ LAWS = [
 @pytest.mark.parametrize(("name", "control"), LAWS)
 def test_every_gain_limit_and_clamp_is_right_or_refused(name: str, control: dict) -> None:
     """Where u is moved up it is beyond u_max: whatever the width, no |u| is too small."""
-    task = limited(name)
+    task = limited(load_task(ROOT / "tasks" / f"{name}.toml"))
     task = task.model_copy(update={"control": task.control.model_copy(update=control)})
     try:
         controller = build_task(task, tube=design_of(name))
@@ -225,20 +235,17 @@ def test_every_gain_limit_and_clamp_is_right_or_refused(name: str, control: dict
     assert all(r.holds for r in rows), [r for r in rows if not r.holds]
 
 
-def numbers(value: object) -> float:
-    return float(value)  # type: ignore[arg-type]
-
-
 @pytest.mark.parametrize(("rows", "curve"), [(curves.over_rows(), curves.over), (curves.rise_rows(9), curves.rise)])
 def test_every_row_of_a_curve_is_within_its_error_everywhere(rows: tuple[curves.Row, ...], curve: curves.Curve) -> None:
-    """All 2^16 places of every row, by the same integers; the truth in doubles, of which 2^-40 is forgiven."""
+    """All 2^16 places of every row at both of their ends, by the same integers; the truth in doubles, of which 2^-30 is forgiven:
+    near y = 1 a double of H is that wrong."""
     t = np.arange(HALF_WORD, dtype=np.int64)
     for row in rows:
         down = row.slope - ((row.bend * t) >> 16)
         value = (row.level - ((down * t) >> (16 + curves.SLOPE_BITS))) * 2.0**row.places
         assert value.min() > 0
         assert value.max() < HALF_WORD * 2.0**row.places  # so that the last 16 bits are all of it
-        at = float(row.begin) + float(row.length) * t / HALF_WORD
+        at, value = float(row.begin) + float(row.length) * np.append(t, t + 1) / HALF_WORD, np.append(value, value)
         with np.errstate(divide="ignore", invalid="ignore"):
             true = (
                 float(curves.OVER) / at if curve is curves.over else 4 * np.log1p(2 * (1 - at) / at) / ((1 - at) * at * (2 - at))
@@ -332,7 +339,7 @@ def text_of(name: str, *replaced: tuple[str, str]) -> str:
     [
         (("tick_period = 0.001           # s\n", ""), r"emit\.tick_period: is missing"),
         (("u_max = [0.6, 0.6]            # m/s\n", ""), r"control\.u_max: is missing"),
-        (("selftest = true", "rust = true"), r"emit\.rust: is for floating point"),
+        (("selftest = true", "rust = true"), r"emit\.rust \(--package rust\): is for floating point"),
         (("selftest = true", 'math = "inline"'), r'emit\.math = "inline": is for floating point'),
         (("period = 0.01 ", 'outside = "hold"\nperiod = 0.01 '), r"control\.outside: is for floating point"),
         (("period = 0.01 ", "e_max = [0.95, 0.99]\nperiod = 0.01 "), r"control\.e_max by component"),
@@ -344,7 +351,7 @@ def test_what_a_controller_in_integers_has_no_form_of_is_refused(replaced: tuple
 
 
 def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
-    task, design = limited("omni_s2"), design_of("omni_s2")
+    task, design = limited(load_task(ROOT / "tasks" / "omni_s2.toml")), design_of("omni_s2")
 
     def with_control(**control: object) -> Task:
         return task.model_copy(update={"control": task.control.model_copy(update=control)})
@@ -352,6 +359,9 @@ def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
     fast = replace(design, table=tuple(tuple((4 * a, 4 * b) for a, b in row) for row in design.table))
     with pytest.raises(BadInput, match=r"tube\.segments: a step of"):
         fixed_program(task, fast)
+    for near in (10**6, 10**9, 10**10):
+        with pytest.raises(BadInput, match=r"control\.e_max: is so near 1"):
+            fixed_program(with_control(e_max=1 - Fraction(1, near)), design)
     with pytest.raises(BadInput, match=r"control\.gain: is so small beside u_max"):
         fixed_program(with_control(gain=Fraction(1, 10**6), u_max=Fraction(10**6)), design)
     with pytest.raises(BadInput, match=r"control\.u_max: is so small beside what the gain"):
@@ -399,7 +409,7 @@ def test_a_tube_that_is_narrower_than_its_law_takes_it_to_be_is_refused() -> Non
 def test_a_program_that_could_overflow_is_not_made(monkeypatch) -> None:
     monkeypatch.setattr("stt_codegen.controller.integers.frame.FARTHEST", 1 << 31)
     with pytest.raises(BadInput, match=r'emit\.scalar: "fixed" has too few bits'):
-        build_program(limited("omni_s2"), design_of("omni_s2"))
+        build_program(limited(load_task(ROOT / "tasks" / "omni_s2.toml")), design_of("omni_s2"))
 
 
 def test_the_header_names_units_ticks_and_no_bad_input() -> None:

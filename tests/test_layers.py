@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterator
@@ -214,6 +215,17 @@ OTHERS = {
 
 def mentioned(text: str) -> set[str]:
     return {m for m in NAMED.findall(text) if m not in OTHERS}
+
+
+TOP = "pyproject.toml stt_codegen generated templates tests README.md Makefile tasks benchmarks docs proof CHANGELOG.md CONTRIBUTING.md .ci"
+TOP += " .gitignore .github .pre-commit-hooks.yaml requirements.lock peers.lock peers-rl.lock physics.lock ros.lock"
+
+
+def test_nothing_else_is_at_the_top() -> None:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False)
+    if listed.returncode != 0:
+        pytest.skip("this is no repository")
+    assert {line.split("/")[0] for line in listed.stdout.splitlines()} - {*TOP.split()} == set()
 
 
 def test_no_document_has_a_gap_that_was_to_be_filled() -> None:

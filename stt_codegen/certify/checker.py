@@ -1656,7 +1656,7 @@ class Integers(Source):
     def __init__(self, data: bytes, task: Task) -> None:
         p = self.p = task.name
         self.single, self.bits, self.scalar, self.functions = False, 20, "fixed", {}  # of u_max and of a state 20 bits are known
-        self.x_bits, self.late, self.reads = 0, Fraction(0), dict[str, int]()
+        self.reads = dict[str, int]()
         foreign = task.inline or task.scales or task.outside != "return" or task.repeats or task.apart is not None
         need(not foreign and len({*task.e_max}) == 1, "the task asks for what no controller in integers has")
         need(task.tick is not None and task.u_max is not None, "the task has no tick_period or no u_max, which integers need")
@@ -1833,7 +1833,7 @@ class Integers(Source):
         quadratic through its values at both ends and in the middle, within its three Bezier coefficients, and its third
         derivative/6 times z (z - 1/2) (z - 1), which is at most 1/20. f is 2^46/m or H. Its third derivative falls in size: of
         1/m plainly; H is 8 atanh(e)/e/(1 - e^2) with e = 1 - y, a power series in e with no negative coefficient. So a third
-        difference of values up to the quarter shows no less. What is emitted is P, more than 1/2 less and less than 1 more, for
+        difference of values up to the quarter shows no less. What is emitted is less than 1/2 below P and less than 1 above, for
         `bent` and `fall` are rounded down; and z is, by less than 2^-16, in which P falls by slope/2^17 or rises by (2 bend -
         slope)/2^17 at most."""
         level, slope, bend = (int(self.tables[name][row]) for name in ("levels", "slopes", "bends"))

@@ -32,7 +32,7 @@ from stt_codegen.sampling.setting import ROUNDING
 
 Array = npt.NDArray[Any]
 Add = Callable[[str, Array, Array, Array, float], None]
-PLACES = (0.5, 0.005, 0.995, 0.0049, 0.9951, -0.5, 1.5)  # of the way from one edge to the other
+PLACES = (0.5, -0.5, 1.5)  # of the way from one edge to the other
 ENDS = (-(2**31), 2**31 - 1)
 
 
@@ -46,10 +46,13 @@ def ticks_and_states(controller: Controller, count: int, seed: int = 1) -> tuple
     last = clock_of(design, task.emit.tick_period).last
     ticks, states, speeds = [], [], []
 
+    clamp = float(1 - max(task.e_max)) / 2  # of the way from an edge to the other
+    places = (*PLACES, clamp, 1 - clamp, 0.98 * clamp, 1 - 0.98 * clamp)
+
     def placed(edges: tuple[Any, Any]) -> list[int]:
         found = []
         for low, high in zip(*edges, strict=True):
-            near = low + round((high - low) * dice.choice([dice.random(), dice.uniform(-0.2, 1.2), dice.choice(PLACES)]))
+            near = low + round((high - low) * dice.choice([dice.random(), dice.uniform(-0.2, 1.2), dice.choice(places)]))
             found.append(dice.choice([near] * 12 + [low, high, *ENDS, dice.randrange(-(2**31), 2**31)]))
         return found
 
@@ -97,7 +100,7 @@ def integer_rows(
         got = np.stack(backend.call("filtered_tube", tick)) * unit
         add("filtered tube", got, np.stack(edges), moved[None, None], float(np.abs(edges).max()))
     codes, u = backend.call("control", tick, *states)
-    relative, in_eps = (float(v) for v in law_error(law, widest(design)))
+    relative, in_eps = (float(v) for v in law_error(law, widest(task, design)))
     _, true = reference.control(*edges, held, task.gain, task.e_max, task.u_max)
     _, plain = reference.control(*edges, held, task.gain, task.e_max)
     e, _, xi = reference.transform(*edges, held, task.e_max)

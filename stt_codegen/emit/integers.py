@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from types import ModuleType
 from typing import Any
@@ -31,7 +32,7 @@ def texts(
     program: Program,
     certificate: Certificate,
     common: dict[str, Any],
-    environment: jinja2.Environment,
+    template: Callable[[str], jinja2.Template],
 ) -> dict[str, str]:
     """Header, C and Python by name; a self-test and phases where they are asked for. common: what both templates are told."""
     assert program.tick is not None
@@ -56,7 +57,7 @@ def texts(
     printer, python = CPrinter(program), PythonPrinter(program)
 
     def made(name: str, **more: Any) -> str:
-        return environment.get_template(name).render(**told, **more)
+        return template(name).render(**told, **more)
 
     files = {
         header: made("fixed.h.j2", c=printer),
@@ -66,9 +67,11 @@ def texts(
     if told["phases"]:
         files[phase_name(task.name)] = made("fixed_phase.c.j2")
     if task.emit.selftest:
-        environment.filters["int32"] = _literal
         vectors = [p.name for p in program.function("control").params if p.length and not p.output]
-        calls = _calls(design, loaded(files[module]), int(told["last_tick"]), len(vectors))
+        calls = [
+            (tick, [_literal(v) for v in given], status)
+            for tick, given, status in _calls(design, loaded(files[module]), int(told["last_tick"]), len(vectors))
+        ]
         files[selftest_name(task.name)] = made("fixed_selftest.c.j2", vectors=vectors, calls=calls, n=program.dimension)
     return files
 

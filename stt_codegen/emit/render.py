@@ -56,7 +56,7 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         from stt_codegen.emit.integers import texts
 
         assert isinstance(design, RefinedDesign)
-        files = texts(task, design, program, certificate, common, _environment())
+        files = texts(task, design, program, certificate, common, template)
     else:
         files = _texts(task, design, program, certificate, common)
     encoded = {name: text.encode() for name, text in files.items()}

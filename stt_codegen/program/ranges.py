@@ -1,12 +1,11 @@
 """A reader that proves that no integer of a program of integers leaves 32 bits, no index its table, no shift its word.
 
 Every variable gets a span that holds for all inputs: operations by the rules of their rows (`Operation.ball`), calls with the
-spans of their arguments, loops in one turn for all. Four facts are more than spans:
+spans of their arguments, loops in one turn for all. Three facts are more than spans:
 
 - in a Select on a < b the chosen operand is known to be on its side, as is what is computed of it in one step;
 - a moved up by leading(a) places lies in [2^30, 2^31), and what is never above a, moved up as far, below 2^31;
-- a kernel that is given an index of tables, and uses it for nothing else, is read index by index;
-- the difference of two entries of a table, a fixed way apart, is one of those differences.
+- a kernel that is given an index of tables is read index by index.
 """
 
 from __future__ import annotations
@@ -126,10 +125,9 @@ class _Reader:
 
     def by_row(self, kernel: Kernel, given: Known) -> Iterator[Known]:
         """What is known of a kernel's inputs: row by row, where one of them says which entry of tables it goes by."""
-        values = [a.value for a in kernel.body]
-        rows = {v.index.name for v in values if isinstance(v, Load) and isinstance(v.index, Var)} & {*given}
-        reckoned = {a.name for v in values if isinstance(v, Op) for a in v.args if isinstance(a, Var)}
-        if len(rows) != 1 or rows & reckoned:
+        indices = {a.value.index.name for a in kernel.body if isinstance(a.value, Load) and isinstance(a.value.index, Var)}
+        rows = indices & {*given}
+        if len(rows) != 1:
             yield dict(given)
             return
         (name,) = rows
@@ -185,10 +183,6 @@ class _Reader:
                     return Span(2**30, MOST)
                 if self.never_above(op.args[0], places.args[0], scope):
                     return Span(0, MOST)
-        if op.name == "isub":
-            apart = self.apart(op.args[1], op.args[0], scope)
-            if apart is not None:
-                return apart
         rule, _, rest = OPERATIONS[op.name].ball.partition("(")
         if rule not in _RULES or not rest.startswith("{0}"):
             raise OutOfRange(f"{op.name} has no rule here")
@@ -202,26 +196,6 @@ class _Reader:
             case Select(condition=Var(name=name), then=then, other=other) if scope.made.get(name) == Op("ilt", (then, other)):
                 return self.never_above(then, most, scope) or self.never_above(other, most, scope)
         return False
-
-    def place(self, index: Operand, scope: _Scope) -> tuple[Operand, int]:
-        """An index as a variable and a number added to it."""
-        made = scope.made.get(index.name) if isinstance(index, Var) else None
-        if isinstance(made, Op) and made.name == "iadd" and isinstance(made.args[1], Const):
-            return made.args[0], int(made.args[1].value)  # type: ignore[arg-type]
-        return index, 0
-
-    def apart(self, first: Operand, second: Operand, scope: _Scope) -> Span | None:
-        """The second less the first, where both are entries of one table, a fixed way apart."""
-        made = [scope.made.get(v.name) if isinstance(v, Var) else None for v in (first, second)]
-        loads = [v for v in made if isinstance(v, Load)]
-        if len(loads) < 2 or loads[0].array != loads[1].array or loads[0].array in self.inputs:
-            return None
-        (base, a), (other, b) = (self.place(v.index, scope) for v in loads)
-        if base != other or not isinstance(base, Var):
-            return None
-        values, where = self.program.table(loads[0].array).values, self.span(base, scope)
-        found = [int(values[k + b] - values[k + a]) for k in range(where.low, where.high + 1)]
-        return Span(min(found), max(found))
 
     def on_side(self, condition: Operand, holds: bool, chosen: Operand, scope: _Scope) -> Span:
         """The span of what is chosen where a comparison of integers comes out so."""

@@ -83,7 +83,7 @@ def _library(kind: str, controller: Controller) -> Files:
         "repeats": controller.task.repeat,
         "period_us": int(period * 10**6),
         "period_ms": f"{float(period * 1000):g}",
-        "most": f"{float(min(controller.task.u_max or (1,))):.9g}",
+        "most": f"{float((max if integers else min)(controller.task.u_max or (1,))):.9g}",
         "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
     }
     own = {

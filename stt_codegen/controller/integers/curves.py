@@ -40,11 +40,14 @@ class Row:
     def error(self, curve: Curve) -> Fraction:
         """A bound on what the emitted quadratic is wrong by, relative: the interpolation's, and the roundings."""
         scale = Fraction(2) ** self.places
-        steps = [self.begin - self.length * k / 16 for k in range(4)]  # before the piece, where |f'''| is larger
+        steps = [self.begin - self.length * k / 16 for k in range(4)]
+        # |f'''| falls, so it is larger before the piece: 1/m's plainly; H is 8 atanh(e)/e/(1 - e^2), e = 1 - y, a power series in
+        # e with no negative coefficient.
         third = abs(_divided([(y, curve(y)) for y in steps]))  # |f'''|/6 somewhere there
         between = max(abs(_nodal(Fraction(k, 512))) for k in range(513)) + Fraction(2, 512)  # its slope is below 2
         missed = third * self.length**3 * between / scale
-        # level and its quarter; slope and bend, half of 2^-SLOPE_BITS each; bend t and fall as they are cut off; and t is
+        # `level` is rounded by 1/2, and has 1/4 less, which centres what two shifts take: 3/4 at most, either way. `slope` and
+        # `bend` are rounded by half of 2^-SLOPE_BITS each. t is cut to 16 bits, in which the row falls by so much.
         rounded = (
             Fraction(1, 2) + 2 * Fraction(1, 2 << SLOPE_BITS) + Fraction(3, 4) + Fraction(self.slope, 1 << (16 + SLOPE_BITS))
         )

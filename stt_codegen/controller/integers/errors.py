@@ -38,11 +38,13 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered
 from stt_codegen.errors import BadInput
 from stt_codegen.program import Const, Kernel, Op, Operand, Select
+from stt_codegen.program.enclosed import logarithm
 from stt_codegen.program.operations import OPERATIONS
 from stt_codegen.sampling.setting import ROUNDING
 from stt_codegen.task import Task
 
 Integers = npt.NDArray[np.int64]
+LEAST_Y = 1 << 14  # units of 2^-30: y is rounded down by one of them, which then counts for little
 
 
 def late(clock: Clock) -> Fraction:
@@ -115,28 +117,42 @@ def rate_error(design: RefinedDesign, period: Fraction) -> tuple[Fraction, ...]:
     return tuple((int(v) * moved + int(d) * weights + 4) * design.unit for v, d in zip(bend, step, strict=True))
 
 
-def widest(design: RefinedDesign) -> Fraction:
-    """Of the tube that the law goes by, in the task's units, of order 2 a second."""
+def widest(task: Task, design: RefinedDesign) -> Fraction:
+    """The largest width of the emitted tube that the law goes by, in the task's units, of order 2 a second."""
     if not design.filter:
         table = design.integers()
-        return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit
+        return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit + widths_wrong(task, design)[0]
     pieces = filtered(design)
-    return int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
+    most = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
+    return most + widths_wrong(task, design)[1]
+
+
+def widths_wrong(task: Task, design: RefinedDesign) -> tuple[Fraction, Fraction]:
+    """By how much the arithmetic moves the width of the tube, in the task's units, and that of the one that the law goes by, of
+    order 2 a second."""
+    assert task.emit.tick_period is not None  # task/checks.py
+    edges = [2 * v for v in edge_error(design, task.emit.tick_period)]
+    if not design.filter:
+        return max(edges), max(edges)
+    rates = [2 * v for v in rate_error(design, task.emit.tick_period)]
+    return max(edges), max(r + s * e for r, s, e in zip(rates, design.filter, edges, strict=True))
 
 
 def require_right(task: Task, design: RefinedDesign) -> None:
     """Raise `BadInput` where the law is wrong by more than the sampled statements allow for, or takes the tube to be wider than
     it may be as it is emitted."""
     law = law_of(task, design)
+    if law.lowest < LEAST_Y:
+        raise BadInput("control.e_max: is so near 1 that integers of 32 bits do not hold 1 - e_max; lower it")
     for narrow, least in widths_held(task, design, law):
         if narrow > least:
             told = f"the tube is {decimal(max(least, Fraction(0)) * design.unit)} wide as it is emitted, and a law in integers"
             needed = f"{told} needs {decimal(narrow * design.unit)} here"
             raise BadInput(f'tube.min_width: {needed}; raise it, move the origin near the task, or use emit.scalar = "float"')
     allowed = Fraction(ROUNDING["fixed", "libm"])
-    relative, in_eps = law_error(law, widest(design))
-    late = (1 + LOOSE) / (1 - Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
-    if (1 + relative) * (1 + late) - 1 > allowed or in_eps > allowed:
+    relative, in_eps = law_error(law, widest(task, design))
+    beyond = (1 + LOOSE) / (1 - Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
+    if (1 + relative) * (1 + beyond) - 1 > allowed or in_eps > allowed:
         raise BadInput(
             "control.gain: is so small beside u_max that integers of 32 bits lose u in the middle of the tube; raise it, lower "
             'u_max, or use emit.scalar = "float"'
@@ -146,23 +162,21 @@ def require_right(task: Task, design: RefinedDesign) -> None:
 def widths_held(task: Task, design: RefinedDesign, law: FixedLaw) -> list[tuple[int, Fraction]]:
     """What the law takes the tube to be wide at least, and for order 2 what `margin` takes x's to be, each beside what the
     emitted edges leave of it at least: whole numbers of units, and units."""
-    assert task.emit.tick_period is not None  # task/checks.py
-    own, held = (v / design.unit for v in narrowest(design))
-    edges = [2 * v / design.unit for v in edge_error(design, task.emit.tick_period)]
+    least = [(v - wrong) / design.unit for v, wrong in zip(narrowest(design), widths_wrong(task, design), strict=True)]
     if not design.filter:
-        return [(law.narrow, own - max(edges))]
-    rates = [2 * v / design.unit for v in rate_error(design, task.emit.tick_period)]
-    wrong = max(r + s * e for r, s, e in zip(rates, design.filter, edges, strict=True))
-    return [(narrow_of(own), own - max(edges)), (law.narrow, held - wrong)]
+        return [(law.narrow, least[0])]
+    return [(narrow_of(narrowest(design)[0] / design.unit), least[0]), (law.narrow, least[1])]
 
 
 def law_error(law: FixedLaw, widest: Fraction) -> tuple[Fraction, Fraction]:
-    """What |u| is wrong by against (13) on the edges as they are, where it is below u_max: relative, and in eps. widest: of the
-    tube, in the task's units."""
+    """What |u| is wrong by against (13) on the edges as they are, where it is below u_max and |e| below e_max: relative, and in
+    eps. widest: of the tube, in the task's units."""
     over, rise = curves.relative_error(law.octaves)
     a = over + Fraction(1, 1 << 17)  # the curve's 2^46 is less by so much
-    low = Fraction(law.lowest, 1 << 30)
-    relative = (1 + a) ** 2 * (1 + rise) * (1 + Fraction(1, 1 << 16)) * (1 + Fraction(3, 2) / (low * 2**30 - 1)) - 1
+    assert a <= LOOSE  # on which the places of the clamps rest
+    cut = (1 + Fraction(1, law.lowest - 1)) ** 2  # y is rounded down by less than its unit, which raises H by that to 3/2 at most
+    relative = (1 + a) ** 2 * (1 + rise) * (1 + Fraction(1, 1 << 16)) * cut - 1
     unit = Fraction(1, 1 << law.u_bits) if law.u_bits >= 0 else Fraction(1 << -law.u_bits)
     in_eps = unit * widest / (4 * min(abs(k) for k in law.gain))  # xi is at least 4/d
-    return relative, in_eps + Fraction(65 * 8, 1 << 30)  # 2 atanh(e)/e is below 8 for e_max below 0.9995; beyond it is relative
+    steepest = logarithm((1 + law.e_max) / (1 - law.e_max))[1] / law.e_max  # eps/e, which rises with e
+    return relative, in_eps + 65 * steepest / 2**30

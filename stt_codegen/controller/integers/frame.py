@@ -49,7 +49,7 @@ from stt_codegen.task import Task
 OK, OUTSIDE = (Const(s, STATUS) for s in (Status.OK, Status.OUTSIDE_TUBE))
 FARTHEST = 1 << 28  # units: a state that is farther out counts as so far
 MARGIN_BITS = 16  # of the fraction of a margin
-OCTAVES_BEFORE = (1 << (OVER_BITS - RISE_BITS)) - 1  # as many rows as the rows of 1/d, less the first octave, are before m = 0
+OCTAVES_BEFORE = (1 << (OVER_BITS - RISE_BITS)) - 1  # octave m of y, from 1 on, begins at row 2^RISE_BITS (m + OCTAVES_BEFORE)
 HALF_MARGIN = 1 << (MARGIN_BITS - 1)
 
 

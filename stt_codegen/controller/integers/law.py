@@ -19,7 +19,7 @@ from stt_codegen.task import Task
 NARROW = 256  # units: a narrower tube counts as so wide
 ROOM = 64  # units by which the arithmetic moves both edges together at most, of a tube whose width matters
 ONE = 1 << 30
-LEAST_SIZE = ONE >> 4  # times |e|: the size of `push` is above that, for h above 0.43 2^16, r and the gain from 2^15 on
+LEAST_SIZE = ONE >> 4  # times |e|: the size of `push` is above that, h being above 0.43 2^16, r and the gain above 0.49 2^16
 LOOSE = Fraction(1, 1 << 13)  # above what 1/width is wrong by, relative
 
 
@@ -50,7 +50,7 @@ class FixedLaw:
 
     @cached_property
     def places(self) -> tuple[int, ...]:
-        """By row of the curve H, by how many places u moves up; at least 0."""
+        """By row of the curve H, by how many places u moves up; at least 0, for a row near y = 1 has one less than the first."""
         rows = rise_rows(self.octaves)
         return tuple(r.places - rows[0].places + 1 for r in rows)
 

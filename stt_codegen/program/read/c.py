@@ -153,9 +153,9 @@ def read_c(prefix: str, scalar: str, header: str, source: str) -> Program:
     """The Program of a .h and .c text. Raises `Unreadable` for C that no Program prints."""
     dimension = re.search(rf"^#define {prefix.upper()}_N (\d+)$", header, re.M)
     real = re.search(rf"^typedef (\w+) {prefix}_real;$", header, re.M)
-    if not dimension or (not real and "float" in header.replace("No floating", "")):
+    if not dimension or (not real and scalar != "fixed"):
         raise Unreadable("the header has no dimension or no scalar type")
-    kind = real.group(1) if real else "fixed"
+    kind = real.group(1) if real else scalar
     reader = _Reader(prefix, kind, int(dimension.group(1)))
     known = "typedef int int32_t; typedef unsigned uint32_t; typedef int bool; typedef char uint8_t; typedef short uint16_t;"
     known += f"typedef short int16_t; typedef {'int' if kind == 'fixed' else kind} {prefix}_real; typedef int {prefix}_status;\n"
