@@ -1,0 +1,86 @@
+(* the same with edges known to within err (as computed), measured states to within noise, and a law of relative error delta *)
+From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
+From Coquelicot Require Import Coquelicot.
+From Stt Require Import Tube Loop Speed Sampled Noisy SampledTube.
+Import ListNotations.
+Open Scope R_scope.
+
+Section SampledComputed.
+  Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
+  Hypothesis checked : check unit err depth k rows = true.
+  Hypothesis more : (positive (min_width k) && Qle_bool 0 err && forallb (fun i => steep (nth i Vs 0%Z) i rows) (seq 0 (n k)))%bool = true.
+  Let L (i : nat) (t : R) := lower unit k rows i t.
+  Let U (i : nat) (t : R) := upper unit k rows i t.
+  Let tc := Q2R (T k).
+  Variables (h : R) (N : nat) (gain gmin gmax F near far : nat -> R).
+  Variables x f g : nat -> R -> R.
+  Variables (noise delta : R) (L' U' : nat -> R -> R) (measured theta : nat -> nat -> R).
+  Let eta := Q2R err + noise.
+  Hypothesis near' : forall i t, (i < n k)%nat -> Rabs (L' i t - L i t) <= Q2R err /\ Rabs (U' i t - U i t) <= Q2R err.
+  Hypothesis sensor : forall p i, (p < N)%nat -> (i < n k)%nat -> Rabs (measured p i - x i (INR p * h)) <= noise.
+  Hypothesis arithmetic : forall p i, (p < N)%nat -> (i < n k)%nat -> Rabs (theta p i) <= delta.
+  Hypothesis noise_pos : 0 <= noise.
+  Hypothesis delta_range : 0 <= delta < 1.
+  Let D (i : nat) : R := at_ (hi (space k)) i - at_ (lo (space k)) i.
+  Let d : R := Q2R (min_width k).
+  Let largest (i : nat) : R := gain i * (2 / (near i - eta)) * ln (D i / (near i - eta)) * (1 + delta).
+  Hypothesis h_pos : 0 < h.
+  Hypothesis numbers : forall i, (i < n k)%nat -> 0 < gain i /\ 0 < gmin i /\ 0 <= F i /\ eta < near i /\ 2 * (far i + eta) <= d /\
+    F i + speed unit k rows Vs i <= gmin i * (1 - delta) * (gain i * / (far i + eta) * ln ((d - (far i + eta)) / (far i + eta))) /\
+    (F i + speed unit k rows Vs i + gmax i * largest i) * h <= far i - near i.
+  Hypothesis x_cont : forall i t, (i < n k)%nat -> continuity_pt (x i) t.
+  Hypothesis x_start : forall i, (i < n k)%nat -> x i 0 = at_ (x0 k) i /\ near i <= x i 0 - L i 0 /\ near i <= U i 0 - x i 0.
+  Let input (p i : nat) : R := law (gain i) (measured p i - L' i (INR p * h)) (U' i (INR p * h) - measured p i) * (1 + theta p i).
+  Hypothesis ode : forall p t, (p < N)%nat -> INR p * h < t < INR p * h + h ->
+    (forall i, (i < n k)%nat -> L i t < x i t < U i t) -> forall i, (i < n k)%nat ->
+    is_derive (x i) t (f i t + g i t * input p i) /\ Rabs (f i t) <= F i /\ gmin i <= g i t <= gmax i.
+
+  Theorem computed_reach_avoid_stay : forall p t, (p < N)%nat -> INR p * h <= t <= INR p * h + h ->
+    (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
+    (forall o, In o (unsafe k) -> exists i, (i < n k)%nat /\
+      (x i t < at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) < x i t)) /\
+    (tc <= t -> forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i t < at_ (hi (target k)) i).
+  Proof.
+    pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
+    rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
+    assert (E0 : 0 <= Q2R err) by (apply Qle_bool_iff, Qle_Rle in Er; unfold Q2R in Er at 1; cbn in Er; lra).
+    assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up). assert (Mw' := positive_ok _ Mw).
+    destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & P2 & P3 & P4 & P5).
+    { intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
+    assert (V0 : forall i, (i < n k)%nat -> 0 <= speed unit k rows Vs i).
+    { intros i Hi. unfold speed.
+      assert (0 <= IZR (nth i Vs 0%Z)).
+      { apply (V_nonneg rows (n k) i _ fst fst); auto. apply St, in_seq; lia. }
+      assert (0 <= INR (segments rows) / tc) by (apply Rmult_le_pos; [apply pos_INR|left; apply Rinv_0_lt_compat; exact Tp']).
+      apply Rmult_le_pos; [apply Rmult_le_pos; lra|easy]. }
+    assert (Lip : forall i, (i < n k)%nat -> lipschitz (speed unit k rows Vs i) (L i) /\ lipschitz (speed unit k rows Vs i) (U i)).
+    { intros i Hi; split; apply (edge_lip (n k)); auto; apply St, in_seq; lia. }
+    destruct (tube_sound unit err Up k rows depth checked L' U') as (W1 & _ & W3 & _ & _); [exact near'|].
+    assert (Keep : forall p t, (p < N)%nat -> INR p * h <= t <= INR p * h + h -> keeps (n k) near L U x t).
+    { apply (sampled_stays (n k) h N gmin gmax F (speed unit k rows Vs) near far largest L U x f g input); auto.
+      - intros i Hi; apply numbers, Hi.
+      - intros i Hi; split; [apply numbers, Hi|apply V0, Hi].
+      - intros i Hi. destruct (numbers i Hi) as (_ & _ & _ & ? & _). assert (0 <= eta); [|lra]. unfold eta. pose proof noise_pos. lra.
+      - intros i Hi; apply Lip, Hi.
+      - intros i Hi; apply Lip, Hi.
+      - intros i Hi; apply x_start, Hi.
+      - intros p Hp Kp i Hi. set (s := INR p * h) in *. destruct (Kp i Hi) as [K1 K2].
+        destruct (numbers i Hi) as (k0 & g0 & F0 & n0 & fd & Q1 & Q2).
+        destruct (W3 i s Hi) as [S1 S2]. assert (W := W1 i s Hi).
+        assert (Sn := sensor p i Hp Hi). fold s in Sn. destruct (near' i s Hi) as [N1 N2].
+        unfold input; fold s.
+        apply (noisy (gain i) (x i s - L i s) (U i s - x i s) _ _ (near i) (far i) d (D i) (gmin i) (F i) (speed unit k rows Vs i) eta delta); auto.
+        + apply Rabs_le_between in Sn, N1. apply Rabs_le. unfold eta; lra.
+        + apply Rabs_le_between in Sn, N2. apply Rabs_le. unfold eta; lra.
+        + unfold d, D; lra.
+        + pose proof (V0 i Hi); lra.
+      - intros i Hi; apply numbers, Hi. }
+    intros p t Hp Ht. assert (Kp := Keep p t Hp Ht).
+    assert (I : forall i, (i < n k)%nat -> L i t < x i t < U i t).
+    { intros i Hi. destruct (Kp i Hi). destruct (numbers i Hi) as (_ & _ & _ & ? & _). unfold eta in *; pose proof noise_pos; lra. }
+    split; [|split].
+    - intros i Hi. destruct (I i Hi), (P3 i t Hi). lra.
+    - intros o Ho. destruct (P4 o t Ho) as (i & Hi & Dj). exists i; split; [exact Hi|]. destruct (I i Hi). destruct Dj; [left|right]; lra.
+    - intros Htc i Hi. destruct (I i Hi), (P5 i t Hi Htc). lra.
+  Qed.
+End SampledComputed.
