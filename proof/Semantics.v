@@ -127,22 +127,34 @@ Section Semantics.
   Proof. split; [apply B2R_Bopp|apply is_finite_Bopp]. Qed.
 
   (* whole numbers up to 2^24 are floats *)
+  Lemma int_format z : (Z.abs z <= 2 ^ 24)%Z -> generic_format radix2 fexp (IZR z).
+  Proof.
+    intro H. assert (E : F2R (Float radix2 z 0) = IZR z) by (unfold F2R; cbn; ring).
+    destruct (Z.eq_dec (Z.abs z) (2 ^ 24)) as [Q|Q].
+    - assert (B : generic_format radix2 fexp (bpow radix2 24)).
+      { apply generic_format_bpow. unfold FLT_exp. assert (P := prec_lt_emax_). unfold Prec_lt_emax in *. lia. }
+      destruct (Z.abs_spec z) as [[_ Z1]|[_ Z1]]; rewrite Z1 in Q.
+      + rewrite Q. exact B.
+      + replace z with (- (2 ^ 24))%Z by lia. rewrite opp_IZR. now apply generic_format_opp.
+    - apply generic_format_FLT. exists (Float radix2 z 0); cbn [Fnum Fexp]; [now rewrite E| |assert (P := prec_lt_emax_); unfold Prec_lt_emax in *; lia].
+      apply Z.lt_le_trans with (2 ^ 24)%Z; [lia|]. change (radix_val radix2) with 2%Z. apply Z.pow_le_mono_r; lia.
+  Qed.
+  Lemma int_size z : (Z.abs z <= 2 ^ 24)%Z -> Rabs (IZR z) < bpow radix2 emax.
+  Proof.
+    intro H. rewrite <- abs_IZR. apply Rle_lt_trans with (bpow radix2 24); [|apply bpow_lt; lia].
+    change (bpow radix2 24) with (IZR (2 ^ 24)). now apply IZR_le.
+  Qed.
   Lemma of_int_ok z : (Z.abs z <= 2 ^ 24)%Z -> B2R (of_int z) = IZR z /\ is_finite (of_int z) = true.
   Proof.
     intro H. assert (C := binary_normalize_correct prec emax _ _ mode_NE z 0 false). cbv zeta in C. cbn [round_mode] in C.
     assert (E : F2R (Float radix2 z 0) = IZR z) by (unfold F2R; cbn; ring). rewrite E in C.
-    assert (G : generic_format radix2 fexp (IZR z)).
-    { destruct (Z.eq_dec (Z.abs z) (2 ^ 24)) as [Q|Q].
-      - assert (B : generic_format radix2 fexp (bpow radix2 24)).
-        { apply generic_format_bpow. unfold FLT_exp. assert (P := prec_lt_emax_). unfold Prec_lt_emax in *. lia. }
-        destruct (Z.abs_spec z) as [[_ Z1]|[_ Z1]]; rewrite Z1 in Q.
-        + rewrite Q. exact B.
-        + replace z with (- (2 ^ 24))%Z by lia. rewrite opp_IZR. now apply generic_format_opp.
-      - apply generic_format_FLT. exists (Float radix2 z 0); cbn [Fnum Fexp]; [now rewrite E| |assert (P := prec_lt_emax_); unfold Prec_lt_emax in *; lia].
-        apply Z.lt_le_trans with (2 ^ 24)%Z; [lia|]. change (radix_val radix2) with 2%Z. apply Z.pow_le_mono_r; lia. }
-    unfold of_int. match type of C with context [round radix2 ?f ?r (IZR z)] => change (round radix2 f r (IZR z)) with (rnd (IZR z)) in C end. rewrite (rnd_format _ G) in C. rewrite Rlt_bool_true in C; [tauto|].
-    rewrite <- abs_IZR. apply Rle_lt_trans with (bpow radix2 24); [|apply bpow_lt; lia].
-    change (bpow radix2 24) with (IZR (2 ^ 24)). now apply IZR_le.
+    unfold of_int. match type of C with context [round radix2 ?f ?r (IZR z)] => change (round radix2 f r (IZR z)) with (rnd (IZR z)) in C end.
+    rewrite (rnd_format _ (int_format z H)) in C. rewrite Rlt_bool_true in C; [tauto|now apply int_size].
+  Qed.
+  Lemma whole_literal d z : (Z.abs z <= 2 ^ 24)%Z -> (decimal_value d == inject_Z z)%Q -> B2R (decimal_number d) = IZR z /\ is_finite (decimal_number d) = true.
+  Proof.
+    intros H E. assert (V : Q2R (decimal_value d) = IZR z) by (rewrite (Qeq_eqR _ _ E); unfold Q2R, inject_Z; cbn; lra).
+    assert (C := decimal_number_ok d). rewrite V, (rnd_format _ (int_format z H)) in C. apply C. now apply int_size.
   Qed.
   Lemma to_int_ok (x : number) : Btrunc x = Ztrunc (B2R x).
   Proof.
