@@ -77,17 +77,17 @@ def words(facts: Facts) -> str:
         "dimension. At t = 0 they are in the initial set, and the initial state is between them. From t = "
         f"{t_c} s on they are in the target set.",
         "2. The closed loop in continuous time. Take any plant xdot_i = f_i + g_i u_i, i = 1 .. n, whose |f_i| (drift and "
-        "disturbance) is bounded along the trajectory, and whose g_i is at least some positive number; neither bound need be known. "
-        "Let u be the law (13) of the exact tube, without limits and without rounding, with the gain of the certificate. Then every "
-        f"trajectory that begins strictly inside the tube is, until t = {t_c} s, in the state space, and the clearance away from "
-        f"every unsafe set; at t = {t_c} s it is in the target set.",
+        "disturbance) is bounded along the trajectory, and whose g_i is at least some positive number; neither bound need be "
+        "known. Let u be the law (13) of the exact tube, without limits and without rounding, with the gain of the certificate. "
+        f"Then every trajectory that begins strictly inside the tube is, until t = {t_c} s, in the state space, and the "
+        f"clearance away from every unsafe set; at t = {t_c} s it is in the target set.",
     ]
     told += [
         "State space and unsafe sets have the body added. "
         f"Unsafe sets: {', '.join(_plain(name) for name, _ in facts.unsafe) or 'none'}.",
-        "What connects these with the C: the table, the constants of time, and the statements of `basis` and `blend` are those of "
-        "the C text, found by the stand-alone checker's reader; that `segment`, loops and indices use them so is the checker's "
-        "word. Assumed: IEEE-754 arithmetic without contraction, and that no number overflows.",
+        "What connects these with the C: the table, the constants of time, and the statements of `basis` and `blend` are those "
+        "of the C text, found by the stand-alone checker's reader; that `segment`, loops and indices use them so is the "
+        "checker's word. Assumed: IEEE-754 arithmetic without contraction, and that no number overflows.",
     ]
     if facts.ticks:
         told.append("Times in ticks are not meant: statement 1 is about the function that takes seconds.")
