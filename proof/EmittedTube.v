@@ -1,4 +1,4 @@
-(* P1 to P5 for what the emitted single precision code computes, all decided by evaluation *)
+(* P1 to P5 for what the emitted code computes, all of it decided by evaluation. *)
 From Coq Require Import ZArith QArith Qreals Qabs Qminmax Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.
 From Coquelicot Require Import Coquelicot.
@@ -23,19 +23,19 @@ Qed.
 Definition largest_of (unit : Q) (rows : table) : Q :=
   Qred (unit * inject_Z (fold_right (fun r m => fold_right (fun p m => Z.max (Z.abs (fst p)) (Z.max (Z.abs (snd p)) m)) m r) 0%Z rows)).
 
-Definition emitted_check (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q) : bool :=
+(* P7: that the arithmetic moves no edge by more than err. late: what the emitted spline time may be wrong by. *)
+Definition rounding_check (format : format) (unit err : Q) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q) : bool :=
   let K := inject_Z (Z.of_nat (segments rows)) in
   let c := dyadic (rate_m s) (rate_e s) in
   let last := dyadic (last_m s) (last_e s) in
   let big := largest_of unit rows in
-  check unit err depth k rows && positive (min_width k) && positive unit && positive (T k) &&
-  forallb (fun i => steep (nth i Vs 0%Z) i rows) (seq 0 (n k)) &&
-  Qle_bool 0 c && Qle_bool 0 last && positive (K - last) && Qle_bool (K - last) late &&
-  (Z.abs (last_m s) <? 2 ^ 24)%Z && (-149 <=? last_e s)%Z &&
-  Qle_bool (T k * Qabs (c - K / T k) + (T k * c * ulp32 + tiny32)) late &&
+  let early := (K / T k * (T k * half_ulp format + half_least format))%Q in
+  Qle_bool 0 c && Qle_bool 0 last && positive (K - last) && Qle_bool (K - last + early) late &&
+  (Z.abs (last_m s) <? 2 ^ precision format)%Z && (least_exponent format <=? last_e s)%Z &&
+  Qle_bool (T k * Qabs (c - K / T k) + (T k * c * half_ulp format + half_least format) + early) late &&
   forallb (forallb (fun p => Qle_bool (Qabs (unit * inject_Z (fst p))) big && Qle_bool (Qabs (unit * inject_Z (snd p))) big)) rows &&
   Qle_bool 0 big &&
-  match evaluation_error big with
+  match evaluation_error format big with
   | Some e => forallb (fun i => Qle_bool (e + unit * (3 * inject_Z (nth i Vs 0%Z) * late)) err) (seq 0 (n k))
   | None => false
   end.
@@ -44,15 +44,20 @@ Lemma Qle_bool_R a b : Qle_bool a b = true -> Q2R a <= Q2R b.
 Proof. intro H. now apply Qle_Rle, Qle_bool_iff. Qed.
 
 Section EmittedTube.
-  Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q).
-  Hypothesis ok : emitted_check unit err depth k rows Vs s late = true.
+  Variables (format : format) (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q).
+  Hypothesis checked : check unit err depth k rows = true.
+  Hypothesis more : slopes err k rows Vs = true.
+  Hypothesis rounding : rounding_check format unit err k rows Vs s late = true.
 
   (* what the C function `tube` stores, as real numbers *)
   Definition emitted (side : Z * Z -> Z) (i : nat) (t : R) : R :=
-    emitted_edge rows (Q2R unit) (F2R (Float radix2 (rate_m s) (rate_e s))) (F2R (Float radix2 (last_m s) (last_e s))) side i t.
+    emitted_edge format rows (Q2R unit) (F2R (Float radix2 (rate_m s) (rate_e s))) (F2R (Float radix2 (last_m s) (last_e s))) side i t.
 
-  Let L := emitted fst.
-  Let U := emitted snd.
+  (* A clock that is right, or right but for one rounding to the format. *)
+  Variable clock : R -> R.
+  Hypothesis clock_reads : forall t, reads format (clock t) t.
+  Let L i t := emitted fst i (clock t).
+  Let U i t := emitted snd i (clock t).
 
   Theorem emitted_tube_sound :
     (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
@@ -62,10 +67,12 @@ Section EmittedTube.
                (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
     (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
   Proof.
-    pose proof ok as H. unfold emitted_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
-    destruct H as [[[[[[[[[[[[[[Ch Mw] Up] Tp] Stp] Cz] Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
+    pose proof rounding as H. unfold rounding_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
+    destruct H as [[[[[[[[[Cz Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
+    pose proof checked as Ch. pose proof more as Mo. unfold slopes in Mo. rewrite !andb_true_iff in Mo. destruct Mo as [_ Stp].
+    assert (Ch2 := Ch). unfold check in Ch2. cbv zeta in Ch2. rewrite !andb_true_iff in Ch2. destruct Ch2 as [[[Up Tp] _] _].
     rewrite forallb_forall in Stp.
-    destruct (evaluation_error (largest_of unit rows)) as [e|] eqn:E; [|easy].
+    destruct (evaluation_error format (largest_of unit rows)) as [e|] eqn:E; [|easy].
     rewrite forallb_forall in Ev. rewrite forallb_forall in Bd.
     assert (Rg : regular (n k) rows = true) by (unfold check in Ch; cbv zeta in Ch; rewrite !andb_true_iff in Ch; apply Ch).
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up).
@@ -73,8 +80,8 @@ Section EmittedTube.
     apply Qle_bool_R in Cz, Lz, LL, Rate, Bz. apply positive_ok in LK. rewrite Z0 in *.
     assert (KR : Q2R (inject_Z (Z.of_nat (segments rows))) = INR (segments rows)) by (now rewrite Q2R_Z, <- INR_IZR_INZ).
     assert (Tn : ~ (T k == 0)%Q) by (intro Q; apply Qeq_eqR in Q; rewrite Z0 in Q; lra).
-    rewrite Q2R_minus, KR in LK, LL.
-    rewrite !Q2R_plus, !Q2R_mult, Q2R_abs, Q2R_minus, Q2R_div, KR in Rate by exact Tn.
+    rewrite Q2R_minus, KR in LK. rewrite !Q2R_plus, !Q2R_mult, Q2R_minus, !Q2R_plus, Q2R_div, KR, Q2R_mult in LL by exact Tn.
+    rewrite !Q2R_plus, !Q2R_mult, Q2R_abs, Q2R_minus, !Q2R_plus, !Q2R_div, !Q2R_mult, KR in Rate by exact Tn.
     rewrite dyadic_ok in *.
     assert (Bounded : forall side i j, side = fst \/ side = snd ->
       Rabs (Q2R unit * IZR (nth j (column side i rows) 0%Z)) <= Q2R (largest_of unit rows)).
@@ -89,7 +96,7 @@ Section EmittedTube.
       apply Qle_bool_R in B1, B2. rewrite Q2R_abs, Q2R_mult, Q2R_Z in B1, B2.
       destruct Sd as [->| ->]; assumption. }
     apply (tube_sound unit err Up k rows depth Ch).
-    assert (Lf : generic_format radix2 (FLT_exp (-149) 24) (F2R (Float radix2 (last_m s) (last_e s)))).
+    assert (Lf : generic_format radix2 (fexp format) (F2R (Float radix2 (last_m s) (last_e s)))).
     { apply generic_format_FLT. exists (Float radix2 (last_m s) (last_e s)); [reflexivity|now apply Z.ltb_lt|now apply Z.leb_le]. }
     intros i t Hi.
     assert (Ei : Q2R e + Q2R unit * (3 * IZR (nth i Vs 0%Z) * Q2R late) <= Q2R err).

@@ -143,27 +143,54 @@ Section Analysis.
   Qed.
 End Analysis.
 
-(* ------------------------------------------------------------------ IEEE single precision, rounding to nearest even *)
+(* ------------------------------------------------------------------ IEEE single and double precision, rounding to nearest even *)
 
-Definition single : R -> R := round radix2 (FLT_exp (-149) 24) ZnearestE.
-Definition ulp32 : Q := 1 # 16777216.
-Definition tiny32 : Q := 1 # 2 ^ 150.
+(* Overflow is no part of these formats: a result is finite where it stays below the largest number of the format. *)
+Inductive format := Single | Double.
+Definition precision (f : format) : Z := match f with Single => 24 | Double => 53 end.
+Definition least_exponent (f : format) : Z := match f with Single => -149 | Double => -1074 end.
+Definition fexp (f : format) : Z -> Z := FLT_exp (least_exponent f) (precision f).
+Definition to_format (f : format) : R -> R := round radix2 (fexp f) ZnearestE.
+Definition single : R -> R := to_format Single.
 
-Lemma single_ok x : Rabs (single x - x) <= Rabs x * Q2R ulp32 + Q2R tiny32.
+(* A rounding loses at most this share of the value, and half of the least subnormal number. *)
+Definition half_ulp (f : format) : Q := match f with Single => 1 # 2 ^ 24 | Double => 1 # 2 ^ 53 end.
+Definition half_least (f : format) : Q := match f with Single => 1 # 2 ^ 150 | Double => 1 # 2 ^ 1075 end.
+
+Global Instance fexp_valid f : Valid_exp (fexp f).
+Proof. destruct f; now apply FLT_exp_valid. Qed.
+
+Lemma Q2R_unit p : Q2R (1 # p) = / IZR (Z.pos p). Proof. unfold Q2R; cbn [Qnum Qden]; lra. Qed.
+Lemma half_power p : / IZR (Z.pos (2 ^ p)) = bpow radix2 (- Z.pos p).
+Proof. rewrite bpow_opp. f_equal. rewrite Pos2Z.inj_pow. now apply (IZR_Zpower radix2 (Z.pos p)). Qed.
+Lemma half_ulp_value f : Q2R (half_ulp f) = bpow radix2 (- precision f).
+Proof. destruct f; unfold half_ulp; rewrite Q2R_unit; apply half_power. Qed.
+Lemma half_least_value f : Q2R (half_least f) = bpow radix2 (least_exponent f - 1).
+Proof. destruct f; unfold half_least; rewrite Q2R_unit; apply half_power. Qed.
+Lemma half_ulp_range f : 0 <= Q2R (half_ulp f) <= 1.
 Proof.
-  destruct (error_N_FLT radix2 (-149) 24 ltac:(lia) (fun x => negb (Z.even x)) x) as (e & t & He & Ht & _ & E).
-  unfold single. rewrite E. replace (x * (1 + e) + t - x) with (x * e + t) by ring.
+  rewrite half_ulp_value. split; [apply bpow_ge_0|]. apply (bpow_le radix2 _ 0). destruct f; cbn; lia.
+Qed.
+Lemma half_least_pos f : 0 <= Q2R (half_least f).
+Proof. rewrite half_least_value. apply bpow_ge_0. Qed.
+
+Lemma to_format_ok f x : Rabs (to_format f x - x) <= Rabs x * Q2R (half_ulp f) + Q2R (half_least f).
+Proof.
+  assert (P : (0 < precision f)%Z) by (destruct f; reflexivity).
+  destruct (error_N_FLT radix2 (least_exponent f) (precision f) P (fun x => negb (Z.even x)) x) as (e & t & He & Ht & _ & E).
+  unfold to_format, fexp. rewrite E. replace (x * (1 + e) + t - x) with (x * e + t) by ring.
   eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult. apply Rplus_le_compat.
-  - apply Rmult_le_compat_l; [apply Rabs_pos|]. apply Rle_trans with (1 := He). right. unfold Q2R, ulp32. cbn. lra.
-  - apply Rle_trans with (1 := Ht). right. unfold Q2R, tiny32.
-    change (-149)%Z with (-149)%Z. cbn -[IZR Rinv Rmult]. lra.
+  - apply Rmult_le_compat_l; [apply Rabs_pos|]. apply Rle_trans with (1 := He). right. rewrite half_ulp_value.
+    change (/ 2) with (bpow radix2 (- (1))). rewrite <- bpow_plus. f_equal; ring.
+  - apply Rle_trans with (1 := Ht). right. rewrite half_least_value.
+    change (/ 2) with (bpow radix2 (- (1))). rewrite <- bpow_plus. f_equal; ring.
 Qed.
 
 (* u - floor u is exact *)
-Lemma place_exact u k : generic_format radix2 (FLT_exp (-149) 24) u -> IZR k <= u < IZR k + 1 -> (0 <= k)%Z -> single (u - IZR k) = u - IZR k.
+Lemma place_exact f u k : generic_format radix2 (fexp f) u -> IZR k <= u < IZR k + 1 -> (0 <= k)%Z -> to_format f (u - IZR k) = u - IZR k.
 Proof.
-  intros G H K0. unfold single. apply round_generic; [apply valid_rnd_N|].
-  apply FLT_format_generic in G; [|easy]. destruct G as [[m e] E M X]; cbn [Fnum Fexp] in *.
+  intros G H K0. unfold to_format. apply round_generic; [apply valid_rnd_N|].
+  apply FLT_format_generic in G; [|destruct f; reflexivity]. destruct G as [[m e] E M X]; cbn [Fnum Fexp] in *.
   unfold F2R in E; cbn [Fnum Fexp] in E.
   destruct (Z_le_gt_dec e 0) as [e0|e0].
   - apply generic_format_FLT. exists (Float radix2 (m - k * 2 ^ (- e)) e); cbn [Fnum Fexp]; [|  |exact X].
@@ -205,16 +232,16 @@ Definition basis_blend : list stmt := [
   Stmt Add (V 19) (V 22)  (* 23 *)
 ].
 
-Definition evaluation_error (largest : Q) : option Q :=
-  match analyse ulp32 tiny32 basis_blend
+Definition evaluation_error (f : format) (largest : Q) : option Q :=
+  match analyse (half_ulp f) (half_least f) basis_blend
           [Known 0 1 0; Known (- largest) largest 0; Known (- largest) largest 0; Known (- largest) largest 0; Known (- largest) largest 0] with
   | Some out => option_map error (nth_error out 23)
   | None => None
   end.
 
-Theorem evaluation_ok largest e s a b c d : evaluation_error largest = Some e -> 0 <= s <= 1 ->
+Theorem evaluation_ok f largest e s a b c d : evaluation_error f largest = Some e -> 0 <= s <= 1 ->
   Rabs a <= Q2R largest -> Rabs b <= Q2R largest -> Rabs c <= Q2R largest -> Rabs d <= Q2R largest ->
-  Rabs (nth 23 (exec single basis_blend [s; a; b; c; d]) 0 -
+  Rabs (nth 23 (exec (to_format f) basis_blend [s; a; b; c; d]) 0 -
     (a * (1 - s)^3 + b * (3*s^3 - 6*s^2 + 4) + c * (- 3*s^3 + 3*s^2 + 3*s + 1) + d * s^3)) <= Q2R e.
 Proof.
   intros E Hs Ha Hb Hc Hd. unfold evaluation_error in E.
@@ -223,7 +250,7 @@ Proof.
   assert (M : forall x, Rabs x <= Q2R largest -> means (Known (- largest) largest 0) x x).
   { intros x Hx; unfold means; cbn [low high error]. rewrite Q2R_opp, Z0, Rminus_diag_eq, Rabs_R0 by reflexivity.
     apply Rabs_le_between in Hx; lra. }
-  assert (S := analyse_sound ulp32 tiny32 single single_ok ltac:(unfold Q2R, ulp32; cbn; lra) _ _ [s; a; b; c; d] [s; a; b; c; d] _ A).
+  assert (S := analyse_sound (half_ulp f) (half_least f) (to_format f) (to_format_ok f) ltac:(apply half_ulp_range) _ _ [s; a; b; c; d] [s; a; b; c; d] _ A).
   destruct (nth_error out 23) as [k|] eqn:N; [|easy]. cbn in E. injection E as <-.
   assert (H3 : All3 [Known 0 1 0; Known (- largest) largest 0; Known (- largest) largest 0; Known (- largest) largest 0;
                      Known (- largest) largest 0] [s; a; b; c; d] [s; a; b; c; d]).

@@ -8,7 +8,7 @@ Open Scope R_scope.
 Section SampledComputed.
   Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
   Hypothesis checked : check unit err depth k rows = true.
-  Hypothesis more : (positive (min_width k) && Qle_bool 0 err && forallb (fun i => steep (nth i Vs 0%Z) i rows) (seq 0 (n k)))%bool = true.
+  Hypothesis more : slopes err k rows Vs = true.
   Let L (i : nat) (t : R) := lower unit k rows i t.
   Let U (i : nat) (t : R) := upper unit k rows i t.
   Let tc := Q2R (T k).
@@ -42,7 +42,7 @@ Section SampledComputed.
     (tc <= t -> forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i t < at_ (hi (target k)) i).
   Proof.
     pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
-    rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
+    unfold slopes in more. rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
     assert (E0 : 0 <= Q2R err) by (apply Qle_bool_iff, Qle_Rle in Er; unfold Q2R in Er at 1; cbn in Er; lra).
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up). assert (Mw' := positive_ok _ Mw).
     destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & P2 & P3 & P4 & P5).

@@ -11,6 +11,10 @@ Definition flat (V : Z) (c : bez) : bool :=
 Definition steep (V : Z) (i : nat) (rows : table) : bool :=
   forallb (fun p => let c := nth i p (zero_bez, zero_bez) in flat V (fst c) && flat V (snd c)) (pieces rows).
 
+(* What reach_avoid_stay and its followers ask beyond `check`, also decided by evaluation. *)
+Definition slopes (err : Q) (k : task) (rows : table) (Vs : list Z) : bool :=
+  (positive (min_width k) && Qle_bool 0 err && forallb (fun i => steep (nth i Vs 0%Z) i rows) (seq 0 (n k)))%bool.
+
 Lemma Zabs_IZR a V : (Z.abs a <= V)%Z -> - IZR V <= IZR a <= IZR V.
 Proof. intro H; apply Z.abs_le in H; rewrite <- opp_IZR; split; apply IZR_le; lia. Qed.
 
@@ -153,7 +157,7 @@ Qed.
 Section ReachAvoidStay.
   Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
   Hypothesis checked : check unit err depth k rows = true.
-  Hypothesis more : (positive (min_width k) && Qle_bool 0 err && forallb (fun i => steep (nth i Vs 0%Z) i rows) (seq 0 (n k)))%bool = true.
+  Hypothesis more : slopes err k rows Vs = true.
 
   Let L (i : nat) (t : R) := lower unit k rows i t.
   Let U (i : nat) (t : R) := upper unit k rows i t.
@@ -164,7 +168,7 @@ Section ReachAvoidStay.
   Hypothesis gain_pos : forall i, (i < n k)%nat -> 0 < gain i.
   Hypothesis gmin_pos : forall i, (i < n k)%nat -> 0 < gmin i.
   Hypothesis x_cont : forall i t, (i < n k)%nat -> continuity_pt (x i) t.
-  Hypothesis x_start : forall i, (i < n k)%nat -> x i 0 = at_ (x0 k) i.
+  Hypothesis x_start : forall i, (i < n k)%nat -> L i 0 < x i 0 < U i 0.
   Hypothesis ode : forall t, 0 < t < tc -> (forall i, (i < n k)%nat -> L i t < x i t < U i t) -> forall i, (i < n k)%nat ->
     is_derive (x i) t (f i t + g i t * law (gain i) (x i t - L i t) (U i t - x i t)) /\
     Rabs (f i t) <= F i /\ gmin i <= g i t.
@@ -176,7 +180,7 @@ Section ReachAvoidStay.
     (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i tc < at_ (hi (target k)) i).
   Proof.
     pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
-    rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
+    unfold slopes in more. rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
     assert (E0 : 0 <= Q2R err) by (apply Qle_bool_iff, Qle_Rle in Er; unfold Q2R in Er at 1; cbn in Er; lra).
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up). assert (Mw' := positive_ok _ Mw).
     destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & P2 & P3 & P4 & P5).
@@ -186,7 +190,7 @@ Section ReachAvoidStay.
       apply (stays_inside (n k) tc gain gmin F v (fun _ => Q2R (min_width k)) L U x f g); auto.
       - intros i Hi. unfold v. apply (edge_lip (n k)); auto. apply St, in_seq; lia.
       - intros i Hi. unfold v. apply (edge_lip (n k)); auto. apply St, in_seq; lia.
-      - intros i Hi. rewrite x_start by exact Hi. apply P2, Hi. }
+      }
     split; [|split].
     - intros t i Ht Hi. destruct (In_ t Ht i Hi), (P3 i t Hi). lra.
     - intros t o Ht Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|].
