@@ -3,6 +3,7 @@
 From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
+From Stt Require HeldLaw.
 From Stt Require Import Loop Syntax Run Emission Control Semantics.
 Open Scope R_scope.
 
@@ -482,8 +483,8 @@ Section Machine.
     nra.
   Qed.
 
-  (* the emitted law is the law (13) with e clamped, up to 32 u in relative terms and in epsilon *)
-  Theorem law_ok : Rabs (value (push A k L U x) - clamped_law c gain_ a b) <= 32 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k L U x) = true.
+  (* the emitted law is the law (13) with e clamped, up to 30 u in relative terms and in epsilon *)
+  Theorem law_ok : Rabs (value (push A k L U x) - clamped_law c gain_ a b) <= 30 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k L U x) = true.
   Proof.
     destruct push_close as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
     destruct nearer_ok as [N1 N2]. destruct sizes as (S1 & S2 & S3 & S4).
@@ -512,5 +513,48 @@ Section Machine.
       replace (value (push A k L U x) - -1 * (gain_ * X * E)) with ((value (push A k L U x) - 1 * (gain_ * X * E)) + 2 * (gain_ * X * E)) by ring.
       eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (2 * (gain_ * X * E))) by nra.
       assert (gain_ * X * E <= gain_ * X * (3 * u)) by (apply Rmult_le_compat_l; lra). nra.
+  Qed.
+
+  (* the same as an error of the factor and an error of the logarithm, as the certificate counts it *)
+  Theorem law_acts : HeldLaw.acts gain_ c (32 * u) None a b (value (push A k L U x)) /\ is_finite (push A k L U x) = true.
+  Proof.
+    destruct law_ok as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
+    set (w := value (push A k L U x)) in *. assert (Kp : 0 < gain_ * X) by nra.
+    set (sign := if Rlt_dec b a then -1 else 1). assert (Sg : sign * sign = 1 /\ Rabs sign = 1).
+    { unfold sign. destruct (Rlt_dec b a); split; try ring; [rewrite Rabs_left; lra|apply Rabs_R1]. }
+    assert (Law : clamped_law c gain_ a b = sign * (gain_ * X * E)).
+    { unfold clamped_law, sign. cbv zeta. fold S. fold m. fold N. fold F. fold X. fold E. destruct (Rlt_dec b a); ring. }
+    rewrite Law in P. set (d := (sign * w / (gain_ * X) - E) / (1 + E)).
+    assert (D : Rabs d <= 30 * u).
+    { unfold d. assert (Q : sign * w / (gain_ * X) - E = sign * (w - sign * (gain_ * X * E)) * / (gain_ * X)).
+      { replace (sign * (w - sign * (gain_ * X * E))) with (sign * w - sign * sign * (gain_ * X * E)) by ring. destruct Sg as [-> _]. field. lra. }
+      rewrite Q. unfold Rdiv. rewrite !Rabs_mult. destruct Sg as [_ ->].
+      rewrite (Rabs_pos_eq (/ (gain_ * X))) by (left; apply Rinv_0_lt_compat; lra). rewrite (Rabs_pos_eq (/ (1 + E))) by (left; apply Rinv_0_lt_compat; lra).
+      apply (Rmult_le_reg_r ((gain_ * X) * (1 + E))); [apply Rmult_lt_0_compat; lra|].
+      replace (1 * Rabs (w - sign * (gain_ * X * E)) * / (gain_ * X) * / (1 + E) * (gain_ * X * (1 + E))) with (Rabs (w - sign * (gain_ * X * E))) by (field; lra).
+      eapply Rle_trans; [exact P|]. right; ring. }
+    assert (Db := D). apply Rabs_le_between in Db.
+    assert (W : w = sign * (gain_ * X * (1 + d) * (E + d / (1 + d)))).
+    { replace (gain_ * X * (1 + d) * (E + d / (1 + d))) with (gain_ * X * (E + d * (1 + E))) by (field; lra). unfold d.
+      replace ((sign * w / (gain_ * X) - E) / (1 + E) * (1 + E)) with (sign * w / (gain_ * X) - E) by (field; lra).
+      replace (sign * (gain_ * X * (E + (sign * w / (gain_ * X) - E)))) with (sign * sign * w) by (field; lra). destruct Sg as [-> _]. ring. }
+    exists d, (d / (1 + d)). split; [lra|split].
+    - unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ (1 + d))) by (left; apply Rinv_0_lt_compat; lra).
+      apply (Rmult_le_reg_r (1 + d)); [lra|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. nra.
+    - unfold HeldLaw.clamp. rewrite W. unfold HeldLaw.magnitude, HeldLaw.nearer. fold S. fold m. fold N. fold F. fold E. unfold HeldLaw.side, sign, X. destruct (Rlt_dec b a); ring.
+  Qed.
+
+  (* and the machine knows whether the state is inside *)
+  Theorem within_ok : is_within A L U x = true <-> 0 < a /\ 0 < b.
+  Proof.
+    destruct nearest_ok as [M1 M2]. assert (Z0 : value (decimal_number prec emax _ _ zero) = 0) by reflexivity.
+    assert (H := less_ok prec emax (decimal_number prec emax _ _ zero) (nearest A L U x) eq_refl M2). rewrite Z0, M1 in H.
+    unfold is_within. change (less A (literal A zero) (nearest A L U x)) with (Bltb (decimal_number prec emax _ _ zero) (nearest A L U x)). rewrite H.
+    assert (R : 0 < rnd m <-> 0 < m).
+    { split; intro Q.
+      - apply Rnot_le_lt; intro C. apply (rnd_le prec emax prec_gt_0_) in C. rewrite rnd_0 in C. lra.
+      - assert (D : Rabs (rnd m - m) <= u * Rabs m) by (unfold m, Rmin; destruct (Rle_dec a b); apply rnd_difference; try apply number_format; assumption).
+        rewrite (Rabs_pos_eq m) in D by lra. apply Rabs_le_between in D. pose proof u_small as Us. nra. }
+    rewrite R. unfold m, Rmin. destruct (Rle_dec a b); lra.
   Qed.
 End Machine.
