@@ -246,17 +246,14 @@ End Callers.
 
 (* ------------------------------------------------------------------ the whole text *)
 
-(* how the parsed file relates to the constants of a design: exactly these functions of those that matter, and one table *)
-Definition is_emission (k : constants) (table : list decimal) (s : source) : Prop :=
-  functions (keep s) = emitted k /\ tables s = [("@coefficients", table)].
-
 Section Execute.
   Variable A : arithmetic.
   Variables (k : constants) (coefficients : list decimal).
   Notation F := (float A).
   Let n := dimensions k.
   Variables (t : F) (segment K : Z) (x : Z -> F).
-  Let program := Source [] [("@coefficients", coefficients)] (emitted k).
+  Variable lines : list string. (* directives, which the evaluator does not read *)
+  Let program := Source lines [("@coefficients", coefficients)] (emitted k).
   Hypothesis segment_ok : to_integer A (spline_time A k t) = Some segment.
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
