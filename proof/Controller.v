@@ -99,7 +99,6 @@ Section Controller.
   Variables (t : number) (x : nat -> number).
   Hypothesis finite_t : is_finite t = true.
   Hypothesis finite_x : forall i, (i < n task)%nat -> is_finite (x i) = true.
-  Hypothesis size_t : Rabs (value t) <= 1073741824.
   Hypothesis size_x : forall i, (i < n task)%nat -> Rabs (value (x i)) <= 1073741824.
   (* times are right but for one rounding *)
   Variable tau : R.
@@ -219,14 +218,14 @@ Section Controller.
     { intros side j z Hj Hs ->. now apply coefficient_ok. }
     split.
     - unfold Lf, Control.lower. cbv zeta.
-      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t size_t i fst).
+      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i fst).
       + apply (G 0%Z 0%nat); [lia|now left|ring].
       + apply (G 0%Z 1%nat); [lia|now left|ring].
       + apply (G 0%Z 2%nat); [lia|now left|ring].
       + apply (G 0%Z 3%nat); [lia|now left|ring].
       + intro j. apply Ts. now left.
     - unfold Uf, Control.upper. cbv zeta.
-      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t size_t i snd).
+      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i snd).
       + apply (G 1%Z 0%nat); [lia|now right|ring].
       + apply (G 1%Z 1%nat); [lia|now right|ring].
       + apply (G 1%Z 2%nat); [lia|now right|ring].
@@ -258,7 +257,7 @@ Section Controller.
     destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
     assert (Nd : number_of_dimensions k = n task) by (unfold number_of_dimensions; rewrite D; apply Nat2Z.id).
     destruct (control_executes A k coefficients t seg (Z.of_nat K) xs lines) as (out & E & St).
-    - apply (segment_machine f log_ k rows cs ls Rv Lv Rs Ls t finite_t size_t).
+    - apply (segment_machine f log_ k rows cs ls Rv Lv Rs Ls t finite_t).
     - apply (segment_range f rows cs ls Rs Ls t).
     - rewrite D in *. lia.
     - rewrite D, Ml, Kl. nia.

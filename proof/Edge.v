@@ -1,5 +1,5 @@
 (* The edges that the emitted control computes, against the exact spline: P7 for any precision, from the machine's own operations. *)
-From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
+From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz SpecFloat.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
 From Stt Require Import Tube Loop Speed Rounding Emitted Syntax Run Emission Control Semantics.
@@ -149,7 +149,6 @@ Section Format.
 
   Variable t : number.
   Hypothesis finite_t : is_finite t = true.
-  Hypothesis size_t : Rabs (value t) <= 1073741824.
 
   Let time := Control.spline_time A k t.
   Lemma time_machine : value time = time_of (value t) /\ is_finite time = true.
@@ -166,12 +165,31 @@ Section Format.
       - exfalso; apply Q, H; reflexivity.
       - apply H in Q. discriminate. }
     set (st := if Bltb z t then t else z) in *. destruct St as [S1 S2].
-    assert (Ss : sized 30 st).
-    { split; [exact S2|]. rewrite S1. change (bpow radix2 30) with 1073741824. destruct Rlt_dec; [exact size_t|rewrite Rabs_R0; lra]. }
-    assert (Sr : sized 30 r) by (split; [exact C2|rewrite C1; change (bpow radix2 30) with 1073741824; apply Rabs_le; lra]).
-    destruct (mul_sized prec emax _ _ prec_large emax_large 30 30 st r Ss Sr ltac:(lia)) as [M1 [M2 _]]. rewrite rnd_format_of in M1.
-    assert (H := less_ok prec emax (Bmult mode_NE st r) l M2 L2). rewrite M1, L1, S1, C1 in H.
+    assert (S0 : 0 <= value st) by (rewrite S1; destruct Rlt_dec; lra).
     change (value (if Bltb (Bmult mode_NE st r) l then Bmult mode_NE st r else l) = time_of (value t) /\ is_finite (if Bltb (Bmult mode_NE st r) l then Bmult mode_NE st r else l) = true).
+    assert (M := Bmult_correct prec emax _ _ mode_NE st r). cbn [round_mode] in M.
+    match type of M with context [round radix2 ?e ?m (value st * value r)] => change (round radix2 e m (value st * value r)) with (Semantics.rnd prec emax (value st * value r)) in M end.
+    destruct (Rlt_bool_spec (Rabs (Semantics.rnd prec emax (value st * value r))) (bpow radix2 emax)) as [Fits|Over].
+    2: { (* where the product overflows, time is past the end anyway *)
+      assert (Rn : 0 <= Semantics.rnd prec emax (value st * value r)).
+      { rewrite <- (rnd_0 prec emax). apply rnd_le; [exact pos_|]. apply Rmult_le_pos; [exact S0|rewrite C1; lra]. }
+      rewrite (Rabs_pos_eq _ Rn) in Over.
+      assert (Big : last_ < bpow radix2 emax).
+      { rewrite <- L1. eapply Rle_lt_trans; [apply Rle_abs|]. apply abs_B2R_lt_emax. }
+      assert (Nz : 0 < value st /\ 0 < value r).
+      { assert (P : 0 < value st * value r).
+        { apply Rnot_le_lt; intro Q. apply (rnd_le prec emax pos_) in Q. rewrite rnd_0 in Q. pose proof (bpow_gt_0 radix2 emax). lra. }
+        rewrite C1 in *. assert (value st <> 0) by (intro Q; rewrite Q, Rmult_0_l in P; lra). assert (c <> 0) by (intro Q; rewrite Q, Rmult_0_r in P; lra). lra. }
+      assert (Sgn : forall v : number, 0 < value v -> Bsign v = false).
+      { intros [sv|sv| |sv mv ev Hv] Q; cbn in Q; try lra. destruct sv; [|reflexivity]. exfalso. 
+        assert (F2R (Float radix2 (Zneg mv) ev) < 0) by (now apply F2R_lt_0). cbn in *. lra. }
+      rewrite (Sgn st (proj1 Nz)), (Sgn r (proj2 Nz)) in M. cbn [xorb] in M.
+      assert (Less : Bltb (Bmult mode_NE st r) l = false).
+      { unfold Bltb. rewrite M. clear - L2. change (binary_overflow prec emax mode_NE false) with (S754_infinity false). destruct l as [sl|sl| |sl ml el Hl]; try reflexivity; discriminate. }
+      rewrite Less, L1. split; [|exact L2]. unfold emitted_time; cbv zeta. rewrite <- rnd_format_of, <- S1, <- C1.
+      destruct (Rlt_dec _ last_) as [Q|Q]; [lra|reflexivity]. }
+    destruct M as (M1 & M2 & _). rewrite S2, C2 in M2. cbn [andb] in M2. rewrite rnd_format_of in M1.
+    assert (H := less_ok prec emax (Bmult mode_NE st r) l M2 L2). rewrite M1, L1, S1, C1 in H.
     unfold emitted_time; cbv zeta. destruct (Bltb (Bmult mode_NE st r) l); destruct (Rlt_dec _ last_) as [Q|Q].
     - rewrite M1, S1, C1. auto.
     - exfalso; apply Q, H; reflexivity.

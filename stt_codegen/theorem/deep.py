@@ -81,7 +81,7 @@ Theorem controller : forall (log_ : number -> number), accurate (precision {form
   let A := machine (precision {format}) (largest_exponent {format}) (Edge.pos_ {format}) (Edge.below_ {format}) log_ in
   forall (t : number) (x : nat -> number),
   is_finite t = true -> (forall i, (i < {n})%nat -> is_finite (x i) = true) ->
-  (Rabs (B2R t) <= 1073741824)%R -> (forall i, (i < {n})%nat -> (Rabs (B2R (x i)) <= 1073741824)%R) ->
+  (forall i, (i < {n})%nat -> (Rabs (B2R (x i)) <= 1073741824)%R) ->
   forall tau, reads {format} (B2R t) tau ->
   let L i := EmittedTube.emitted {format} the_unit the_table the_scale fst i (B2R t) in
   let U i := EmittedTube.emitted {format} the_unit the_table the_scale snd i (B2R t) in
@@ -92,9 +92,9 @@ Theorem controller : forall (log_ : number -> number), accurate (precision {form
     forall i, (i < {n})%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\\ is_finite v = true /\\
       HeldLaw.acts (Q2R the_gain) (Q2R the_clamp) (32 * Q2R (half_ulp {format})) None (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
-  intros log_ accurate A t x Ft Fx St Sx tau Rt L U.
+  intros log_ accurate A t x Ft Fx Sx tau Rt L U.
   destruct (control_acts {format} the_constants the_coefficients (preamble {format} {quoted_name}) the_unit the_error {depth} the_task the_table the_steps the_scale the_late
-    the_gain the_clamp tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx St Sx tau Rt) as (out & status & H).
+    the_gain the_clamp tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
