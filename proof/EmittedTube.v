@@ -59,13 +59,9 @@ Section EmittedTube.
   Let L i t := emitted fst i (clock t).
   Let U i t := emitted snd i (clock t).
 
-  Theorem emitted_tube_sound :
-    (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
-    (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box L U (start k) i 0) /\
-    (* P3 *) (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
-    (* P4 *) (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
-               (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
-    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+  (* P7: the emitted edges are within err of the exact ones. *)
+  Lemma emitted_near i t : (i < n k)%nat ->
+    Rabs (L i t - lower unit k rows i t) <= Q2R err /\ Rabs (U i t - upper unit k rows i t) <= Q2R err.
   Proof.
     pose proof rounding as H. unfold rounding_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
     destruct H as [[[[[[[[[Cz Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
@@ -85,25 +81,37 @@ Section EmittedTube.
     rewrite dyadic_ok in *.
     assert (Bounded : forall side i j, side = fst \/ side = snd ->
       Rabs (Q2R unit * IZR (nth j (column side i rows) 0%Z)) <= Q2R (largest_of unit rows)).
-    { intros side i j Sd. assert (S0 : side (0, 0)%Z = 0%Z) by (destruct Sd as [->| ->]; reflexivity).
+    { intros side i' j Sd. assert (S0 : side (0, 0)%Z = 0%Z) by (destruct Sd as [->| ->]; reflexivity).
       rewrite column_nth by exact S0.
       assert (Zero : Rabs (Q2R unit * IZR (side (0,0)%Z)) <= Q2R (largest_of unit rows)).
       { rewrite S0, Rmult_0_r, Rabs_R0. exact Bz. }
-      destruct (nth_in_or_default j rows []) as [I| ->]; [|destruct i; exact Zero].
+      destruct (nth_in_or_default j rows []) as [I| ->]; [|destruct i'; exact Zero].
       specialize (Bd _ I). rewrite forallb_forall in Bd.
-      destruct (nth_in_or_default i (nth j rows []) (0, 0)%Z) as [I2|D]; [|rewrite D; exact Zero].
+      destruct (nth_in_or_default i' (nth j rows []) (0, 0)%Z) as [I2|D]; [|rewrite D; exact Zero].
       specialize (Bd _ I2). rewrite andb_true_iff in Bd. destruct Bd as [B1 B2].
       apply Qle_bool_R in B1, B2. rewrite Q2R_abs, Q2R_mult, Q2R_Z in B1, B2.
       destruct Sd as [->| ->]; assumption. }
-    apply (tube_sound unit err Up k rows depth Ch).
     assert (Lf : generic_format radix2 (fexp format) (F2R (Float radix2 (last_m s) (last_e s)))).
     { apply generic_format_FLT. exists (Float radix2 (last_m s) (last_e s)); [reflexivity|now apply Z.ltb_lt|now apply Z.leb_le]. }
-    intros i t Hi.
+    intro Hi.
     assert (Ei : Q2R e + Q2R unit * (3 * IZR (nth i Vs 0%Z) * Q2R late) <= Q2R err).
     { assert (Q := Ev i ltac:(apply in_seq; lia)). apply Qle_bool_R in Q.
       rewrite Q2R_plus, !Q2R_mult, Q2R_Z in Q. replace (Q2R 3) with 3 in Q by (unfold Q2R; cbn; lra). exact Q. }
     assert (Si := Stp i ltac:(apply in_seq; lia)).
     unfold L, U, emitted, lower, upper.
     split; (eapply Rle_trans; [|exact Ei]); eapply emitted_edge_ok with (n := n k); eauto; try lra.
+  Qed.
+
+  Theorem emitted_tube_sound :
+    (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
+    (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box L U (start k) i 0) /\
+    (* P3 *) (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
+    (* P4 *) (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
+               (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
+    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+  Proof.
+    assert (Up : positive unit = true).
+    { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
+    exact (tube_sound unit err Up k rows depth checked L U emitted_near).
   Qed.
 End EmittedTube.

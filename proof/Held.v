@@ -91,23 +91,25 @@ Section OneSide.
     assert (Vt : v * (m - s) <= v * tau) by (apply Rmult_le_compat_l; lra).
     assert (Bt : (force + gmax * most) * (m - s) <= (force + gmax * most) * tau) by (apply Rmult_le_compat_l; lra).
     assert (Neg : u <= 0).
-    { apply (side_rule _ eq_refl). nra. }
+    { apply (side_rule _ eq_refl). lra. }
     (* since u <= 0, x has risen by what pushes it alone *)
     assert (Up : - force * (m - q) <= - x m - - x q).
     { apply (rises (fun t => - x t) (fun r => - (y r + g r * u))); [lra|intro; now apply continuity_pt_opp|].
       intros r Hr. destruct (ode r Hr) as (De & Y & G). split; [exact (is_derive_opp _ _ _ De)|].
-      apply Rabs_le_between in Y. assert (g r * u <= 0) by nra. lra. }
+      apply Rabs_le_between in Y. assert (0 <= g r * - u) by (apply Rmult_le_pos; lra). lra. }
     assert (Ft : force * (m - s) <= force * tau) by (apply Rmult_le_compat_l; lra).
     assert (Gl : gmax * most * (q - s) <= gmax * most * latency) by (apply Rmult_le_compat_l; lra).
     assert (P : force + v <= gmin * - u).
-    { apply pull_rule; nra. }
+    { apply pull_rule; lra. }
     (* so x falls faster than the inner edge can *)
     assert (Fall : v * (m - q) <= - x m - - x q).
     { apply (rises (fun t => - x t) (fun r => - (y r + g r * u))); [lra|intro; now apply continuity_pt_opp|].
       intros r Hr. destruct (ode r Hr) as (De & Y & G). split; [exact (is_derive_opp _ _ _ De)|].
       apply Rabs_le_between in Y. assert (gmin * - u <= g r * - u) by (apply Rmult_le_compat_r; lra). lra. }
-    assert (Edge : U m * (1 - z) + L m * z >= U q * (1 - z) + L q * z - v * (m - q)) by nra.
-    nra.
+    assert (Edge : U m * (1 - z) + L m * z >= U q * (1 - z) + L q * z - v * (m - q)).
+    { assert (- (v * (m - q)) * (1 - z) <= (U m - U q) * (1 - z)) by (apply Rmult_le_compat_r; lra).
+      assert (- (v * (m - q)) * z <= (L m - L q) * z) by (apply Rmult_le_compat_r; lra). lra. }
+    lra.
   Qed.
 End OneSide.
 
@@ -248,7 +250,8 @@ Section Held.
     assert (In : forall r, switch p <= r < m -> within r).
     { intros r Hr i Hi. assert (B := Before r Hr). pose proof (least_of_le n share r i Hi) as D. fold l in D.
       assert (E : c <= share i r) by lra. apply share_up in E; [|exact Hi]. assert (W := wide i r Hi).
-      destruct (bounds i Hi) as (_ & _ & _ & _ & R0). nra. }
+      destruct (bounds i Hi) as (_ & _ & _ & _ & R0).
+      assert (- (1 / 4) * room i <= (c - 1 / 2) * room i) by (apply Rmult_le_compat_r; lra). lra. }
     destruct (least_of_at n share m) as (i & Hi & E); [fold l; lra|]. fold l in E.
     destruct (bounds i Hi) as (rho1 & g0 & p0 & c0 & R0).
     assert (K0 : keeps (taken p)) by (apply Past; lra).
@@ -258,7 +261,7 @@ Section Held.
     { intros j Hj. apply (law_most p m j Hj K0); [lra|intro; lra]. }
     assert (Fo := force_of p m i Hi Mo).
     assert (F0 : 0 <= force i m).
-    { unfold force. assert (0 <= others n i (fun j => most j m)); [|nra]. apply others_nonneg. intros j Hj. apply (speeds j m Hj M0). }
+    { unfold force. apply Rplus_le_le_0_compat; [exact p0|]. apply Rmult_le_pos; [exact c0|]. apply others_nonneg. intros j Hj. apply (speeds j m Hj M0). }
     assert (Od : forall r, switch p < r < m -> is_derive (x i) r (y i p r + g i p r * input p i) /\ Rabs (y i p r) <= force i m /\ gmin i <= g i p r <= gmax i).
     { intros r Hr. destruct (ode p r ltac:(lra) (In r ltac:(lra)) i Hi) as (De & Y & Gr). split; [exact De|split; [lra|exact Gr]]. }
     assert (Mv : Rabs (x i (switch p) - x i (taken p)) <= (force i m + gmax i * most i m) * (switch p - taken p)).

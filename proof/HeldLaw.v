@@ -269,12 +269,15 @@ Section Bounds.
     destruct (nearer_range c a' b' ltac:(lra) ltac:(unfold Rmin in Mn; destruct Rle_dec; lra)) as [N0 N2].
     assert (N1 : Rmin a' b' <= nearer c a' b') by (unfold nearer; apply Rmax_l).
     set (near := nearer c a' b') in *.
+    assert (d0 : 0 < d) by (apply (Rmult_lt_reg_r z); lra).
     assert (YN : Y * (d * z - eta) = d * (1 - z) + eta) by (rewrite HY; field; lra).
     assert (Y1 : 1 <= Y).
-    { rewrite HY. apply Rcomplements.Rle_div_r; [lra|]. nra. }
+    { rewrite HY. apply Rcomplements.Rle_div_r; [lra|]. assert (0 <= d * (1 - 2 * z)) by (apply Rmult_le_pos; lra). lra. }
     assert (Far : a' + b' - near <= Y * near).
     { assert (A : (a + b) * (1 - z) + eta <= Y * ((a + b) * z - eta)).
-      { assert (Yz : Y * z >= 1 - z) by (apply Rle_ge; nra). nra. }
+      { assert (0 <= Y * eta) by (apply Rmult_le_pos; lra).
+        assert (Yz : 1 - z <= Y * z) by (apply (Rmult_le_reg_l d); lra).
+        assert (0 <= (a + b - d) * (Y * z - (1 - z))) by (apply Rmult_le_pos; lra). lra. }
       assert (Y * ((a + b) * z - eta) <= Y * near) by (apply Rmult_le_compat_l; lra). lra. }
     apply magnitude_to; try lra.
     split.
@@ -328,9 +331,11 @@ Section Bounds.
     assert (YB : Y * B0 = A) by (rewrite HY; field; lra).
     assert (Dz : d0 * z <= d * z <= d1 * z) by (split; apply Rmult_le_compat_r; lra).
     assert (Yz : Y * z <= 1 - z).
-    { assert (Y * (d0 * z) <= d0 * (1 - z)); [|nra]. assert (0 <= Y * (drift + eta)) by (apply Rmult_le_pos; lra). nra. }
+    { apply (Rmult_le_reg_l d0); [exact d00|]. assert (0 <= Y * (drift + eta)) by (apply Rmult_le_pos; lra).
+      rewrite HB, HA in YB. lra. }
     assert (Yb : Y * (d * z + (drift + eta)) <= d * (1 - z) - (drift + eta)).
-    { assert ((d - d0) * (Y * z) <= (d - d0) * (1 - z)) by (apply Rmult_le_compat_l; lra). nra. }
+    { assert ((d - d0) * (Y * z) <= (d - d0) * (1 - z)) by (apply Rmult_le_compat_l; lra).
+      rewrite HB, HA in YB. lra. }
     assert (Bb : b' <= d * z + (drift + eta)) by lra.
     assert (Yb' : Y * b' <= a').
     { assert (Y * b' <= Y * (d * z + (drift + eta))) by (apply Rmult_le_compat_l; lra). lra. }
@@ -353,6 +358,8 @@ Section Bounds.
     set (mg := magnitude _ _ _ _ _) in *. set (bd := k * / _ * _ * _ * _) in *.
     assert (gmin * bd <= gmin * mg) by (apply Rmult_le_compat_l; lra).
     destruct limit as [m|]; cbn; [|lra]. specialize (limit_pos m eq_refl). specialize (Hlim m eq_refl).
-    unfold Rmax, Rmin; repeat destruct Rle_dec; nra.
+    set (held := Rmax _ _).
+    assert (Cl : mg <= - held \/ m <= - held) by (unfold held, Rmax, Rmin; repeat destruct Rle_dec; lra).
+    destruct Cl; [assert (gmin * mg <= gmin * - held)|assert (gmin * m <= gmin * - held)]; try (apply Rmult_le_compat_l; lra); lra.
   Qed.
 End Bounds.

@@ -82,9 +82,6 @@ def library() -> Path:
             code, _, failed = _run(compiler, Path(made), f"{name}.v", ".")
             if code:
                 raise MissingTool(_unfit(name, failed))
-        for old in kept.parent.glob("proof-*"):  # of other sources
-            if old.name != kept.name:
-                shutil.rmtree(old, ignore_errors=True)
         with contextlib.suppress(OSError):  # another process was quicker
             os.rename(made, kept)
         Path(made).mkdir(exist_ok=True)  # for the end of the block
