@@ -3,11 +3,17 @@ numbers, P7's bound and the unit of the table; constants, table and steps are fo
 
 from __future__ import annotations
 
+import math
 import sys
+from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.theorem.reading import Facts, facts
-from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational
+from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, steps
+
+GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
+SLACK = 256  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
 
 
 def quoted(text: str) -> str:
@@ -24,6 +30,98 @@ def the_task(found: Facts) -> str:
     )
 
 
+@dataclass(frozen=True)
+class Bounds:
+    """What is known of the plant, by component: force pushes it (drift and disturbance), g is between g_min and g_max, cross is what other inputs pull."""
+
+    force: list[Fraction]
+    g_min: list[Fraction]
+    g_max: list[Fraction]
+    cross: list[Fraction]
+    tau: Fraction  # no acting sample is older
+    latency: Fraction
+    noise: Fraction
+
+
+@dataclass(frozen=True)
+class Plant:
+    """The record `plant` of proof/Uniform.v."""
+
+    bounds: Bounds
+    rho: list[Fraction]
+    narrowest: list[Fraction]
+    widest: list[Fraction]
+    log_up: list[Fraction]
+    log_down: list[Fraction]
+
+    def __str__(self) -> str:
+        b = self.bounds
+        rows = [self.rho, b.g_min, b.g_max, b.force, b.cross]
+        scalars = " ".join(map(rational, (b.tau, b.latency, b.noise)))
+        rest = [self.narrowest, self.widest, self.log_up, self.log_down]
+        return f"(Plant {' '.join(map(listed, rows))}\n  {scalars}\n  {' '.join(map(listed, rest))})%Q"
+
+
+def _widths(found: Facts) -> tuple[list[Fraction], list[Fraction]]:
+    """The least and greatest Bezier coefficient of the width, by component."""
+    narrowest, widest = [], []
+    for i in range(found.n):
+        hull = []
+        for k in range(found.segments):
+            a, b, c, d = (found.table[k + j][i][1] - found.table[k + j][i][0] for j in range(4))
+            hull += [a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d]
+        narrowest.append(min(hull) * found.unit)
+        widest.append(max(hull) * found.unit)
+    return narrowest, widest
+
+
+def plant(found: Facts, bounds: Bounds, rho: Fraction) -> Plant | None:
+    """Numbers with which `plant_check` holds for this rho, or None: the same formulas as in proof/Uniform.v."""
+    r = 32 * Fraction(1, 1 << FORMATS[found.scalar][1])
+    eta = found.error * found.unit + bounds.noise
+    narrowest, widest = _widths(found)
+    z = 1 / (1 + rho)
+    most, log_up, log_down = [], [], []
+    for i in range(found.n):
+        least = narrowest[i] * z - eta
+        if least <= 0:
+            return None
+        y = (narrowest[i] * (1 - z) + eta) / least
+        log_up.append(Fraction(math.ceil(math.log(y) * GRID) + SLACK, GRID))
+        most.append(found.gain[i] / least * (1 + 1 / y) * (1 + r) * (log_up[i] + r))
+    for i in range(found.n):
+        v = found.unit * 3 * steps(found)[i] * Fraction(found.segments) / found.t_c
+        force = bounds.force[i] + bounds.cross[i] * sum(most[j] for j in range(found.n) if j != i)
+        drift = (force + v) * bounds.tau + bounds.g_max[i] * most[i] * bounds.latency
+        y = (narrowest[i] * (1 - z) - drift - eta) / (narrowest[i] * z + drift + eta)
+        if y <= 1:
+            return None
+        log_down.append(Fraction(math.floor(math.log(y) * GRID) - SLACK, GRID))
+        side = narrowest[i] * (rho - 1) / (rho + 1) - 2 * (force + v + bounds.g_max[i] * most[i]) * bounds.tau
+        pull = bounds.g_min[i] * found.gain[i] / (widest[i] * z + drift + eta) * (1 + 1 / y) * (1 - r) * (log_down[i] - r)
+        if 2 * eta + r * (widest[i] + 2 * eta) >= side or force + v > pull or log_down[i] < r:
+            return None
+    return Plant(bounds, [rho] * found.n, narrowest, widest, log_up, log_down)
+
+
+def found_plant(found: Facts, bounds: Bounds) -> Plant | None:
+    """The greatest rho of a grid with which the check holds: from every start with |e| <= (rho - 1)/(rho + 1), |e| stays below it."""
+    for k in range(98, 0, -1):
+        rho = (1 + Fraction(k, 100)) / (1 - Fraction(k, 100))
+        numbers = plant(found, bounds, rho)
+        if numbers is not None:
+            return numbers
+    return None
+
+
+def of_task(found: Facts) -> Bounds:
+    """The bounds of the task; where it has none, an example: xdot = u + w, |w| <= 1/20, sampled every millisecond."""
+    s, n = found.sampling, found.n
+    if s is None:
+        return Bounds([Fraction(1, 20)] * n, [Fraction(1)] * n, [Fraction(1)] * n, [Fraction(0)] * n, Fraction(1, 1000), Fraction(0), Fraction(1, 1 << 20))
+    return Bounds(list(s.force), list(s.g_min), list(s.g_max), list(s.g_cross), s.period + s.latency, s.latency, s.noise + Fraction(1, 1 << 20))
+
+
 TEMPLATE = """\
 (* {name}.v: a theorem about the controller in {name}.c, whose text is below. Coq reads it.
 
@@ -35,10 +133,12 @@ TEMPLATE = """\
 
    Assumed: IEEE 754 arithmetic without contraction, and a library whose logarithm is within 4 units in the last place. *)
 From Coq Require Import ZArith QArith Qreals Reals List String.
+From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
-From Stt Require HeldLaw.
-From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design.
+From Stt Require Held HeldLaw.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound.
 Import ListNotations.
+Open Scope R_scope.
 
 Definition the_text : string := {text}%string.
 
@@ -101,7 +201,51 @@ Qed.
 (* and what its edges are: *)
 Definition tube := emitted_tube_sound {format} the_unit the_error {depth} the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
 
-Print Assumptions controller.
+
+(* The plant: bounds by component, and numbers that help Coq. *)
+Definition the_plant : plant := {plant}.
+Lemma plant_checked : plant_check the_unit the_error {depth} the_task the_table the_steps the_gain the_clamp (32 * half_ulp {format}) the_plant = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
+(* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
+   to `switch (p + 1)`. The derivative of x i is y + g u, with y all but its own input. *)
+Theorem closed_loop : forall (log_ : number -> number), accurate (precision {format}) (largest_exponent {format}) log_ ->
+  forall (taken switch : nat -> R) (x : nat -> R -> R) (y g : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
+  option_map keep (read (suffix {format}) {quoted_name} the_text) = Some program ->
+  let L i t := Tube.lower the_unit the_task the_table i t in
+  let U i t := Tube.upper the_unit the_task the_table i t in
+  let input p i := applied {format} log_ the_constants program (clock p) (measured p) i in
+  (* times: the first input acts from 0 on; no acting sample is older than tau, none begins to act later than the latency *)
+  (switch 0%nat = 0 /\\ forall p, 0 <= taken p <= switch p /\\ switch p < switch (S p) /\\
+    switch (S p) - taken p <= Q2R (tau_ the_plant) /\\ switch p - taken p <= Q2R (latency_ the_plant)) ->
+  (forall p, is_finite (clock p) = true /\\ reads {format} (B2R (clock p)) (taken p)) ->
+  (* sensors *)
+  (forall p i, (i < {n})%nat -> is_finite (measured p i) = true /\\ Rabs (B2R (measured p i)) <= 1073741824 /\\
+    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (noise_ the_plant)) ->
+  (* the start: |e| <= (rho - 1)/(rho + 1) *)
+  (forall i, (i < {n})%nat -> (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= x i 0 - L i 0 /\\
+    (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= U i 0 - x i 0) ->
+  (* the plant *)
+  (forall i t, (i < {n})%nat -> continuity_pt (x i) t) ->
+  (forall p t, switch p < t < switch (S p) -> (forall i, (i < {n})%nat -> L i t < x i t < U i t) -> forall i, (i < {n})%nat ->
+    is_derive (x i) t (y i p t + g i p t * input p i) /\\
+    Rabs (y i p t) <= Q2R (nth i (push_ the_plant) 0%Q) + Q2R (nth i (cross_ the_plant) 0%Q) * Held.others {n} i (fun j => Rabs (input p j)) /\\
+    Q2R (nth i (gmin_ the_plant) 0%Q) <= g i p t <= Q2R (nth i (gmax_ the_plant) 0%Q)) ->
+  forall p t, 0 <= t <= switch p ->
+    (forall i, (i < {n})%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\\
+    (forall o, In o (unsafe the_task) -> exists i, (i < {n})%nat /\\
+      (x i t < at_ (lo o) i - Q2R (clearance the_task) \\/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\\
+    (Q2R (Tube.T the_task) <= t -> forall i, (i < {n})%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
+Proof.
+  intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
+  rewrite text_read in Text. injection Text as <-.
+  exact (controller_sound {format} the_constants the_coefficients (preamble {format} {quoted_name}) the_unit the_error {depth} the_task the_table the_steps the_scale the_late
+    the_gain the_clamp the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
+    Times Continuous Start Ode Clock Sensors).
+Qed.
+
+Definition theorems := (text_read, controller, tube, closed_loop).
+Print Assumptions theorems.
 """
 
 
@@ -109,6 +253,9 @@ def deep(task: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
     format_, _, _ = FORMATS[found.scalar]
+    numbers = found_plant(found, of_task(found))
+    if numbers is None:
+        raise SystemExit("no rho")
     return TEMPLATE.format(
         name=found.name,
         quoted_name=f"{quoted(found.name)}%string",
@@ -119,6 +266,7 @@ def deep(task: bytes, source: bytes, certificate: bytes) -> str:
         format=format_,
         depth=DEPTH,
         n=found.n,
+        plant=numbers,
     )
 
 
