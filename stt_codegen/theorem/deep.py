@@ -13,7 +13,7 @@ from stt_codegen.theorem.reading import Facts, facts
 from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, steps
 
 GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
-SLACK = 256  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
+SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
 
 
 def quoted(text: str) -> str:
