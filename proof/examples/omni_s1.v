@@ -1,4 +1,4 @@
-(* omni_s1.v: a theorem about the controller in omni_s1.c, whose text is below. Coq reads it.
+(* omni_s1.v: theorems about the controller in omni_s1.c. The texts of the task, of omni_s1.h and of omni_s1.c are below, and Coq reads them.
 
    For every time and state in finite numbers of ordinary size, `omni_s1_control` ends, with nothing that C leaves undefined; what it
    stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
@@ -11,10 +11,124 @@ From Coq Require Import ZArith QArith Qreals Reals List String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Held HeldLaw.
-From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound Toml Header.
 Import ListNotations.
 Open Scope R_scope.
 
+(* The three files, as they are. *)
+Definition the_toml : string := "#:schema ../docs/task.schema.json
+# The paper's case study, start S1: a robot in a room of 5 m by 5 m, from the upper left corner to the upper right, in 9 s.
+name = ""omni_s1""
+prescribed_time = 9.0
+initial_state = [0.25, 4.75]
+
+[state_space]
+lower = [0.0, 0.0]
+upper = [5.0, 5.0]
+
+[initial_set]
+lower = [0.0, 4.5]
+upper = [0.5, 5.0]
+
+[target_set]
+lower = [4.5, 4.5]
+upper = [5.0, 5.0]
+
+[[unsafe]]
+name = ""O1""
+lower = [1.0, 4.0]
+upper = [2.0, 5.0]
+
+[[unsafe]]
+name = ""O2""
+lower = [2.0, 2.5]
+upper = [3.0, 3.5]
+
+[[unsafe]]
+name = ""O3""
+lower = [1.0, 0.5]
+upper = [2.0, 1.5]
+
+[[unsafe]]
+name = ""O4""
+lower = [4.0, 1.5]
+upper = [5.0, 2.5]
+
+[tube]
+clearance = 0.03
+min_width = 0.05
+
+[control]
+gain = 0.5
+"%string.
+Definition the_header : string := "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * Call omni_s1_control once every period with the time since the start and the measured state. It keeps no state and
+ * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
+ */
+#ifndef OMNI_S1_H
+#define OMNI_S1_H
+
+#ifdef __cplusplus
+extern ""C"" {
+#endif
+
+typedef float omni_s1_real;
+
+#define OMNI_S1_N 2
+#define OMNI_S1_T_C 9.0F /* prescribed time, seconds */
+#define OMNI_S1_DESIGN_HASH ""93e290185d1afd3c"" /* log it: names this design */
+
+typedef enum {
+    OMNI_S1_OK = 0,
+    OMNI_S1_OUTSIDE_TUBE = 1,
+    OMNI_S1_BAD_INPUT = 2
+} omni_s1_status;
+
+/* Edges of the tube gamma at time t (seconds), in the task's units.
+ * t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+ */
+void omni_s1_tube(omni_s1_real t, omni_s1_real lower[OMNI_S1_N], omni_s1_real upper[OMNI_S1_N]);
+
+/* Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+ * The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+ */
+void omni_s1_tube_rate(omni_s1_real t, omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N]);
+
+/* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+ * t: seconds since the start (held within [0, t_c]); x: state; u: input.
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
+ * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+ */
+omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N]);
+
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real x[OMNI_S1_N]);
+
+/* Error transform of section IV for the state x in the box (lower, upper), by component:
+ *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+ *   epsilon = ln((1 + e) / (1 - e))
+ *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
+ */
+void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
+                       const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
+                       omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
+"%string.
 Definition the_text : string := "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
@@ -466,7 +580,7 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
 }
 "%string.
 
-(* The task. Sets have the body added; all numbers are exact. *)
+(* The task that is read in the first. Sets have the body added; all numbers are exact. *)
 Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
@@ -476,6 +590,13 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
    (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]);
    (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)])] (* unsafe sets *)
   (3 # 100) (1 # 20) (* clearance, least width *))%Q.
+Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
+Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
+
+(* The header has this type of numbers, these values of the status, prototypes, and no more that the C could see. *)
+Lemma header_read : header_ok Single "omni_s1"%string 2 the_header = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
 Definition the_unit : Q := (1 # 1048576).
 Definition the_error : Q := (1 # 131072).
 
@@ -537,7 +658,7 @@ Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_
 (* The plant: bounds by component, and numbers that help Coq. *)
 Definition the_plant : plant := (Plant [(39 # 1); (39 # 1)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(1 # 20); (1 # 20)] [(0 # 1); (0 # 1)]
   (1 # 1000) (0 # 1) (1 # 1048576)
-  [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61478133 # 16777216); (61478133 # 16777216)] [(60532029 # 16777216); (60441569 # 16777216)])%Q.
+  [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61481973 # 16777216); (61481973 # 16777216)] [(60528189 # 16777216); (60437729 # 16777216)])%Q.
 Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gain the_clamp (32 * half_ulp Single) the_plant = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
@@ -578,5 +699,5 @@ Proof.
     Times Continuous Start Ode Clock Sensors).
 Qed.
 
-Definition theorems := (text_read, controller, tube, closed_loop).
+Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
 Print Assumptions theorems.

@@ -1,5 +1,5 @@
-"""`<p>.v` from the text of the C itself: the file holds that text, and Coq reads it. What is taken from elsewhere are the task's
-numbers, P7's bound and the unit of the table; constants, table and steps are found by Coq in the text."""
+"""`<p>.v` from the texts of the task, the header and the C: the file holds these texts, and Coq reads them. What is taken from elsewhere
+is not believed: P7's bound, the unit of the table, and numbers that bound logarithms and widths."""
 
 from __future__ import annotations
 
@@ -123,7 +123,7 @@ def of_task(found: Facts) -> Bounds:
 
 
 TEMPLATE = """\
-(* {name}.v: a theorem about the controller in {name}.c, whose text is below. Coq reads it.
+(* {name}.v: theorems about the controller in {name}.c. The texts of the task, of {name}.h and of {name}.c are below, and Coq reads them.
 
    For every time and state in finite numbers of ordinary size, `{name}_control` ends, with nothing that C leaves undefined; what it
    stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
@@ -136,14 +136,24 @@ From Coq Require Import ZArith QArith Qreals Reals List String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Held HeldLaw.
-From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound Toml Header.
 Import ListNotations.
 Open Scope R_scope.
 
+(* The three files, as they are. *)
+Definition the_toml : string := {toml}%string.
+Definition the_header : string := {header}%string.
 Definition the_text : string := {text}%string.
 
-(* The task. Sets have the body added; all numbers are exact. *)
+(* The task that is read in the first. Sets have the body added; all numbers are exact. *)
 Definition the_task : Tube.task := {task}.
+Lemma task_read : task_in the_toml = Some ({quoted_name}, the_task).
+Proof. vm_cast_no_check (eq_refl (Some ({quoted_name}, the_task))). Qed.
+
+(* The header has this type of numbers, these values of the status, prototypes, and no more that the C could see. *)
+Lemma header_read : header_ok {format} {quoted_name} {n} the_header = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
 Definition the_unit : Q := {unit}.
 Definition the_error : Q := {error}.
 
@@ -244,12 +254,12 @@ Proof.
     Times Continuous Start Ode Clock Sensors).
 Qed.
 
-Definition theorems := (text_read, controller, tube, closed_loop).
+Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
 Print Assumptions theorems.
 """
 
 
-def deep(task: bytes, source: bytes, certificate: bytes) -> str:
+def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
     format_, _, _ = FORMATS[found.scalar]
@@ -259,6 +269,8 @@ def deep(task: bytes, source: bytes, certificate: bytes) -> str:
     return TEMPLATE.format(
         name=found.name,
         quoted_name=f"{quoted(found.name)}%string",
+        toml=quoted(task.decode("ascii")),
+        header=quoted(header.decode("ascii")),
         text=quoted(source.decode("ascii")),
         task=the_task(found),
         unit=rational(found.unit),
@@ -272,4 +284,4 @@ def deep(task: bytes, source: bytes, certificate: bytes) -> str:
 
 if __name__ == "__main__":
     task, c, certificate, out = map(Path, sys.argv[1:5])
-    out.write_text(deep(task.read_bytes(), c.read_bytes(), certificate.read_bytes()))
+    out.write_text(deep(task.read_bytes(), c.with_suffix(".h").read_bytes(), c.read_bytes(), certificate.read_bytes()))
