@@ -403,20 +403,22 @@ Section Machine.
     intros (v0 & K0 & C1 & C2) He HK. pose proof (bernoulli u u_small 18) as Be. replace (INR 18) with 18 in Be by (cbn; lra).
     pose proof u_small as Us. pose proof E_range as Er.
     assert (D1 : Rabs (v - K) <= u * K * 18.1).
-    { assert (K * (1 - 18 * u) <= v) by nra. assert (v * (1 - 18 * u) <= K) by nra.
+    { assert (K * (1 - 18 * u) <= v) by (apply Rle_trans with (2 := C1); apply Rmult_le_compat_l; lra). assert (v * (1 - 18 * u) <= K) by (apply Rle_trans with (2 := C2); apply Rmult_le_compat_l; lra).
       assert (v <= K * (1 + 18.1 * u)).
       { apply (Rmult_le_reg_r (1 - 18 * u)); [lra|]. assert (K * (1 - (1 + 18.1 * u) * (1 - 18 * u)) <= 0); [|lra]. 
-        assert (0 <= (1 + 18.1 * u) * (1 - 18 * u) - 1) by nra. nra. }
-      apply Rabs_le. nra. }
+        assert (0 <= u * (0.1 - 325.8 * u)) by (apply Rmult_le_pos; lra).
+        assert (0 <= K * (u * (0.1 - 325.8 * u))) by (apply Rmult_le_pos; lra). lra. }
+      apply Rabs_le. lra. }
     replace (v * e - K * E) with (K * (e - E) + (v - K) * E + (v - K) * (e - E)) by ring.
     eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult with (x := v - K).
     assert (Q1 : Rabs (K * (e - E) + (v - K) * E) <= K * (u * (10 + 9 * E)) + u * K * 18.1 * E).
     { eapply Rle_trans; [apply Rabs_triang|]. rewrite !Rabs_mult. rewrite (Rabs_pos_eq K), (Rabs_pos_eq E) by lra.
       apply Rplus_le_compat; [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra]. }
     assert (Q2 : Rabs (v - K) * Rabs (e - E) <= (u * K * 18.1) * (u * (10 + 9 * E))) by (apply Rmult_le_compat; try apply Rabs_pos; assumption).
-    assert (Kp : 0 < u * K) by nra. assert (0 <= u * K * E) by nra.
+    assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (0 <= u * K * E) by (apply Rmult_le_pos; lra).
     assert (Q3 : (u * K * 18.1) * (u * (10 + 9 * E)) <= u * K * (0.01 + 0.01 * E)).
-    { replace ((u * K * 18.1) * (u * (10 + 9 * E))) with (u * K * (18.1 * u * (10 + 9 * E))) by ring. apply Rmult_le_compat_l; [lra|]. nra. }
+    { replace ((u * K * 18.1) * (u * (10 + 9 * E))) with (u * K * (18.1 * (u * (10 + 9 * E)))) by ring. apply Rmult_le_compat_l; [lra|].
+      assert (u * (10 + 9 * E) <= / 16777216 * (10 + 9 * E)) by (apply Rmult_le_compat_r; lra). lra. }
     lra.
   Qed.
 
@@ -452,7 +454,7 @@ Section Machine.
     (* times epsilon *)
     assert (P := product_close v K (value log_ratio) Cg G1 ltac:(lra)).
     set (e := value log_ratio) in *.
-    assert (Kp : 0 < u * K) by nra. assert (KE : 0 <= K * E) by nra. assert (KEb : u * (K * E) <= K * E) by nra.
+    assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (KE : 0 <= K * E) by (apply Rmult_le_pos; lra). assert (KEb : u * (K * E) <= 1 * (K * E)) by (apply Rmult_le_compat_r; lra).
     assert (Pz : Rabs (v * e) <= K * E + u * K * (11 + 28 * E)).
     { replace (v * e) with (K * E + (v * e - K * E)) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (K * E)) by lra. lra. }
     destruct (opp_ok prec emax log_ratio) as [O1 O2].
@@ -462,7 +464,7 @@ Section Machine.
     assert (Ea : Rabs (value gx * value eps) <= IZR (2 ^ 126)).
     { rewrite Ev, Rabs_mult, Rabs_Ropp, Sa, Rmult_1_l, Z126. 
       assert (K * E <= 2475880078570760549798248448 * 1073741824) by (apply Rmult_le_compat; lra).
-      assert (u * K <= K) by nra. assert (u * K * (11 + 28 * E) <= K * (11 + 28 * E)) by (apply Rmult_le_compat_r; lra). lra. }
+      assert (u * K <= 1 * K) by (apply Rmult_le_compat_r; lra). assert (u * K * (11 + 28 * E) <= K * (11 + 28 * E)) by (apply Rmult_le_compat_r; lra). lra. }
     destruct (mul_ok prec emax _ _ prec_large emax_large gx eps M2 ltac:(rewrite O2; exact G2)) as [T1 T2]; [now apply most_large|].
     set (product := Bmult mode_NE gx eps) in *.
     destruct (opp_ok prec emax product) as [W1 W2].
@@ -479,7 +481,8 @@ Section Machine.
       pose proof (bpow_gt_0 radix2 (-64)). rewrite Rmult_assoc. apply Rmult_le_compat; lra. }
     assert (Rabs (v * e) * u <= (K * E + u * K * (11 + 28 * E)) * u) by (apply Rmult_le_compat_r; lra).
     assert (u * K * (11 + 28 * E) * u <= u * K * (0.1 + 0.1 * E)).
-    { replace (u * K * (11 + 28 * E) * u) with (u * K * (u * (11 + 28 * E))) by ring. apply Rmult_le_compat_l; [lra|]. nra. }
+    { replace (u * K * (11 + 28 * E) * u) with (u * K * (u * (11 + 28 * E))) by ring. apply Rmult_le_compat_l; [lra|].
+      apply Rle_trans with (/ 16777216 * (11 + 28 * E)); [apply Rmult_le_compat_r; lra|lra]. }
     nra.
   Qed.
 
