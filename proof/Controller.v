@@ -202,9 +202,9 @@ Section Controller.
     unfold q. change (literal A) with (decimal_number prec emax pos_ below_).
     rewrite D. destruct Hs as [-> | ->]; cbn [Z.eqb].
     - assert (E : Z.to_nat (seg * (2 * Z.of_nat (n task)) + Z.of_nat i * 2 + (2 * Z.of_nat (n task) * Z.of_nat j + 0)) = (2 * n task * r + 2 * i)%nat) by (unfold r; nia).
-      rewrite E. rewrite column_nth by reflexivity. rewrite <- F1. apply Mv. rewrite Ml. nia.
+      rewrite E. rewrite column_nth by reflexivity. rewrite <- F1. apply Mv. rewrite Ml. apply Nat.lt_le_trans with (2 * n task * (r + 1))%nat; [lia|apply Nat.mul_le_mono_l; lia].
     - assert (E : Z.to_nat (seg * (2 * Z.of_nat (n task)) + Z.of_nat i * 2 + (2 * Z.of_nat (n task) * Z.of_nat j + 1)) = (2 * n task * r + (2 * i + 1))%nat) by (unfold r; nia).
-      rewrite E. rewrite column_nth by reflexivity. rewrite <- F2. apply Mv. rewrite Ml. nia.
+      rewrite E. rewrite column_nth by reflexivity. rewrite <- F2. apply Mv. rewrite Ml. apply Nat.lt_le_trans with (2 * n task * (r + 1))%nat; [lia|apply Nat.mul_le_mono_l; lia].
   Qed.
 
   Let Lf (i : nat) : number := Control.lower A k t seg (q A coefficients) (Z.of_nat i).
@@ -242,7 +242,7 @@ Section Controller.
       apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
     destruct (emitted_tube_sound f unit err depth task rows Vs s late tube_checked slopes_checked rounding_checked clock Cl) as (P1 & _ & P3 & _).
     assert (Et : clock tau = value t) by (unfold clock; destruct (Req_EM_T tau tau); [reflexivity|congruence]).
-    specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box in P3. rewrite Et in P1, P3. unfold L, U. tauto.
+    specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box in P3. rewrite Et in P1, P3. unfold L, U. split; [exact P1|exact P3].
   Qed.
 
   (* The emitted `control`: it ends without anything undefined, stores finite inputs that act as the law (13) with e clamped, and says whether the state is inside. *)
