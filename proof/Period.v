@@ -443,4 +443,99 @@ Section Sampled.
       rewrite LV. replace (Q2R mp * (Q2R P / Q2R mp + Q2R (lost s) - Q2R (lost s))) with (Q2R P) by (field; lra). lra.
     - exact Li.
   Qed.
+
+  Lemma exact_tube :
+    (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
+    (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
+    (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
+      (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
+    (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+  Proof.
+    assert (Up : positive unit = true).
+    { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
+    destruct all_checked as (_ & _ & _ & _ & er0).
+    destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & _ & P3 & P4 & P5); [|exact (conj P1 (conj P3 (conj P4 P5)))].
+    intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra.
+  Qed.
+
+  Theorem held_inside : forall p t, 0 <= t <= switch p -> keep t.
+  Proof.
+    destruct all_checked as (Up & Tp & Rg & Mw & er0). destruct period_parts as (_ & R & T0 & L0 & Ta & Tb & _).
+    destruct exact_tube as (P1 & _).
+    assert (R0 : 0 <= INR (segments rows) / Q2R (T k)) by (apply Rmult_le_pos; [apply pos_INR|left; now apply Rinv_0_lt_compat]).
+    assert (Zpos : forall i, (i < n k)%nat -> 0 < z i).
+    { intros i Hi. destruct (lost_small i Hi) as (_ & A & _). lra. }
+    assert (Lip : forall i, (i < n k)%nat -> exists v, lipschitz v (L i) /\ lipschitz v (U i)).
+    { intros i Hi. pose proof more as M. unfold slopes in M. rewrite !andb_true_iff, forallb_forall in M. destruct M as [_ St].
+      eexists. split; apply (edge_lip (n k)); auto; apply St, in_seq; lia. }
+    assert (Cont : forall i t, (i < n k)%nat -> continuity_pt (x i) t /\ continuity_pt (L i) t /\ continuity_pt (U i) t).
+    { intros i t Hi. destruct (Lip i Hi) as (v & A & B). split; [now apply x_cont|]. split; eapply lipschitz_cont; eauto. }
+    apply (held_stays (n k) taken switch rho (fun i => Q2R (g_min (c_ i))) (fun i => Q2R (g_max (c_ i))) (fun i => Q2R (pushed (c_ i)))
+      (fun i => Q2R (g_cross (c_ i))) (fun i => Q2R (min_width k) * z i) tau latency L U x
+      (fun i p t => f i t + others (n k) i (fun j => G i j t * input p j)) (fun i p t => G i i t) input speed most).
+    - exact times.
+    - intros i Hi. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _ & g0 & gc0 & pu0 & _).
+      split; [exact r1|split; [exact g0|split; [exact pu0|split; [exact gc0|]]]]. apply Rmult_lt_0_compat; [exact Mw|now apply Zpos].
+    - exact Cont.
+    - intros i t Hi. fold (z i). apply Rmult_le_compat_r; [left; now apply Zpos|]. specialize (P1 i t Hi). lra.
+    - intros i m Hi M0. split; [now apply speed_at_nonneg|split].
+      + destruct (window_parts (win m) i (win_le m) Hi) as (Mo & _). unfold most. unfold most_check in Mo. cbv zeta in Mo.
+        destruct (Qle_bool 0 (most_q hints (win m) i)) eqn:Q; [|easy]. apply Qle_true in Q. now rewrite Q2R_0 in Q.
+      + intros r Hr Hm.
+        assert (D : INR (segments rows) / Q2R (T k) * (m - r) <= 1) by (apply Rle_trans with (2 := Ta); apply Rmult_le_compat_l; lra).
+        split; [apply (edge_moves rows (Q2R (T k)) (Q2R unit) (n k) i Rg Hi Tp Up fst fst (or_introl (conj eq_refl eq_refl)))
+               |apply (edge_moves rows (Q2R (T k)) (Q2R unit) (n k) i Rg Hi Tp Up snd snd (or_intror (conj eq_refl eq_refl)))]; auto; lra.
+    - intros i Hi. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _ & _ & _ & _ & _ & _ & Sh). specialize (P1 i 0 Hi).
+      assert (X := x_start i Hi). fold (z i).
+      assert (E : (rho i - 1) / (rho i + 1) = 1 - 2 * z i) by (unfold z; field; lra). rewrite E in Sh.
+      assert (Q2R (share_of s) * (U i 0 - L i 0) <= (1 - 2 * z i) * (U i 0 - L i 0)) by (apply Rmult_le_compat_r; lra).
+      apply Rabs_le_between in X. lra.
+    - intros p t Ht Hin i Hi. destruct (plant p t Ht Hin i Hi) as (De & Fb & Gb & Gc).
+      destruct (component_parts i Hi) as (_ & _ & _ & _ & _ & _ & gc0 & _). split; [|split; [|exact Gb]].
+      + rewrite (total_others (n k) i _ Hi) in De.
+        replace (f i t + others (n k) i (fun j => G i j t * input p j) + G i i t * input p i) with
+          (f i t + (G i i t * input p i + others (n k) i (fun j => G i j t * input p j))) by ring. exact De.
+      + eapply Rle_trans; [apply Rabs_triang|]. apply Rplus_le_compat; [exact Fb|]. apply others_small; [exact gc0|].
+        intros j Hj Ne. rewrite Rabs_mult. apply Rmult_le_compat_r; [apply Rabs_pos|now apply Gc].
+    - intros p m i Hi Kp Hm Hl. now apply (law_most' p).
+    - intros p m i Hi Kp Hm. destruct (seen_error p i Hi) as (Ea & Eb & Hs). cbv zeta in Ea, Eb, Hs. assert (Act := law_acts p i Hi).
+      destruct (lost_small i Hi) as (_ & Cl & zh & _ & c4 & _).
+      destruct (component_parts i Hi) as (_ & _ & _ & _ & _ & _ & _ & _ & _ & li & _).
+      rewrite force_is. split; intro H.
+      + eapply (side_up i m _ _ _ _ (input p i) p Hi); [|exact Hm|exact Act|exact Ea|exact Eb|exact Hs|exact H]. ring.
+      + assert (- input p i <= 0); [|lra].
+        eapply (side_up i m (U i (taken p) - x i (taken p)) (x i (taken p) - L i (taken p)) _ _ (- input p i) p Hi);
+          [ring|exact Hm|apply (acts_opp _ _ _ _ _ _ _ li); [lra|exact Hs|exact Act]|exact Eb|exact Ea|lra|exact H].
+    - intros p m i Hi Kp Hm Hw. destruct (seen_error p i Hi) as (Ea & Eb & Hs). cbv zeta in Ea, Eb, Hs. assert (Act := law_acts p i Hi).
+      destruct (lost_small i Hi) as (_ & Cl & zh & _ & c4 & _).
+      destruct (component_parts i Hi) as (_ & _ & _ & r1 & _ & _ & _ & _ & _ & li & _).
+      assert (M0 : 0 <= m) by (destruct times as [_ C]; destruct (C p) as (A & _); lra).
+      assert (E1 : rho i / (1 + rho i) = 1 - z i) by (unfold z; field; lra). rewrite E1, drift_is, force_is. fold (z i).
+      split; intros Ha Hb.
+      + eapply (pull_up i m _ _ _ _ (input p i) p Hi); [|exact Hm|exact M0|exact Act|exact Ea|exact Eb|exact Hs| |exact Ha|exact Hb]; [ring|lra].
+      + rewrite <- (Ropp_involutive (input p i)).
+        eapply (pull_up i m (U i (taken p) - x i (taken p)) (x i (taken p) - L i (taken p)) _ _ (- input p i) p Hi);
+          [ring|exact Hm|exact M0|apply (acts_opp _ _ _ _ _ _ _ li); [lra|exact Hs|exact Act]|exact Eb|exact Ea|lra|lra|exact Ha|exact Hb].
+  Qed.
+
+  (* In the words of the task. *)
+  Theorem sampled_reach_avoid_stay : forall p t, 0 <= t <= switch p ->
+    (forall i, (i < n k)%nat -> Rabs (2 * x i t - L i t - U i t) <= (rho i - 1) / (rho i + 1) * (U i t - L i t)) /\
+    (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
+    (forall o, In o (unsafe k) -> exists i, (i < n k)%nat /\
+      (x i t < at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) < x i t)) /\
+    (Q2R (T k) <= t -> forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i t < at_ (hi (target k)) i).
+  Proof.
+    intros p t Ht. assert (Kp := held_inside p t Ht). destruct exact_tube as (P1 & P3 & P4 & P5).
+    destruct all_checked as (_ & _ & _ & Mw & _).
+    assert (In_ : forall i, (i < n k)%nat -> L i t < x i t < U i t).
+    { intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. specialize (P1 i t Hi). destruct (lost_small i Hi) as (_ & C & _).
+      assert (0 < (U i t - L i t) * z i) by (apply Rmult_lt_0_compat; lra). lra. }
+    split; [|split; [|split]].
+    - intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _).
+      assert (E : (rho i - 1) / (rho i + 1) = 1 - 2 * z i) by (unfold z; field; lra). rewrite E. apply Rabs_le. lra.
+    - intros i Hi. destruct (In_ i Hi), (P3 i t Hi). lra.
+    - intros o Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|]. destruct (In_ i Hi). destruct D; [left|right]; lra.
+    - intros Htc i Hi. destruct (In_ i Hi), (P5 i t Hi Htc). lra.
+  Qed.
 End Sampled.

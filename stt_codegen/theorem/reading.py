@@ -38,7 +38,8 @@ class Unread(Exception):
 
 @dataclass(frozen=True)
 class Sampling:
-    """What the task says of samples and of the plant, by component, and the certificate's rho, u and shift."""
+    """What the task says of samples and of the plant, by component, and the certificate's rho and shift. lost: by the arithmetic
+    of the law."""
 
     period: Fraction
     latency: Fraction
@@ -47,10 +48,9 @@ class Sampling:
     g_min: tuple[Fraction, ...]
     g_max: tuple[Fraction, ...]
     g_cross: tuple[Fraction, ...]
-    noise: Fraction
     rho: tuple[Fraction, ...]
-    u: tuple[Fraction, ...]
     shift: tuple[Fraction, ...]
+    lost: Fraction
 
 
 Operand = tuple[str, int]  # ("V", number of a value) or ("C", a whole constant)
@@ -160,7 +160,7 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
         e_max=tuple(task.e_max),
         u_max=None if control["u_max"] is None else tuple(fractions(control["u_max"], task.n)),
         ticks=task.tick is not None,
-        sampling=None if task.period is None else _sampling(task, document["sampled"]),
+        sampling=None if task.period is None else _sampling(task, c, document["sampled"]),
     )
 
 
@@ -173,12 +173,12 @@ def _box(middle: list[Fraction], half: list[Fraction]) -> Edges:
     return tuple(m - h for m, h in pairs), tuple(m + h for m, h in pairs)
 
 
-def _sampling(task: checker.Task, claim: dict[str, Any]) -> Sampling:
+def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any]) -> Sampling:
     assert task.period is not None
     force, g_min, g_max, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
-    rho, u, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "u", "shift"))
-    noise = (task.plant["noise"] or [Fraction(0)])[0]
-    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, noise, rho, u, shift)
+    rho, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
+    lost = Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits])
+    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost)
 
 
 def _body(source: checker.Source, name: str) -> checker.Tree:

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 import textwrap
 from collections.abc import Iterable
 from fractions import Fraction
+from typing import Any
 
 from stt_codegen.decimals import decimal
 from stt_codegen.emit.render import template
-from stt_codegen.theorem.reading import Edges, Facts, Statement
+from stt_codegen.theorem.hints import hints, steps
+from stt_codegen.theorem.reading import Edges, Facts, Sampling, Statement
 
 DEPTH = 20  # times that a segment may be halved
+CELLS = 4  # into which the range of a window's width is cut
 LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
 FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}
 SIGNS = {"+": "Add", "-": "Sub", "*": "Mul"}
@@ -46,20 +48,6 @@ def dyadic(value: Fraction) -> str:
     while mantissa and mantissa % 2 == 0:
         mantissa, exponent = mantissa // 2, exponent + 1
     return f"{whole(mantissa)} {whole(exponent)}"
-
-
-def steps(facts: Facts) -> list[int]:
-    """The largest difference of neighbouring Bezier coefficients, by dimension."""
-    found = []
-    for i in range(facts.n):
-        largest = 0
-        for k in range(facts.segments):
-            for side in (0, 1):
-                a, b, c, d = (facts.table[k + j][i][side] for j in range(4))
-                bezier = (a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d)
-                largest = max(largest, *(abs(q - p) for p, q in itertools.pairwise(bezier)))
-        found.append(largest)
-    return found
 
 
 def statement(said: Statement) -> str:
@@ -99,6 +87,25 @@ def _plain(name: str) -> str:
     return re.sub(r"[^\w .,-]", "_", name, flags=re.ASCII)
 
 
+def _sampled(facts: Facts, sampling: Sampling) -> dict[str, Any]:
+    """The numbers of the third theorem."""
+    components = []
+    for i in range(facts.n):
+        limit = "None" if facts.u_max is None else f"(Some {rational(facts.u_max[i])})"
+        first = [rational(facts.gain[i]), rational((1 - facts.e_max[i]) / 2), limit]
+        rest = (sampling.rho, sampling.force, sampling.g_min, sampling.g_max, sampling.g_cross, sampling.shift)
+        components.append(f"Component {' '.join([*first, *(rational(values[i]) for values in rest)])}")
+    return {
+        "tau": rational(sampling.period + sampling.latency),
+        "latency": rational(sampling.latency),
+        "share": rational(sampling.share),
+        "lost": rational(sampling.lost),
+        "components": components,
+        "hints": ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in hints(facts, sampling)],
+        "cells": CELLS,
+    }
+
+
 def written(facts: Facts) -> bytes:
     """The text of `<p>.v`."""
     format_, bits, least = FORMATS[facts.scalar]
@@ -127,7 +134,7 @@ def written(facts: Facts) -> bytes:
         depth=DEPTH,
         format=format_,
         gain="; ".join(real(k) for k in facts.gain),
-        sampled="",
-        theorems="emitted_tube, closed_loop",
+        sampled=None if facts.sampling is None else _sampled(facts, facts.sampling),
+        theorems="emitted_tube, closed_loop" + (", sampled_loop" if facts.sampling is not None else ""),
     )
     return text.encode()
