@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
 from fractions import Fraction
 
 from stt_codegen.theorem.reading import Facts, Sampling
@@ -58,8 +57,3 @@ def _hint(facts: Facts, sampling: Sampling, i: int, width: Fraction) -> Hint:
 
 def _up(value: Fraction) -> Fraction:
     return Fraction(math.ceil(value * (1 << BITS)), 1 << BITS)
-
-
-def overall(rows: Sequence[Sequence[Hint]], i: int) -> Fraction:
-    """The bound on |u_i| at all times."""
-    return max(row[i][0] for row in rows)
