@@ -137,8 +137,16 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = _time(c, task.n)
-    control = document["control"]
-    fractions = checker.fractions
+    control, error = document["control"], max(document["edge_error"])
+    gain = checker.fractions(control["gain"], task.n)
+    u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
+    if task.gain not in (None, gain) or min(gain) <= 0 or type(error) is not int:
+        raise Unread("the certificate's gain is not the task's, or an error is no whole number")
+    for name, values in (("gain", gain), ("u_max", u_max)):
+        if values is not None and c.tables.get(name, values) not in (values, [checker.rounded(v, c.bits) for v in values]):
+            raise Unread(f"the C has another {name} than the certificate")
+    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
+        raise Unread("the certificate's u_max is not the task's")
     return Facts(
         name=task.name,
         scalar=document["scalar"],
@@ -151,16 +159,16 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
         clearance=task.clearance,
         min_width=task.min_width,
         unit=tube.unit,
-        error=max(document["edge_error"]),
+        error=error,
         table=tuple(tuple(row) for row in tube.table),
         rate=rate,
         last=last,
         code=_code(c),
-        gain=tuple(fractions(control["gain"], task.n)),
+        gain=tuple(gain),
         e_max=tuple(task.e_max),
-        u_max=None if control["u_max"] is None else tuple(fractions(control["u_max"], task.n)),
+        u_max=None if u_max is None else tuple(u_max),
         ticks=task.tick is not None,
-        sampling=None if task.period is None else _sampling(task, c, document["sampled"]),
+        sampling=None if task.period is None else _sampling(task, c, document["sampled"], error * tube.unit),
     )
 
 
@@ -173,11 +181,14 @@ def _box(middle: list[Fraction], half: list[Fraction]) -> Edges:
     return tuple(m - h for m, h in pairs), tuple(m + h for m, h in pairs)
 
 
-def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any]) -> Sampling:
+def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any], error: Fraction) -> Sampling:
     assert task.period is not None
     force, g_min, g_max, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
     rho, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
     lost = Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits])
+    noise, eps = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
+    least = error + noise + eps * task.farthest  # the certificate's error is of whole units, its shift is not
+    shift = tuple(max(v, least) for v in shift)
     return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost)
 
 

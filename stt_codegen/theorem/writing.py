@@ -93,13 +93,13 @@ def _sampled_words(facts: Facts, sampling: Sampling) -> str:
     cross = f"|g_ij| at most {_each(sampling.g_cross)}" if any(sampling.g_cross) else "g_ij = 0"
     age, late, lost = sampling.period + sampling.latency, sampling.latency, Fraction(str(below(sampling.lost)))
     return (
-        "3. The sampled loop. Inputs are held. Input p is made of a sample of x, and of the emitted edges at its time, by the law "
-        f"(13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {decimal(lost)} in relative terms and in the "
-        "logarithm. The first sample is taken at 0 and acts from then on; an input acts at most "
+        "3. The sampled loop. Inputs are held. Input p is made of a sample of x, and of the emitted edges at its time, by the "
+        f"law (13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {decimal(lost)} in relative "
+        "terms and in the logarithm. The first sample is taken at 0 and acts from then on; an input acts at most "
         f"{decimal(late)} s after its sample for the first time, and never when that is older than {decimal(age)} s. What is "
-        f"measured is wrong by at most {_each(wrong)}. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift and "
-        f"disturbance) at most {_each(sampling.force)}, g_ii from {_each(sampling.g_min)} to {_each(sampling.g_max)}, and {cross} "
-        f"for other j. Then every trajectory from every start with |e| at most {decimal(sampling.share)} keeps |e| at most "
+        f"measured is wrong by at most {_each(wrong)}. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift "
+        f"and disturbance) at most {_each(sampling.force)}, g_ii from {_each(sampling.g_min)} to {_each(sampling.g_max)}, "
+        f"{cross} for other j. Then every trajectory from every start with |e| at most {decimal(sampling.share)} keeps |e| at most "
         f"{_each(reach)} for as long as there are inputs, e being that of the exact tube; it is in the state space and the "
         f"clearance away from every unsafe set, and from t = {decimal(facts.t_c)} s on in the target set."
     )
