@@ -136,7 +136,7 @@ def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
 def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts:
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
-    rate, last = _time(c, task.n)
+    rate, last = spline_time(c, task.n)
     control, error = document["control"], max(document["edge_error"])
     gain = checker.fractions(control["gain"], task.n)
     u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
@@ -163,7 +163,7 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
         table=tuple(tuple(row) for row in tube.table),
         rate=rate,
         last=last,
-        code=_code(c),
+        code=kernels(c),
         gain=tuple(gain),
         e_max=tuple(task.e_max),
         u_max=None if u_max is None else tuple(u_max),
@@ -198,7 +198,7 @@ def _body(source: checker.Source, name: str) -> checker.Tree:
     return source.functions[name].body
 
 
-def _time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
+def spline_time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
     """K/t_c and the last spline time, from the statements of `segment`, which are these."""
     body, found = _body(source, "segment"), {}
     matches = [re.fullmatch(pattern, str(said)) for pattern, said in zip(TIME, body, strict=False)]
@@ -211,7 +211,7 @@ def _time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
     return source.number(found["rate"])[1], source.number(found["last"])[1]
 
 
-def _code(source: checker.Source) -> tuple[Statement, ...]:
+def kernels(source: checker.Source) -> tuple[Statement, ...]:
     """`basis` and then `blend` as one list: every statement has a number, after s and the four coefficients. What is stored and
     returned is checked by name."""
     numbers = {name: k for k, name in enumerate(("s", "q0", "q1", "q2", "q3"))}

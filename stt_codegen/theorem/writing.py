@@ -99,8 +99,8 @@ def _sampled_words(facts: Facts, sampling: Sampling) -> str:
         f"{decimal(late)} s after its sample for the first time, and never when that is older than {decimal(age)} s. What is "
         f"measured is wrong by at most {_each(wrong)}. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift "
         f"and disturbance) at most {_each(sampling.force)}, g_ii from {_each(sampling.g_min)} to {_each(sampling.g_max)}, "
-        f"{cross} for other j. Then every trajectory from every start with |e| at most {decimal(sampling.share)} keeps |e| at most "
-        f"{_each(reach)} for as long as there are inputs, e being that of the exact tube; it is in the state space and the "
+        f"{cross} for other j. Then every trajectory from every start with |e| at most {decimal(sampling.share)} keeps |e| at "
+        f"most {_each(reach)} for as long as there are inputs, e being that of the exact tube; it is in the state space and the "
         f"clearance away from every unsafe set, and from t = {decimal(facts.t_c)} s on in the target set."
     )
 
