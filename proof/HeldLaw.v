@@ -31,40 +31,52 @@ Proof.
   rewrite exp_0 in A. lra.
 Qed.
 
-Definition grid : BinNums.positive := (2 ^ 60)%positive.
-Definition round_up (q : Q) : Q := Qceiling (q * inject_Z (Z.pos grid)) # grid.
-Definition round_down (q : Q) : Q := Qfloor (q * inject_Z (Z.pos grid)) # grid.
-Lemma grid_value (z : Z) : Q2R (z # grid) = IZR z * / IZR (Z.pos grid). Proof. reflexivity. Qed.
-Lemma round_up_ok q : Q2R q <= Q2R (round_up q).
+(* Fixed point: a stands for a / 2^40, which one addition and one shift a squaring keep. *)
+Definition grid : Z := 2 ^ 40.
+Definition fixed (a : Z) : R := IZR a / IZR grid.
+Definition up (q : Q) : Z := Qceiling (q * inject_Z grid).
+Definition down (q : Q) : Z := Qfloor (q * inject_Z grid).
+Lemma grid_pos : 0 < IZR grid. Proof. now apply IZR_lt. Qed.
+Lemma up_ok q : Q2R q <= fixed (up q).
 Proof.
-  unfold round_up. rewrite grid_value. assert (G : 0 < IZR (Z.pos grid)) by now apply IZR_lt.
-  apply (Rmult_le_reg_r (IZR (Z.pos grid))); [exact G|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra.
-  rewrite <- !Q2R_Z, <- Q2R_mult. apply Qle_Rle, Qle_ceiling.
+  assert (G := grid_pos). apply (Rmult_le_reg_r (IZR grid)); [exact G|]. unfold fixed, up, Rdiv.
+  rewrite (Rmult_assoc (IZR _)), Rinv_l, Rmult_1_r by lra. rewrite <- !Q2R_Z, <- Q2R_mult. apply Qle_Rle, Qle_ceiling.
 Qed.
-Lemma round_down_ok q : Q2R (round_down q) <= Q2R q.
+Lemma down_ok q : fixed (down q) <= Q2R q.
 Proof.
-  unfold round_down. rewrite grid_value. assert (G : 0 < IZR (Z.pos grid)) by now apply IZR_lt.
-  apply (Rmult_le_reg_r (IZR (Z.pos grid))); [exact G|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra.
-  rewrite <- !Q2R_Z, <- Q2R_mult. apply Qle_Rle, Qfloor_le.
+  assert (G := grid_pos). apply (Rmult_le_reg_r (IZR grid)); [exact G|]. unfold fixed, down, Rdiv.
+  rewrite (Rmult_assoc (IZR _)), Rinv_l, Rmult_1_r by lra. rewrite <- !Q2R_Z, <- Q2R_mult. apply Qle_Rle, Qfloor_le.
 Qed.
 
-Fixpoint squares_up (m : nat) (v : Q) : Q := match m with O => v | S k => squares_up k (round_up (v * v)) end.
-Fixpoint squares_down (m : nat) (v : Q) : Q := match m with O => v | S k => squares_down k (round_down (v * v)) end.
+Fixpoint squares_up (m : nat) (a : Z) : Z := match m with O => a | S k => squares_up k (Z.shiftr (a * a) 40 + 1) end.
+Fixpoint squares_down (m : nat) (a : Z) : Z := match m with O => a | S k => squares_down k (Z.shiftr (a * a) 40) end.
 
-Lemma squares_up_ok m : forall v z, exp z <= Q2R v -> exp (z * 2 ^ m) <= Q2R (squares_up m v).
+Lemma shifted a : fixed (Z.shiftr (a * a) 40) <= fixed a * fixed a <= fixed (Z.shiftr (a * a) 40 + 1).
 Proof.
-  induction m; intros v z H; cbn [squares_up pow]; [now rewrite Rmult_1_r|].
+  rewrite Z.shiftr_div_pow2 by lia. change (2 ^ 40)%Z with grid. assert (G := grid_pos).
+  assert (I : 0 < / IZR grid) by now apply Rinv_0_lt_compat. set (b := (a * a / grid)%Z).
+  assert (F : forall c, fixed c = IZR (c * grid) * (/ IZR grid * / IZR grid)) by (intro; unfold fixed; rewrite mult_IZR; field; lra).
+  assert (E : fixed a * fixed a = IZR (a * a) * (/ IZR grid * / IZR grid)) by (unfold fixed; rewrite mult_IZR; field; lra).
+  rewrite E, (F b), (F (b + 1)%Z). assert (0 <= / IZR grid * / IZR grid) by (apply Rmult_le_pos; lra).
+  split; apply Rmult_le_compat_r; try assumption; apply IZR_le; unfold b.
+  - rewrite (Z.mul_comm (a * a / grid) grid). now apply Z.mul_div_le.
+  - rewrite Z.add_1_r, (Z.mul_comm _ grid). apply Z.lt_le_incl. now apply Z.mul_succ_div_gt.
+Qed.
+
+Lemma squares_up_ok m : forall a z, exp z <= fixed a -> exp (z * 2 ^ m) <= fixed (squares_up m a).
+Proof.
+  induction m; intros a z H; cbn [squares_up pow]; [now rewrite Rmult_1_r|].
   replace (z * (2 * 2 ^ m)) with ((z + z) * 2 ^ m) by ring. apply IHm. rewrite exp_plus.
-  eapply Rle_trans; [|apply round_up_ok]. rewrite Q2R_mult. pose proof (exp_pos z). apply Rmult_le_compat; lra.
+  eapply Rle_trans; [|apply shifted]. pose proof (exp_pos z). apply Rmult_le_compat; lra.
 Qed.
-Lemma squares_down_ok m : forall v z, Q2R v <= exp z -> 0 <= Q2R v -> Q2R (squares_down m v) <= exp (z * 2 ^ m).
+Lemma squares_down_ok m : forall a z, fixed a <= exp z -> (0 <= a)%Z -> fixed (squares_down m a) <= exp (z * 2 ^ m).
 Proof.
-  induction m; intros v z H P; cbn [squares_down pow]; [now rewrite Rmult_1_r|].
-  replace (z * (2 * 2 ^ m)) with ((z + z) * 2 ^ m) by ring. apply IHm.
-  - rewrite exp_plus. eapply Rle_trans; [apply round_down_ok|]. rewrite Q2R_mult. apply Rmult_le_compat; lra.
-  - unfold round_down. rewrite grid_value. apply Rmult_le_pos; [|left; apply Rinv_0_lt_compat; now apply IZR_lt].
-    apply IZR_le. rewrite <- (Qfloor_Z 0). apply Qfloor_resp_le. apply Qmult_le_0_compat; [|easy].
-    apply Rle_Qle. rewrite Q2R_mult. replace (Q2R 0) with 0 by (unfold Q2R; cbn; lra). now apply Rmult_le_pos.
+  induction m; intros a z H P; cbn [squares_down pow]; [now rewrite Rmult_1_r|].
+  replace (z * (2 * 2 ^ m)) with ((z + z) * 2 ^ m) by ring.
+  assert (F : 0 <= fixed a) by (unfold fixed; apply Rmult_le_pos; [now apply IZR_le|left; apply Rinv_0_lt_compat, grid_pos]).
+  apply IHm.
+  - rewrite exp_plus. eapply Rle_trans; [apply shifted|]. apply Rmult_le_compat; lra.
+  - apply Z.shiftr_nonneg. now apply Z.mul_nonneg_nonneg.
 Qed.
 
 Definition halvings : nat := 10.
@@ -72,13 +84,17 @@ Definition small : Q := 1 # 1024.
 Lemma small_ok : Q2R small * 2 ^ halvings = 1. Proof. unfold small, halvings, Q2R; cbn; lra. Qed.
 
 (* exp l <= y, and y <= exp l, for rationals; `false` where it cannot be told. *)
+Definition rational (a : Z) : Q := a # Z.to_pos grid.
+Lemma rational_ok a : Q2R (rational a) = fixed a.
+Proof. unfold rational, fixed, Q2R; cbn [Qnum Qden]. rewrite Z2Pos.id by reflexivity. reflexivity. Qed.
+
 Definition exp_at_most (l y : Q) : bool :=
-  let z := round_up (l * small) in
-  if (Qle_bool 0 z && Qle_bool z 1)%bool then Qle_bool (squares_up halvings (round_up ((2 + z) / (2 - z)))) y else false.
+  let z := rational (up (l * small)) in
+  if (Qle_bool 0 z && Qle_bool z 1)%bool then Qle_bool (rational (squares_up halvings (up ((2 + z) / (2 - z))))) y else false.
 Definition exp_at_least (l y : Q) : bool :=
-  let z := round_down (l * small) in
+  let z := rational (down (l * small)) in
   if Qle_bool 0 z then
-    let v := round_down (1 + z + z * z * (1 # 2)) in if Qle_bool 0 v then Qle_bool y (squares_down halvings v) else false
+    let v := down (1 + z + z * z * (1 # 2)) in if (0 <=? v)%Z then Qle_bool y (rational (squares_down halvings v)) else false
   else false.
 
 Lemma Q2R_0 : Q2R 0 = 0. Proof. unfold Q2R; cbn; lra. Qed.
@@ -88,15 +104,15 @@ Lemma Qle_true a b : Qle_bool a b = true -> Q2R a <= Q2R b. Proof. intro H. now 
 
 Lemma ln_at_least l y : exp_at_most l y = true -> Q2R l <= ln (Q2R y).
 Proof.
-  unfold exp_at_most. set (z := round_up (l * small)). destruct (Qle_bool 0 z && Qle_bool z 1)%bool eqn:B; [|easy]. intro H.
+  unfold exp_at_most. set (z := rational (up (l * small))). destruct (Qle_bool 0 z && Qle_bool z 1)%bool eqn:B; [|easy]. intro H.
   apply andb_true_iff in B. destruct B as [B1 B2]. apply Qle_true in B1, B2, H. rewrite Q2R_0 in B1. rewrite Q2R_1 in B2.
   assert (E : exp (Q2R l) <= Q2R y).
-  { apply Rle_trans with (2 := H). apply Rle_trans with (exp (Q2R z * 2 ^ halvings)).
+  { apply Rle_trans with (2 := H). rewrite rational_ok. apply Rle_trans with (exp (Q2R z * 2 ^ halvings)).
     - assert (A : Q2R l <= Q2R z * 2 ^ halvings).
-      { assert (U := round_up_ok (l * small)). fold z in U. rewrite Q2R_mult in U.
+      { assert (U := up_ok (l * small)). rewrite <- rational_ok in U. fold z in U. rewrite Q2R_mult in U.
         apply (Rmult_le_compat_r (2 ^ halvings)) in U; [|left; apply pow_lt; lra]. rewrite Rmult_assoc, small_ok in U. lra. }
       destruct (Req_dec (Q2R l) (Q2R z * 2 ^ halvings)) as [->|Ne]; [lra|]. left. apply exp_increasing. lra.
-    - apply squares_up_ok. eapply Rle_trans; [|apply round_up_ok].
+    - apply squares_up_ok. eapply Rle_trans; [|apply up_ok].
       assert (N : ~ (2 - z == 0)%Q) by (intro Q; apply Qeq_eqR in Q; rewrite Q2R_minus, Q2R_2, Q2R_0 in Q; lra).
       rewrite Q2R_div, Q2R_plus, Q2R_minus, Q2R_2 by exact N. apply exp_above_fraction. lra. }
   rewrite <- (ln_exp (Q2R l)). apply Rcomplements.ln_le; [apply exp_pos|exact E].
@@ -104,16 +120,16 @@ Qed.
 
 Lemma ln_at_most l y : exp_at_least l y = true -> 0 < Q2R y -> ln (Q2R y) <= Q2R l.
 Proof.
-  unfold exp_at_least. set (z := round_down (l * small)). destruct (Qle_bool 0 z) eqn:B; [|easy].
-  set (v := round_down _). destruct (Qle_bool 0 v) eqn:B2; [|easy]. intros H Y.
-  apply Qle_true in B, B2, H. rewrite Q2R_0 in B, B2.
+  unfold exp_at_least. set (z := rational (down (l * small))). destruct (Qle_bool 0 z) eqn:B; [|easy].
+  set (v := down _). destruct (0 <=? v)%Z eqn:B2; [|easy]. intros H Y.
+  apply Qle_true in B, H. apply Z.leb_le in B2. rewrite Q2R_0 in B. rewrite rational_ok in H.
   assert (E : Q2R y <= exp (Q2R l)).
   { apply Rle_trans with (1 := H). apply Rle_trans with (exp (Q2R z * 2 ^ halvings)).
-    - apply squares_down_ok; [|exact B2]. eapply Rle_trans; [apply round_down_ok|].
+    - apply squares_down_ok; [|exact B2]. eapply Rle_trans; [apply down_ok|].
       rewrite !Q2R_plus, !Q2R_mult, Q2R_1. replace (Q2R (1 # 2)) with (/ 2) by (unfold Q2R; cbn; lra).
       apply Rle_trans with (2 := exp_below_square _ B). lra.
     - assert (A : Q2R z * 2 ^ halvings <= Q2R l).
-      { assert (U := round_down_ok (l * small)). fold z in U. rewrite Q2R_mult in U.
+      { assert (U := down_ok (l * small)). rewrite <- rational_ok in U. fold z in U. rewrite Q2R_mult in U.
         apply (Rmult_le_compat_r (2 ^ halvings)) in U; [|left; apply pow_lt; lra]. rewrite Rmult_assoc, small_ok in U. lra. }
       destruct (Req_dec (Q2R z * 2 ^ halvings) (Q2R l)) as [->|Ne]; [lra|]. left. apply exp_increasing. lra. }
   rewrite <- (ln_exp (Q2R l)). apply Rcomplements.ln_le; [exact Y|exact E].

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from test_cli import run
 
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
-from stt_codegen.theorem.reading import Facts, facts
+from stt_codegen.theorem.reading import Facts, Unread, facts
 from stt_codegen.theorem.writing import written
 
 pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
@@ -132,3 +134,65 @@ def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str])
     done = run("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts emitted_tube, closed_loop")
+
+
+# ------------------------------------------------------------------------------------------------ what is changed
+
+MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced by what, where the no comes from
+    ("omni_s1", 1, rb"(_coefficients\[\d+\] = \{\s+)-?[\d.]+F", rb"\g<1>0.5F", "tube_checked"),
+    ("omni_s1", 1, rb"started \* 3\.5555556F", b"started * 3.5555F", "rounding_checked"),
+    ("omni_s1", 1, rb"31\.999998F", b"31.99F", "rounding_checked"),
+    ("omni_s1", 1, rb"scaled < 31\.999998F", b"scaled < 32.0F", "holds time at another number"),
+    ("omni_s1", 1, rb"= 1\.0F - s;", b"= s - 1.0F;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 2.0F * v4;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 3.5F * v4;", "which is not whole"),
+    ("omni_s1", 1, rb"= v2 \+ v5;", b"= v2 - v5;", "statements"),
+    ("omni_s1", 1, rb"\*w1 = v7;", b"*w1 = v9;", "statements"),
+    ("omni_s1", 0, rb"prescribed_time = 9\.0", b"prescribed_time = 9.1", "rounding_checked"),
+    ("omni_s1", 0, rb"clearance = 0\.03", b"clearance = 0.04", "tube_checked"),
+    ("omni_s1", 0, rb"min_width = 0\.05", b"min_width = 0.5", "tube_checked"),
+    ("omni_s1", 0, rb"initial_state = \[0\.25, 4\.75\]", b"initial_state = [0.55, 4.75]", "tube_checked"),
+    ("omni_s1", 0, rb"lower = \[2\.0, 2\.5\]", b"lower = [1.5, 2.5]", "tube_checked"),
+    ("omni_s1", 0, rb"(target_set\]\s+lower = )\[4\.5, 4\.5\]", rb"\g<1>[4.6, 4.5]", "tube_checked"),
+    ("omni_s1", 2, rb'"edge_error": \[\d+, \d+\]', b'"edge_error": [1, 1]', "rounding_checked"),
+    ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
+    ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
+    ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
+    ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+]
+
+
+@pytest.mark.parametrize(("name", "file", "old", "new", "told"), MUTANTS)
+def test_what_is_changed_has_no_theorem(
+    name: str, file: int, old: bytes, new: bytes, told: str, tool: Callable[[str], str]
+) -> None:
+    """By what is read and by Coq alone: no hash and no checker is asked."""
+    tool("coqc")
+    data = list(files_of(name, "float"))
+    changed = re.sub(old, new, data[file])
+    assert changed != data[file]
+    data[file] = changed
+    try:
+        answer = asking.ask_coq(written(facts(*data)), name)
+    except Unread as problem:
+        assert told in str(problem)
+        return
+    assert not answer.holds
+    assert told in answer.what
+
+
+def test_the_command_asks_the_checker_for_what_coq_does_not_read(tmp_path: Path, tool: Callable[[str], str]) -> None:
+    """A law of the wrong sign: table, constants and kernels of the tube are as they were."""
+    tool("coqc")
+    shutil.copytree(ROOT / "generated/omni_s1/refined/float", tmp_path / "c")
+    source, proof = tmp_path / "c/omni_s1.c", tmp_path / "c/omni_s1.certificate.json"
+    text = source.read_text().replace("upper_nearer ? gain_minus : gain_i", "upper_nearer ? gain_i : gain_minus")
+    text = text.replace("upper_nearer ? (-0.5F) : 0.5F", "upper_nearer ? 0.5F : (-0.5F)")
+    assert text != source.read_text()
+    source.write_text(text)
+    document = json.loads(proof.read_text())
+    document["sha256"]["omni_s1.c"] = hashlib.sha256(source.read_bytes()).hexdigest()
+    proof.write_text(json.dumps(document))
+    done = run("theorem", "tasks/omni_s1.toml", str(source), "--json")
+    assert done.returncode == 1
+    assert "checker: NO" in json.loads(done.stdout)["what"]

@@ -38,7 +38,8 @@ class Unread(Exception):
 
 @dataclass(frozen=True)
 class Sampling:
-    """What the task says of samples and of the plant, by component, and the certificate's rho, u and shift."""
+    """What the task says of samples and of the plant, by component, and the certificate's rho and shift. lost: by the arithmetic
+    of the law."""
 
     period: Fraction
     latency: Fraction
@@ -47,10 +48,9 @@ class Sampling:
     g_min: tuple[Fraction, ...]
     g_max: tuple[Fraction, ...]
     g_cross: tuple[Fraction, ...]
-    noise: Fraction
     rho: tuple[Fraction, ...]
-    u: tuple[Fraction, ...]
     shift: tuple[Fraction, ...]
+    lost: Fraction
 
 
 Operand = tuple[str, int]  # ("V", number of a value) or ("C", a whole constant)
@@ -136,9 +136,17 @@ def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
 def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts:
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
-    rate, last = _time(c, task.n)
-    control = document["control"]
-    fractions = checker.fractions
+    rate, last = spline_time(c, task.n)
+    control, error = document["control"], max(document["edge_error"])
+    gain = checker.fractions(control["gain"], task.n)
+    u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
+    if task.gain not in (None, gain) or min(gain) <= 0 or type(error) is not int:
+        raise Unread("the certificate's gain is not the task's, or an error is no whole number")
+    for name, values in (("gain", gain), ("u_max", u_max)):
+        if values is not None and c.tables.get(name, values) not in (values, [checker.rounded(v, c.bits) for v in values]):
+            raise Unread(f"the C has another {name} than the certificate")
+    if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
+        raise Unread("the certificate's u_max is not the task's")
     return Facts(
         name=task.name,
         scalar=document["scalar"],
@@ -151,16 +159,16 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
         clearance=task.clearance,
         min_width=task.min_width,
         unit=tube.unit,
-        error=max(document["edge_error"]),
+        error=error,
         table=tuple(tuple(row) for row in tube.table),
         rate=rate,
         last=last,
-        code=_code(c),
-        gain=tuple(fractions(control["gain"], task.n)),
+        code=kernels(c),
+        gain=tuple(gain),
         e_max=tuple(task.e_max),
-        u_max=None if control["u_max"] is None else tuple(fractions(control["u_max"], task.n)),
+        u_max=None if u_max is None else tuple(u_max),
         ticks=task.tick is not None,
-        sampling=None if task.period is None else _sampling(task, document["sampled"]),
+        sampling=None if task.period is None else _sampling(task, c, document["sampled"], error * tube.unit),
     )
 
 
@@ -173,12 +181,15 @@ def _box(middle: list[Fraction], half: list[Fraction]) -> Edges:
     return tuple(m - h for m, h in pairs), tuple(m + h for m, h in pairs)
 
 
-def _sampling(task: checker.Task, claim: dict[str, Any]) -> Sampling:
+def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any], error: Fraction) -> Sampling:
     assert task.period is not None
     force, g_min, g_max, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
-    rho, u, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "u", "shift"))
-    noise = (task.plant["noise"] or [Fraction(0)])[0]
-    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, noise, rho, u, shift)
+    rho, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
+    lost = Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits])
+    noise, eps = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
+    least = error + noise + eps * task.farthest  # the certificate's error is of whole units, its shift is not
+    shift = tuple(max(v, least) for v in shift)
+    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost)
 
 
 def _body(source: checker.Source, name: str) -> checker.Tree:
@@ -187,7 +198,7 @@ def _body(source: checker.Source, name: str) -> checker.Tree:
     return source.functions[name].body
 
 
-def _time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
+def spline_time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
     """K/t_c and the last spline time, from the statements of `segment`, which are these."""
     body, found = _body(source, "segment"), {}
     matches = [re.fullmatch(pattern, str(said)) for pattern, said in zip(TIME, body, strict=False)]
@@ -200,7 +211,7 @@ def _time(source: checker.Source, n: int) -> tuple[Fraction, Fraction]:
     return source.number(found["rate"])[1], source.number(found["last"])[1]
 
 
-def _code(source: checker.Source) -> tuple[Statement, ...]:
+def kernels(source: checker.Source) -> tuple[Statement, ...]:
     """`basis` and then `blend` as one list: every statement has a number, after s and the four coefficients. What is stored and
     returned is checked by name."""
     numbers = {name: k for k, name in enumerate(("s", "q0", "q1", "q2", "q3"))}
