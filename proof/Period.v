@@ -137,9 +137,9 @@ Section Sampled.
   Let eta (i : nat) := Q2R (shift (c_ i)).
   Let lim (i : nat) := option_map Q2R (limit (c_ i)).
 
-  Variables (taken switch : nat -> R) (clock : R -> R) (x : nat -> R -> R) (measured : nat -> nat -> R).
+  Variables (taken switch clock : nat -> R) (x : nat -> R -> R) (measured : nat -> nat -> R).
   Variables (input : nat -> nat -> R) (f : nat -> R -> R) (G : nat -> nat -> R -> R).
-  Hypothesis clock_reads : forall t, reads format (clock t) t.
+  Hypothesis clock_reads : forall p, reads format (clock p) (taken p).   (* what the clock shows when sample p is taken *)
   Hypothesis times : switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
     switch (S p) - taken p <= tau /\ switch p - taken p <= latency.
   Hypothesis x_cont : forall i t, (i < n k)%nat -> continuity_pt (x i) t.
@@ -147,8 +147,8 @@ Section Sampled.
   Hypothesis sensors : forall p i, (i < n k)%nat -> Rabs (measured p i - x i (taken p)) <= eta i - Q2R err.
   Hypothesis law_acts : forall p i, (i < n k)%nat ->
     acts (Q2R (gain (c_ i))) (Q2R (clamped (c_ i))) (Q2R (lost s)) (lim i)
-      (measured p i - emitted format unit rows sc fst i (clock (taken p)))
-      (emitted format unit rows sc snd i (clock (taken p)) - measured p i) (input p i).
+      (measured p i - emitted format unit rows sc fst i (clock p))
+      (emitted format unit rows sc snd i (clock p) - measured p i) (input p i).
   Hypothesis plant : forall p t, switch p < t < switch (S p) -> (forall i, (i < n k)%nat -> L i t < x i t < U i t) -> forall i, (i < n k)%nat ->
     is_derive (x i) t (f i t + total (n k) (fun j => G i j t * input p j)) /\
     Rabs (f i t) <= Q2R (pushed (c_ i)) /\ Q2R (g_min (c_ i)) <= G i i t <= Q2R (g_max (c_ i)) /\
@@ -282,14 +282,19 @@ Section Sampled.
   Proof. apply Nat.le_min_r. Qed.
 
   Lemma seen_error p i : (i < n k)%nat ->
-    let a := measured p i - emitted format unit rows sc fst i (clock (taken p)) in
-    let b := emitted format unit rows sc snd i (clock (taken p)) - measured p i in
+    let a := measured p i - emitted format unit rows sc fst i (clock p) in
+    let b := emitted format unit rows sc snd i (clock p) - measured p i in
     Rabs (a - (x i (taken p) - L i (taken p))) <= eta i /\ Rabs (b - (U i (taken p) - x i (taken p))) <= eta i /\ 0 < a + b.
   Proof.
     intros Hi a b. assert (Sn := sensors p i Hi).
-    destruct (emitted_near format unit err depth k rows Vs sc late checked more rounding clock clock_reads i (taken p) Hi) as [A B].
-    destruct (emitted_tube_sound format unit err depth k rows Vs sc late checked more rounding clock clock_reads) as (P1 & _).
-    assert (W := P1 i (taken p) Hi). destruct all_checked as (_ & _ & _ & Mw & _).
+    set (shown := fun r => if Req_EM_T r (taken p) then clock p else r).
+    assert (Sh : forall r, reads format (shown r) r).
+    { intro r. unfold shown. destruct (Req_EM_T r (taken p)) as [->|_]; [apply clock_reads|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
+      apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
+    assert (Et : shown (taken p) = clock p) by (unfold shown; destruct (Req_EM_T (taken p) (taken p)); [reflexivity|congruence]).
+    destruct (emitted_near format unit err depth k rows Vs sc late checked more rounding shown Sh i (taken p) Hi) as [A B]. cbv beta in A, B. rewrite Et in A, B.
+    destruct (emitted_tube_sound format unit err depth k rows Vs sc late checked more rounding shown Sh) as (P1 & _).
+    assert (W := P1 i (taken p) Hi). cbv beta in W. rewrite Et in W. destruct all_checked as (_ & _ & _ & Mw & _).
     apply Rabs_le_between in Sn, A, B. fold (L i (taken p)) in A. fold (U i (taken p)) in B.
     repeat split; [apply Rabs_le; unfold a; lra|apply Rabs_le; unfold b; lra|unfold a, b; lra].
   Qed.
@@ -519,7 +524,7 @@ Section Sampled.
   Qed.
 
   (* In the words of the task. *)
-  Theorem sampled_reach_avoid_stay : forall p t, 0 <= t <= switch p ->
+  Theorem samples_reach_avoid_stay : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n k)%nat -> Rabs (2 * x i t - L i t - U i t) <= (rho i - 1) / (rho i + 1) * (U i t - L i t)) /\
     (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
     (forall o, In o (unsafe k) -> exists i, (i < n k)%nat /\
@@ -539,3 +544,9 @@ Section Sampled.
     - intros Htc i Hi. destruct (In_ i Hi), (P5 i t Hi Htc). lra.
   Qed.
 End Sampled.
+
+(* The same for a clock that shows a number at every time. *)
+Definition sampled_reach_avoid_stay format unit err depth k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
+  (clock : R -> R) x measured input f G (clock_reads : forall t, reads format (clock t) t) :=
+  samples_reach_avoid_stay format unit err depth k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
+    (fun p => clock (taken p)) x measured input f G (fun p => clock_reads (taken p)).
