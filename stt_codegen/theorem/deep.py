@@ -8,9 +8,12 @@ import sys
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
+from stt_codegen.errors import BadInput
 from stt_codegen.theorem.reading import Facts, facts
-from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, steps
+from stt_codegen.theorem.hints import hints, steps
+from stt_codegen.theorem.writing import CELLS, DEPTH, FORMATS, box, listed, rational
 
 GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
 SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
@@ -114,12 +117,9 @@ def found_plant(found: Facts, bounds: Bounds) -> Plant | None:
     return None
 
 
-def of_task(found: Facts) -> Bounds:
-    """The bounds of the task; where it has none, an example: xdot = u + w, |w| <= 1/20, sampled every millisecond."""
-    s, n = found.sampling, found.n
-    if s is None:
-        return Bounds([Fraction(1, 20)] * n, [Fraction(1)] * n, [Fraction(1)] * n, [Fraction(0)] * n, Fraction(1, 1000), Fraction(0), Fraction(1, 1 << 20))
-    return Bounds(list(s.force), list(s.g_min), list(s.g_max), list(s.g_cross), s.period + s.latency, s.latency, s.noise + Fraction(1, 1 << 20))
+def example(n: int) -> Bounds:
+    """A plant for tasks that have none: xdot = u + w, |w| <= 1/20, sampled every millisecond."""
+    return Bounds([Fraction(1, 20)] * n, [Fraction(1)] * n, [Fraction(1)] * n, [Fraction(0)] * n, Fraction(1, 1000), Fraction(0), Fraction(1, 1 << 20))
 
 
 TEMPLATE = """\
@@ -136,7 +136,7 @@ From Coq Require Import ZArith QArith Qreals Reals List String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Held HeldLaw.
-From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Design Uniform Sound Toml Header.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Windows Period Design Uniform Sound Sharp Toml Header.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -212,6 +212,12 @@ Qed.
 Definition tube := emitted_tube_sound {format} the_unit the_error {depth} the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
 
 
+{loop}Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
+Print Assumptions theorems.
+"""
+
+
+UNIFORM = """\
 (* The plant: bounds by component, and numbers that help Coq. *)
 Definition the_plant : plant := {plant}.
 Lemma plant_checked : plant_check the_unit the_error {depth} the_task the_table the_steps the_gain the_clamp (32 * half_ulp {format}) the_plant = true.
@@ -254,8 +260,59 @@ Proof.
     Times Continuous Start Ode Clock Sensors).
 Qed.
 
-Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
-Print Assumptions theorems.
+"""
+
+SHARP = """\
+(* P9's numbers. By component: gain, (1 - e_max)/2, u_max, rho, bounds on |f + w|, g_ii and |g_ij|, shift. Before that: period + latency, latency, share, what the
+   arithmetic of the law loses. *)
+Definition the_sampling : sampling := (Sampling {tau} {latency} {share} {lost} [
+  {components}])%Q.
+(* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
+Definition the_hints : list (list (Q * Q)) := [
+  {hints}]%Q.
+Lemma period_checked : period_check the_unit the_task the_table the_sampling the_hints {cells} the_error = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+Lemma law_checked : law_check {format} the_task the_sampling the_gain the_clamp = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
+(* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
+   to `switch (p + 1)`. *)
+Theorem closed_loop : forall (log_ : number -> number), accurate (precision {format}) (largest_exponent {format}) log_ ->
+  forall (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
+  option_map keep (read (suffix {format}) {quoted_name} the_text) = Some program ->
+  let L i t := Tube.lower the_unit the_task the_table i t in
+  let U i t := Tube.upper the_unit the_task the_table i t in
+  let of i := part the_sampling i in
+  let input p i := applied {format} log_ the_constants program (clock p) (measured p) i in
+  (* times: the first input acts from 0 on; no acting sample is older than period + latency, none begins to act later than the latency *)
+  (switch 0%nat = 0 /\\ forall p, 0 <= taken p <= switch p /\\ switch p < switch (S p) /\\
+    switch (S p) - taken p <= Q2R (tau_of the_sampling) /\\ switch p - taken p <= Q2R (latency_of the_sampling)) ->
+  (forall p, is_finite (clock p) = true /\\ reads {format} (B2R (clock p)) (taken p)) ->
+  (* sensors *)
+  (forall p i, (i < {n})%nat -> is_finite (measured p i) = true /\\ Rabs (B2R (measured p i)) <= 1073741824 /\\
+    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (shift (of i)) - Q2R the_error) ->
+  (forall i t, (i < {n})%nat -> continuity_pt (x i) t) ->
+  (* the start: |e| <= share *)
+  (forall i, (i < {n})%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share_of the_sampling) * (U i 0 - L i 0)) ->
+  (* the plant *)
+  (forall p t, switch p < t < switch (S p) -> (forall i, (i < {n})%nat -> L i t < x i t < U i t) -> forall i, (i < {n})%nat ->
+    is_derive (x i) t (push i t + total {n} (fun j => G i j t * input p j)) /\\
+    Rabs (push i t) <= Q2R (pushed (of i)) /\\ Q2R (g_min (of i)) <= G i i t <= Q2R (g_max (of i)) /\\
+    forall j, (j < {n})%nat -> j <> i -> Rabs (G i j t) <= Q2R (g_cross (of i))) ->
+  forall p t, 0 <= t <= switch p ->
+    (forall i, (i < {n})%nat -> Rabs (2 * x i t - L i t - U i t) <= (Q2R (rho_of (of i)) - 1) / (Q2R (rho_of (of i)) + 1) * (U i t - L i t)) /\\
+    (forall i, (i < {n})%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\\
+    (forall o, In o (unsafe the_task) -> exists i, (i < {n})%nat /\\
+      (x i t < at_ (lo o) i - Q2R (clearance the_task) \\/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\\
+    (Q2R (Tube.T the_task) <= t -> forall i, (i < {n})%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
+Proof.
+  intros log_ accurate taken switch x push G clock measured program Text L U of input Times Clock Sensors Continuous Start Plant.
+  rewrite text_read in Text. injection Text as <-.
+  exact (controller_sound_sharp {format} the_constants the_coefficients (preamble {format} {quoted_name}) the_unit the_error {depth} the_task the_table the_steps the_scale the_late
+    the_gain the_clamp the_sampling the_hints {cells} tube_checked slopes_checked rounding_checked constants_checked period_checked law_checked log_ accurate taken switch x push G
+    clock measured Times Clock Sensors Continuous Start Plant).
+Qed.
+
 """
 
 
@@ -263,22 +320,39 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
     format_, _, _ = FORMATS[found.scalar]
-    numbers = found_plant(found, of_task(found))
-    if numbers is None:
-        raise SystemExit("no rho")
+    shared = {"quoted_name": f"{quoted(found.name)}%string", "format": format_, "depth": DEPTH, "n": found.n}
     return TEMPLATE.format(
         name=found.name,
-        quoted_name=f"{quoted(found.name)}%string",
         toml=quoted(task.decode("ascii")),
         header=quoted(header.decode("ascii")),
         text=quoted(source.decode("ascii")),
         task=the_task(found),
         unit=rational(found.unit),
         error=rational(found.error * found.unit),
-        format=format_,
-        depth=DEPTH,
-        n=found.n,
-        plant=numbers,
+        loop=_loop(found, shared),
+        **shared,
+    )
+
+
+def _loop(found: Facts, shared: dict[str, Any]) -> str:
+    """The theorem of the closed loop: of the task's samples, or of an example where the task has none."""
+    if found.sampling is None:
+        numbers = found_plant(found, example(found.n))
+        if numbers is None:
+            raise BadInput("theorem: no rho for the example of a sampled loop")
+        return UNIFORM.format(plant=numbers, **shared)
+    s = found.sampling
+    rest = (s.rho, s.force, s.g_min, s.g_max, s.g_cross, s.shift)
+    components = [f"Component the_gain the_clamp None {' '.join(rational(values[i]) for values in rest)}" for i in range(found.n)]
+    return SHARP.format(
+        tau=rational(s.period + s.latency),
+        latency=rational(s.latency),
+        share=rational(s.share),
+        lost=rational(s.lost),
+        components=";\n  ".join(components),
+        hints=";\n  ".join(f"[{'; '.join(f'({rational(u)}, {rational(log)})' for u, log in row)}]" for row in hints(found, s)),
+        cells=CELLS,
+        **shared,
     )
 
 
