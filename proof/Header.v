@@ -37,7 +37,8 @@ Fixpoint prototypes (fuel : nat) (l : list token) : option (list token) :=
 Fixpoint definitions (fuel : nat) (big : string) (n : Z) (l : list token) : option (list token) :=
   match fuel with
   | S f => (let* r := (eat_prefix (String.append "#define " (String.append big "T_C ")) l) or (eat_prefix (String.append "#define " (String.append big "DESIGN_HASH ")) l) or
-                      (eat_prefix (String.append "#define " (String.append big "N ")) l) in definitions f big n r) or (Some l)
+                      (eat_prefix (String.append "#define " (String.append big "N ")) l) or
+                      (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) in definitions f big n r) or (Some l)
   | O => None
   end.
 
