@@ -53,6 +53,8 @@ integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	$(BIN)/python benchmarks/integer_bits.py --inputs 100000
 	$(BIN)/python benchmarks/mutations.py --inertia --count 400
 	$(BIN)/python benchmarks/mission_mutants.py --count 1000
+	$(BIN)/python benchmarks/gappa.py
+	$(BIN)/python benchmarks/theorem.py
 	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
 	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
 	$(BIN)/stt-codegen bench loop --count 100

@@ -31,6 +31,9 @@ def generate(
         str | None,
         typer.Option(metavar="PLANT", help="with --package fmu: units of this plant too: a built-in one or a .py"),
     ] = None,
+    theorem: Annotated[
+        bool, typer.Option("--theorem", help="write <name>.v too: the theorems for Coq, see `stt-codegen theorem`")
+    ] = False,
     json: Json = False,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
@@ -47,6 +50,8 @@ def generate(
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
+    if theorem and (record is not None or package != "plain"):
+        raise BadInput("--theorem: is written beside the plain files; leave out --record and --package")
     made = []
     for task in tasks:  # all of them, before any is written
         with patience(f"designing {task}"):
@@ -55,6 +60,11 @@ def generate(
     for _, controller in made:
         model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
         packages.append(packed(controller, package, model))
+    if theorem:
+        packages = [
+            {**files, **_theorem(task.read_bytes(), controller.task.name, files)}
+            for (task, controller), files in zip(made, packages, strict=True)
+        ]
     placed = [
         files if record is None else {f"{folder_of(controller)}/{path}": data for path, data in files.items()}
         for (_, controller), files in zip(made, packages, strict=True)
@@ -83,6 +93,15 @@ def generate(
                 print(f"{controller.task.name}: {interface_of(controller.task)}")
     if json:
         print_json({"written": written})
+
+
+def _theorem(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes]:
+    """<name>.v, from what is written: the task spelled out where it has a map."""
+    from stt_codegen.theorem.reading import facts
+    from stt_codegen.theorem.writing import written
+
+    data = (files.get(f"{name}.task.toml", task), files[f"{name}.c"], files[f"{name}.certificate.json"])
+    return {f"{name}.v": written(facts(*data))}
 
 
 def _tell_what_is_not_proved(controller: Any) -> None:

@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stt_codegen.cli import bench, certify, check, compare, design, generate, maps, pil, prove, report, schema, simulate
+from stt_codegen.cli import bench, certify, check, compare, design, generate, maps, pil, prove, report, schema, simulate, theorem
 from stt_codegen.cli.options import print_json, say
 from stt_codegen.errors import SttError
 
@@ -28,7 +28,7 @@ app = typer.Typer(
 app.add_typer(bench.bench, name="bench")
 for _command in (
     design.design, generate.generate, check.check, compare.compare, simulate.simulate, pil.pil, certify.certify, prove.prove,
-    report.report, schema.schema,
+    theorem.theorem, report.report, schema.schema,
 ):  # fmt: skip
     app.command()(_command)
 app.command("map")(maps.map_)

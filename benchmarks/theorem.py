@@ -1,0 +1,165 @@
+"""What Coq says of every shipped controller, in how many seconds, and of changed ones, where it must not say yes.
+
+    python benchmarks/theorem.py [--mutants 200] [--tokens 200] [--seed 0] [--record FILE.md]
+
+One row for each refined controller that theorems are written about: processor seconds of coqc, lines of the `.v`, and where the
+task has a period the one of the sampled theorem beside the one of P9. Then mutants, asked of Coq alone (neither hashes nor the stand-alone
+checker): tubes and tasks of `mutants.py` that `truth.py` finds unsafe; and C files with one token changed, where what Coq does not
+read is the checker's. Exit code 1 where a shipped controller is refused or a mutant gets through both.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+from random import Random
+
+from mutants import KINDS, SHAPED, draw
+from mutations import claiming
+from token_mutants import accepted, changed, files_of, mutants, same_meaning
+from truth import Undecided, first_fault
+
+from stt_codegen.bench.report import command, machine, record, table
+from stt_codegen.decimals import decimal
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import build_program, certify
+from stt_codegen.theorem import asking
+from stt_codegen.theorem.reading import Facts, Unread, facts
+from stt_codegen.theorem.writing import written
+
+ROOT = Path(__file__).parent.parent
+CLAIMED = ("P1", "P2", "P3", "P4", "P5")  # of a tube, by theorem 1; P6 is no part of it
+
+
+def shipped() -> tuple[list[list[str]], bool]:
+    """Rows of the table, and whether every answer is yes."""
+    rows, good = [], True
+    for folder in sorted(p for scalar in ("float", "double") for p in (ROOT / "generated").glob(f"*/refined/{scalar}")):
+        name = folder.parents[1].name
+        files = [ROOT / "tasks" / f"{name}.toml", folder / f"{name}.c", folder / f"{name}.certificate.json"]
+        try:
+            read = facts(*(path.read_bytes() for path in files))
+        except BadInput:
+            continue
+        text = written(read)
+        answer = asking.ask_coq(text, name)
+        good = good and answer.holds and set(answer.axioms) == asking.AXIOMS
+        period = "" if read.sampling is None else f"{decimal(read.sampling.period)} s"
+        verdict = "yes" if answer.holds else answer.what
+        rows.append(
+            [name, folder.name, f"{answer.seconds:.1f}", str(text.count(b"\n")), period if answer.holds else "", period, verdict]
+        )
+        print(" ".join(rows[-1]), flush=True)
+    return rows, good
+
+
+def unsafe_mutants(count: int, seed: int) -> Counter[str]:
+    """Answers to tubes and tasks that are unsafe, asked of Coq alone."""
+    found: Counter[str] = Counter()
+    number = 0
+    while sum(found.values()) < count:
+        number += 1
+        _, _, _, (task, design) = draw(Random(f"theorem {seed} {number}"), SHAPED, tuple(KINDS))
+        try:
+            fault = first_fault(task, design)
+        except Undecided:
+            continue
+        if fault is None or fault.code not in CLAIMED:
+            continue
+        files = claiming(task, design, certify(task, design, build_program(task, design)))
+        try:
+            read = facts(files["task.toml"], files[f"{task.name}.c"], files[f"{task.name}.certificate.json"])
+        except BadInput:
+            continue  # sets that no theorem is about
+        except Unread:
+            found["refused by the reader"] += 1
+            continue
+        answer = asking.ask_coq(written(read), read.name)
+        found["ACCEPTED" if answer.holds else "refused by Coq"] += 1
+        if answer.holds:
+            print(f"mutant {number}: accepted, though {fault}")
+    return found
+
+
+def token_mutants(count: int, seed: int) -> Counter[str]:
+    """Answers to the C of one controller with a token changed."""
+    name, found = "omni_s1", Counter[str]()
+    task = (ROOT / "tasks" / f"{name}.toml").read_bytes()
+    plain = _plain(name, task)
+    every = [m for m in mutants(name) if m.file == f"{name}.c"]
+    for mutant in Random(seed).sample(every, min(count, len(every))):
+        files = changed(mutant, name)
+        try:
+            read = facts(task, files[f"{name}.c"], files[f"{name}.certificate.json"])
+        except Unread:
+            found["refused by the reader"] += 1
+            continue
+        if not accepted(files, name):
+            found["refused by the checker; Coq is asked the same" if written(read) == plain else _coq(read)] += 1
+        elif same_meaning(mutant):
+            found["the same meaning"] += 1
+        else:
+            found["ACCEPTED"] += 1
+            print(f"accepted: {mutant}")
+    return found
+
+
+def _coq(read: Facts) -> str:
+    holds = asking.ask_coq(written(read), read.name).holds
+    return "refused by the checker; Coq's theorem is another one, and true" if holds else "refused by Coq and the checker"
+
+
+def _plain(name: str, task: bytes) -> bytes:
+    files = files_of(name)
+    return written(facts(task, files[f"{name}.c"], files[f"{name}.certificate.json"]))
+
+
+def library() -> str:
+    """Seconds to compile it anew, and its lines."""
+    sources = [asking.library_folder() / f"{name}.v" for name in asking.names()]
+    begin = asking.processor()
+    with tempfile.TemporaryDirectory() as folder:
+        for path in sources:
+            shutil.copy(path, folder)
+            done = subprocess.run(
+                [asking.coqc(), *asking.QUIET, "-Q", ".", "Stt", path.name], cwd=folder, capture_output=True, check=False
+            )
+            if done.returncode:
+                raise RuntimeError(f"{path.name}: {done.stderr.decode()[-500:]}")
+    lines = sum(path.read_text().count("\n") for path in sources)
+    return f"The library: {len(sources)} files, {lines} lines, {asking.processor() - begin:.0f} s."
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--mutants", type=int, default=200, help="unsafe tubes and tasks")
+    parser.add_argument("--tokens", type=int, default=200, help="C files with a token changed")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--record", type=Path)
+    asked = parser.parse_args()
+    told = [library()]
+    asking.library()
+    rows, good = shipped()
+    headings = ["task", "scalar", "seconds of coqc", "lines", "period of the sampled theorem", "of P9", "answer"]
+    told += ["", table(headings, rows)]
+    for what, found in (
+        ("unsafe tubes and tasks, asked of Coq alone", unsafe_mutants(asked.mutants, asked.seed)),
+        ("C files with one token changed", token_mutants(asked.tokens, asked.seed)),
+    ):
+        good = good and not found["ACCEPTED"]
+        counts = "; ".join(f"{n} {answer}" for answer, n in found.most_common())
+        told += ["", f"{sum(found.values())} {what}: {counts}; {found['ACCEPTED']} accepted."]
+    print("\n".join(told))
+    if asked.record is not None:
+        title = f"## Theorems\n\n`{command()}` on {machine()}"
+        record(asked.record, "theorem", "\n".join([title, "", *told]))
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

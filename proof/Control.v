@@ -1,0 +1,299 @@
+(* The emitted functions run: `tube` and `control` always end, without anything that C leaves undefined, and what they store is this formula. *)
+From Coq Require Import ZArith List String Bool Ascii Lia.
+From Stt Require Import Syntax Run Emission.
+Import ListNotations.
+Open Scope string_scope.
+Open Scope list_scope.
+
+Section Formulas.
+  Variable A : arithmetic.
+  Variable k : constants.
+  Notation F := (float A).
+  Let lit := literal A.
+
+  Definition spline_time (t : F) : F :=
+    let started := if less A (lit zero) t then t else lit zero in
+    let scaled := mul A started (lit (rate k)) in
+    if less A scaled (lit (last k)) then scaled else lit (last k).
+  Definition place (u : F) (segment : Z) : F := sub A u (of_integer A segment).
+
+  Definition v0 s := sub A (lit one) s.
+  Definition v5 s := mul A (lit three) (add A (lit one) (mul A (v0 s) s)).
+  Definition weight0 s := mul A (mul A (v0 s) (v0 s)) (v0 s).
+  Definition weight1 s := add A (lit one) (mul A (v0 s) (v5 s)).
+  Definition weight2 s := add A (lit one) (mul A s (v5 s)).
+  Definition weight3 s := mul A (mul A s s) s.
+  Definition blend (w0 w1 w2 w3 q0 q1 q2 q3 : F) : F := add A (add A (mul A w0 q0) (mul A w1 q1)) (add A (mul A w2 q2) (mul A w3 q3)).
+
+  Definition edge (s q0 q1 q2 q3 : F) : F := blend (weight0 s) (weight1 s) (weight2 s) (weight3 s) q0 q1 q2 q3.
+
+  Definition upper_nearer (L U x : F) : bool := less A (sub A U x) (sub A x L).
+  Definition nearest (L U x : F) : F := if upper_nearer L U x then sub A U x else sub A x L.
+  Definition near (L U x : F) : F :=
+    let least := mul A (sub A U L) (lit (clamp k)) in if less A least (nearest L U x) then nearest L U x else least.
+  Definition far (L U x : F) : F := sub A (sub A U L) (near L U x).
+  Definition ratio (L U x : F) : F := div A (far L U x) (near L U x).
+  Definition epsilon (L U x : F) : F := opp A (logarithm A (ratio L U x)).
+  Definition xi (L U x : F) : F := div A (add A (lit one) (ratio L U x)) (far L U x).
+  Definition gain (L U x : F) : F := if upper_nearer L U x then lit (gain_upper k) else lit (gain_lower k).
+  Definition push (L U x : F) : F := opp A (mul A (mul A (gain L U x) (xi L U x)) (epsilon L U x)).
+  Definition is_within (L U x : F) : bool := less A (lit zero) (nearest L U x).
+End Formulas.
+
+(* what an array holds at the end: the newest store *)
+Fixpoint stored {A} (x : string) (i : Z) (out : stores A) : option (float A) :=
+  match out with [] => None | (y, j, v) :: r => if String.eqb x y then if (i =? j)%Z then Some v else stored x i r else stored x i r end.
+
+Ltac reduce := cbv beta iota zeta delta
+  [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
+   kernel_of enter bind of_type parameters code run run_block expression_value value_of values_of get put put_all binary select results_of leave
+   String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
+   place_statements lower_statements upper_statements law_statements control_body tube_body inputs_body blended
+   library log_name].
+
+(* ------------------------------------------------------------------ the kernels *)
+Section Kernels.
+  Variable A : arithmetic.
+  Variable k : constants.
+  Notation F := (float A).
+  Variable ks : list (string * kernel A).
+
+  Lemma segment_runs t segment : to_integer A (spline_time A k t) = Some segment ->
+    (-2147483648 <= segment <= 2147483647)%Z -> (-2147483648 <= 2 * dimensions k <= 2147483647)%Z ->
+    (-2147483648 <= segment * (2 * dimensions k) <= 2147483647)%Z ->
+    kernel_of A ks (fun _ _ => None) (segment_function k) [R_ t] =
+    Some ([I_ (segment * (2 * dimensions k))%Z; R_ (place A (spline_time A k t) segment)], None).
+  Proof.
+    intros E H1 H2 H3. unfold spline_time in E. cbv zeta in E.
+    reduce. rewrite E. repeat (rewrite !int32_ok by assumption; cbv beta iota). reflexivity.
+  Qed.
+  Lemma basis_runs s : kernel_of A ks (fun _ _ => None) basis_function [R_ s] =
+    Some ([R_ (weight0 A s); R_ (weight1 A s); R_ (weight2 A s); R_ (weight3 A s)], None).
+  Proof. reflexivity. Qed.
+  Lemma blend_runs w0 w1 w2 w3 q0 q1 q2 q3 :
+    kernel_of A ks (fun _ _ => None) blend_function [R_ w0; R_ w1; R_ w2; R_ w3; R_ q0; R_ q1; R_ q2; R_ q3] =
+    Some ([], Some (R_ (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
+  Proof. reflexivity. Qed.
+  Lemma law_runs g x e : kernel_of A ks (fun _ _ => None) law_function [R_ g; R_ x; R_ e] = Some ([], Some (R_ (opp A (mul A (mul A g x) e)))).
+  Proof. reflexivity. Qed.
+  Lemma transformed_error_runs f0 f1 f2 a b :
+    kernel_of A (("@blend", f0) :: ("@basis", f1) :: ("@segment", f2) :: library A (log_name k)) (fun _ _ => None) (transformed_error_function k) [R_ a; R_ b] =
+    Some ([R_ (opp A (logarithm A (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
+  Proof. unfold transformed_error_function, log_name; destruct (single k); reflexivity. Qed.
+End Kernels.
+
+(* ------------------------------------------------------------------ their callers *)
+Section Callers.
+  Variable A : arithmetic.
+  Variable k : constants.
+  Notation F := (float A).
+  Let lit := literal A.
+  Variables segment_ basis_ blend_ transformed_error_ law_ : kernel A.
+  Variable others : list (string * kernel A).
+  Variable tube_ : kernel A.
+  Let kernels := ("@tube", tube_) :: ("@law", law_) :: ("@transformed_error", transformed_error_) :: ("@blend", blend_) :: ("@basis", basis_) :: ("@segment", segment_) :: others.
+
+  Variables (t : F) (segment K : Z) (q x : Z -> F) (arrays : string -> Z -> option F).
+  Let n := dimensions k.
+  Let s := place A (spline_time A k t) segment.
+  Let row := (segment * (2 * n))%Z.
+
+  Hypothesis segment_range : (0 <= segment < K)%Z.
+  Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
+  Hypothesis segment_does : segment_ [R_ t] = Some ([I_ row; R_ s], None).
+  Hypothesis basis_does : basis_ [R_ s] = Some ([R_ (weight0 A s); R_ (weight1 A s); R_ (weight2 A s); R_ (weight3 A s)], None).
+  Hypothesis blend_does : forall w0 w1 w2 w3 q0 q1 q2 q3,
+    blend_ [R_ w0; R_ w1; R_ w2; R_ w3; R_ q0; R_ q1; R_ q2; R_ q3] = Some ([], Some (R_ (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
+  Hypothesis transformed_error_does : forall a b, transformed_error_ [R_ a; R_ b] =
+    Some ([R_ (opp A (logarithm A (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
+  Hypothesis law_does : forall g x e, law_ [R_ g; R_ x; R_ e] = Some ([], Some (R_ (opp A (mul A (mul A g x) e)))).
+  Hypothesis table : forall z, (0 <= z < 2 * n * (K + 3))%Z -> arrays "@coefficients" z = Some (q z).
+
+  Definition lower (i : Z) : F := let at_ := (row + i * 2)%Z in edge A s (q at_) (q (at_ + 2 * n)) (q (at_ + 4 * n)) (q (at_ + 6 * n)).
+  Definition upper (i : Z) : F := let at_ := (row + i * 2)%Z in edge A s (q (at_ + 1)) (q (at_ + (2 * n + 1))) (q (at_ + (4 * n + 1))) (q (at_ + (6 * n + 1))).
+
+  Definition places (rest : environment A) : environment A :=
+    ("w3", R_ (weight3 A s)) :: ("w2", R_ (weight2 A s)) :: ("w1", R_ (weight1 A s)) :: ("w0", R_ (weight0 A s)) :: ("s", R_ s) :: ("row", I_ row) :: rest.
+
+  (* one statement after the other; v is found by evaluating *)
+  Lemma let_step ty y e r env out v o : expression_value A kernels arrays env e = Some v -> of_type A ty v = true ->
+    run_block A (run A kernels arrays) r ((y, v) :: env) out = o -> run_block A (run A kernels arrays) (Let ty y e :: r) env out = o.
+  Proof. intros E T H. cbn [run_block run]. now rewrite E, T. Qed.
+  Lemma set_step y e r env env' out v o : expression_value A kernels arrays env e = Some v -> put A y v env = Some env' ->
+    run_block A (run A kernels arrays) r env' out = o -> run_block A (run A kernels arrays) (Set_ y e :: r) env out = o.
+  Proof. intros E T H. cbn [run_block run]. now rewrite E, T. Qed.
+  Lemma declare_step ty y r env out o :
+    run_block A (run A kernels arrays) r ((y, Nothing) :: env) out = o -> run_block A (run A kernels arrays) (Declare ty y :: r) env out = o.
+  Proof. intros H. exact H. Qed.
+  Lemma call_step f a ys r env env' out kf vs rs o : get f kernels = Some kf -> values_of A env a = Some vs -> kf vs = Some (rs, None) ->
+    put_all A ys rs env = Some env' -> run_block A (run A kernels arrays) r env' out = o -> run_block A (run A kernels arrays) (Call f a ys :: r) env out = o.
+  Proof. intros G V C P H. cbn [run_block run]. now rewrite G, V, C, P. Qed.
+  Lemma store_step y i e r env out j v w o : value_of A env i = Some (I_ j) -> expression_value A kernels arrays env e = Some (R_ v) -> arrays y j = Some w ->
+    run_block A (run A kernels arrays) r env ((y, j, v) :: out) = o -> run_block A (run A kernels arrays) (Store y i e :: r) env out = o.
+  Proof. intros I E T H. cbn [run_block run]. now rewrite I, E, T. Qed.
+  Lemma loop_step y m body r env out env' out' o : run_loop A (run A kernels arrays) y body (Z.to_nat m) 0 env out = Some (env', out', None) ->
+    run_block A (run A kernels arrays) r env' out' = o -> run_block A (run A kernels arrays) (For y m body :: r) env out = o.
+  Proof. intros E H. cbn [run_block run]. now rewrite E. Qed.
+  Lemma pass_step c body r env out o : value_of A env c = Some (B_ false) ->
+    run_block A (run A kernels arrays) r env out = o -> run_block A (run A kernels arrays) (When c body :: r) env out = o.
+  Proof. intros E H. cbn [run_block run]. now rewrite E. Qed.
+  Lemma return_step e r env out v : expression_value A kernels arrays env e = Some v ->
+    run_block A (run A kernels arrays) (Return (Some e) :: r) env out = Some (env, out, Some (Some v)).
+  Proof. intros E. cbn [run_block run]. now rewrite E. Qed.
+
+  Hypothesis inputs : forall i, (0 <= i < n)%Z -> arrays "x" i = Some (x i).
+  Hypothesis outputs : forall i, (0 <= i < n)%Z -> exists w, arrays "u" i = Some w.
+
+  Ltac evaluate := unfold kernels, places; reduce;
+    repeat first [ rewrite int32_ok by (unfold row, n in *; nia) | rewrite table by (unfold row, n in *; nia) | rewrite inputs by assumption
+                 | rewrite blend_does | rewrite law_does ]; reflexivity.
+  Ltac step := first
+    [ eapply let_step; [evaluate|reflexivity|]
+    | eapply set_step; [evaluate|reflexivity|]
+    | apply declare_step ].
+
+  (* the variables of `control` before its loop *)
+  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
+
+  Lemma body_runs i outside z f out : (0 <= i < n)%Z ->
+    exists inner, run_block A (run A kernels arrays) (control_body k) (("i", I_ i) :: ("outside", B_ outside) :: places (checked z f)) out =
+      Some (inner, ("u", i, push A k (lower i) (upper i) (x i)) :: out, None) /\
+      leave A (("outside", B_ outside) :: places (checked z f)) inner =
+      ("outside", B_ (if is_within A (lower i) (upper i) (x i) then outside else true)) :: places (checked z f).
+  Proof.
+    intro Hi. destruct (outputs i Hi) as [w Hw]. eexists. split.
+    - cbv [control_body lower_statements upper_statements law_statements app blended].
+      do 34 step.
+      eapply call_step; [reflexivity|unfold places; reduce; reflexivity|apply transformed_error_does|unfold places; reduce; reflexivity|].
+      step.
+      eapply store_step; [unfold places; reduce; reflexivity|evaluate|exact Hw|].
+      step. cbn [run_block]. apply f_equal, f_equal2; [|reflexivity]. apply f_equal2; [reflexivity|]. apply f_equal2; [|reflexivity]. apply f_equal2; [reflexivity|].
+      unfold push. apply f_equal. apply f_equal2; [apply f_equal2|]; reflexivity.
+    - unfold places, checked. reduce. reflexivity.
+  Qed.
+
+  (* the test of the inputs: t and every x, times 0 and added up *)
+  Fixpoint zeros (m : nat) : F := match m with O => mul A t (lit zero) | S m => add A (zeros m) (mul A (x (Z.of_nat m)) (lit zero)) end.
+  Definition number_of_dimensions := Z.to_nat n.
+  Hypothesis finite_inputs : at_most A (zeros number_of_dimensions) (lit zero) = true.
+
+  Fixpoint outside_after (m : nat) : bool :=
+    match m with O => false | S m => let i := Z.of_nat m in if is_within A (lower i) (upper i) (x i) then outside_after m else true end.
+
+  Lemma inputs_run : exists out env,
+    run_loop A (run A kernels arrays) "j" inputs_body (Z.to_nat n) 0 [("zero", R_ (mul A t (lit zero))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] [] =
+      Some (env, out, None) /\
+    env = [("zero", R_ (zeros number_of_dimensions)); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] /\ out = [].
+  Proof.
+    destruct (run_loop_keeps A kernels arrays "j" inputs_body
+      (fun j env out => env = [("zero", R_ (zeros (Z.to_nat j))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] /\ out = []) (Z.to_nat n) 0
+      [("zero", R_ (mul A t (lit zero))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] []) as (env & out & E & H1 & H2).
+    - intros j env out Hj [-> ->]. assert (Hi : (0 <= j < n)%Z) by (unfold n in *; lia).
+      do 2 eexists. split; [|split; [|reflexivity]].
+      + unfold inputs_body. do 4 step. reflexivity.
+      + reduce. replace (Z.to_nat (j + 1)) with (S (Z.to_nat j)) by lia. cbn [zeros]. now rewrite Z2Nat.id by lia.
+    - split; reflexivity.
+    - exists out, env. split; [exact E|]. split; [|exact H2]. rewrite H1. now rewrite Z.add_0_l, Nat2Z.id.
+  Qed.
+
+  Lemma stored_other y i j v (out : stores A) : (i =? j)%Z = false -> stored (A := A) y i ((y, j, v) :: out) = stored (A := A) y i out.
+  Proof. intro E. cbn [stored]. now rewrite String.eqb_refl, E. Qed.
+  Lemma stored_same y i v (out : stores A) : stored (A := A) y i ((y, i, v) :: out) = Some v.
+  Proof. cbn [stored]. now rewrite String.eqb_refl, Z.eqb_refl. Qed.
+
+  Lemma bodies_run z f : exists out env,
+    run_loop A (run A kernels arrays) "i" (control_body k) (Z.to_nat n) 0 (("outside", B_ false) :: places (checked z f)) [] = Some (env, out, None) /\
+    env = ("outside", B_ (outside_after number_of_dimensions)) :: places (checked z f) /\
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i)).
+  Proof.
+    destruct (run_loop_keeps A kernels arrays "i" (control_body k)
+      (fun j env out => env = ("outside", B_ (outside_after (Z.to_nat j))) :: places (checked z f) /\
+         forall i, (0 <= i < j)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i))) (Z.to_nat n) 0
+      (("outside", B_ false) :: places (checked z f)) []) as (env & out & E & H1 & H2).
+    - intros j env out Hj [-> St]. assert (Hi : (0 <= j < n)%Z) by (unfold n in *; lia).
+      destruct (body_runs j (outside_after (Z.to_nat j)) z f out Hi) as (inner & E & Lv).
+      do 2 eexists. split; [exact E|split].
+      + rewrite Lv. replace (Z.to_nat (j + 1)) with (S (Z.to_nat j)) by lia. cbn [outside_after]. now rewrite Z2Nat.id by lia.
+      + intros i Hij. destruct (Z.eqb_spec i j) as [->|Ne]; [apply stored_same|].
+        rewrite stored_other by now apply Z.eqb_neq. apply St; lia.
+    - split; [reflexivity|]. intros; lia.
+    - exists out, env. split; [exact E|]. rewrite Z.add_0_l in H1, H2. rewrite Nat2Z.id in H1. split; [exact H1|].
+      intros i Hi. apply H2. unfold n in *; lia.
+  Qed.
+
+  Theorem control_runs : exists out env,
+    enter A kernels arrays (control_function k) [R_ t] = Some (env, out, Some (Some (I_ (if outside_after number_of_dimensions then 1 else 0)%Z))) /\
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i)).
+  Proof.
+    destruct (bodies_run (zeros number_of_dimensions) true) as (out & env & E & -> & St).
+    destruct inputs_run as (out0 & env0 & E0 & -> & ->).
+    exists out. eexists. split; [|exact St].
+    unfold enter, control_function. cbn [parameters bind of_type code]. cbv [place_statements app].
+    do 2 step.
+    eapply loop_step; [exact E0|].
+    eapply let_step; [reduce; fold lit; rewrite finite_inputs; reflexivity|reflexivity|].
+    eapply let_step; [evaluate|reflexivity|].
+    eapply pass_step; [evaluate|].
+    do 2 step.
+    eapply call_step; [reflexivity|reduce; reflexivity|exact segment_does|reduce; reflexivity|].
+    do 4 step.
+    eapply call_step; [reflexivity|reduce; reflexivity|exact basis_does|reduce; reflexivity|].
+    step.
+    eapply loop_step; [exact E|].
+    apply return_step. unfold places. reduce. rewrite !int32_ok by lia. reflexivity.
+  Qed.
+End Callers.
+
+(* ------------------------------------------------------------------ the whole text *)
+
+Section Execute.
+  Variable A : arithmetic.
+  Variables (k : constants) (coefficients : list decimal).
+  Notation F := (float A).
+  Let n := dimensions k.
+  Variables (t : F) (segment K : Z) (x : Z -> F).
+  Variable lines : list string. (* directives, which the evaluator does not read *)
+  Let program := Source lines [("@coefficients", coefficients)] (emitted k).
+  Hypothesis segment_ok : to_integer A (spline_time A k t) = Some segment.
+  Hypothesis segment_range : (0 <= segment < K)%Z.
+  Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
+  Hypothesis table_length : (Z.of_nat (List.length coefficients) = 2 * n * (K + 3))%Z.
+  Hypothesis finite_inputs : at_most A (zeros A t x (number_of_dimensions k)) (literal A zero) = true.
+
+  Definition q (z : Z) : F := literal A (nth (Z.to_nat z) coefficients zero).
+  (* `x` and `u` have n places *)
+  Definition places_of (name : string) (i : Z) : option F := if (0 <=? i)%Z then if (i <? n)%Z then Some (x i) else None else None.
+  Let L i := lower A k t segment q i.
+  Let U i := upper A k t segment q i.
+
+  Theorem control_executes : exists out,
+    execute A (log_name k) program "@control" [R_ t] places_of =
+      Some (out, Some (I_ (if outside_after A k t segment q x (number_of_dimensions k) then 1 else 0)%Z)) /\
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (L i) (U i) (x i)).
+  Proof.
+    unfold execute. cbn [List.find functions program].
+    cbv [emitted segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
+         filter title String.eqb Ascii.eqb Bool.eqb negb all_kernels List.find].
+    fold segment_function.
+    match goal with |- context [enter A ?ks ?tables ?f ?vs] => set (kernels := ks); set (arrays := tables); change f with (control_function k) end.
+    match goal with kernels := _ :: (_, ?law) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?se) :: ?others |- _ =>
+      destruct (control_runs A k se ba bl te law others (kernel_of A (tl kernels) (fun _ _ => None) (tube_function k)) t segment K q x arrays) as (out & env & E & St) end; try assumption.
+    - apply (segment_runs A k (library A (log_name k)) t segment); auto; unfold n in *; nia.
+    - apply basis_runs.
+    - intros; apply blend_runs.
+    - intros; apply transformed_error_runs.
+    - intros; apply law_runs.
+    - intros z Hz. unfold arrays, get. cbn [tables program]. rewrite String.eqb_refl.
+      replace (z <? 0)%Z with false by (symmetry; apply Z.ltb_ge; lia).
+      rewrite (nth_error_nth' _ zero) by lia. reflexivity.
+    - intros i Hi. unfold arrays, get. cbn [tables program]. unfold places_of.
+      change (String.eqb "x" "@coefficients") with false. cbv beta iota.
+      replace (0 <=? i)%Z with true by (symmetry; apply Z.leb_le; lia). replace (i <? n)%Z with true by (symmetry; apply Z.ltb_lt; unfold n in *; lia). reflexivity.
+    - intros i Hi. exists (x i). unfold arrays, get. cbn [tables program]. unfold places_of.
+      change (String.eqb "u" "@coefficients") with false. cbv beta iota.
+      replace (0 <=? i)%Z with true by (symmetry; apply Z.leb_le; lia). replace (i <? n)%Z with true by (symmetry; apply Z.ltb_lt; unfold n in *; lia). reflexivity.
+    - exists out. split; [|exact St].
+      match type of E with enter A ?l ?a ?f ?v = _ => change (enter A kernels arrays f v) with (enter A l a f v) end.
+      rewrite E. reflexivity.
+  Qed.
+End Execute.

@@ -1,0 +1,294 @@
+(* The emitted controller: from what the reader finds in the C text to the edges of the library and a law that acts as the library asks. *)
+From Coq Require Import ZArith QArith Qreals Qabs Reals List Bool Lia Lra String.
+From Coquelicot Require Import Coquelicot.
+From Flocq Require Import Core IEEE754.BinarySingleNaN.
+From Stt Require HeldLaw.
+From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law.
+Import ListNotations.
+Open Scope R_scope.
+
+(* ------------------------------------------------------------------ the table, one number after the other *)
+
+Definition flat_row (r : list (Z * Z)) : list Z := flat_map (fun p => [fst p; snd p]) r.
+Definition flat_table (rows : Tube.table) : list Z := flat_map flat_row rows.
+
+Lemma nth_flat_map {A B} (g : A -> list B) m d a l : (forall y, In y l -> List.length (g y) = m) -> forall r j, (r < List.length l)%nat -> (j < m)%nat ->
+  nth (m * r + j) (flat_map g l) d = nth j (g (nth r l a)) d.
+Proof.
+  induction l as [|y l IH]; intros H r j Hr Hj; [cbn in Hr; lia|]. cbn [flat_map]. assert (Ly : List.length (g y) = m) by (apply H; now left).
+  destruct r as [|r].
+  - rewrite Nat.mul_0_r, Nat.add_0_l, app_nth1 by lia. reflexivity.
+  - rewrite app_nth2 by (rewrite Ly; lia). rewrite Ly. replace (m * S r + j - m)%nat with (m * r + j)%nat by lia. cbn [nth].
+    apply IH; [intros; apply H; now right|cbn in Hr; lia|exact Hj].
+Qed.
+Lemma flat_row_length r : List.length (flat_row r) = (2 * List.length r)%nat.
+Proof. unfold flat_row. induction r; cbn [flat_map app List.length]; [reflexivity|rewrite IHr; lia]. Qed.
+Lemma flat_table_length n rows : regular n rows = true -> List.length (flat_table rows) = (2 * n * List.length rows)%nat.
+Proof.
+  unfold regular. rewrite andb_true_iff, forallb_forall. intros [H _]. unfold flat_table. induction rows as [|r rows IH]; cbn [flat_map List.length]; [lia|].
+  rewrite app_length, flat_row_length, IH by (intros; apply H; now right). assert (E := H r (or_introl eq_refl)). apply Nat.eqb_eq in E. lia.
+Qed.
+Lemma flat_table_nth n rows r i : regular n rows = true -> (r < List.length rows)%nat -> (i < n)%nat ->
+  nth (2 * n * r + 2 * i) (flat_table rows) 0%Z = fst (nth i (nth r rows []) (0, 0)%Z) /\
+  nth (2 * n * r + (2 * i + 1)) (flat_table rows) 0%Z = snd (nth i (nth r rows []) (0, 0)%Z).
+Proof.
+  intros Rg Hr Hi. destruct (regular_ok _ _ Rg) as [_ Ln]. unfold flat_table.
+  assert (Len : forall y, In y rows -> List.length (flat_row y) = (2 * n)%nat).
+  { intros y Hy. rewrite flat_row_length. unfold regular in Rg. rewrite andb_true_iff, forallb_forall in Rg. destruct Rg as [Rg _]. assert (E := Rg y Hy). apply Nat.eqb_eq in E. lia. }
+  specialize (Ln r Hr).
+  split; rewrite (nth_flat_map flat_row (2 * n) 0%Z []) by (auto; lia); unfold flat_row.
+  - replace (2 * i)%nat with (2 * i + 0)%nat by lia. rewrite (nth_flat_map _ 2 0%Z (0, 0)%Z) by (auto; lia). reflexivity.
+  - rewrite (nth_flat_map _ 2 0%Z (0, 0)%Z) by (auto; lia). reflexivity.
+Qed.
+
+Section Controller.
+  Variable f : format.
+  Notation prec := (precision f).
+  Notation emax := (largest_exponent f).
+  Notation number := (binary_float prec emax).
+  Notation value := (@B2R prec emax).
+  Notation pos_ := (Edge.pos_ f).
+  Notation below_ := (Edge.below_ f).
+  Local Existing Instance Edge.pos_.
+  Local Existing Instance Edge.below_.
+  Notation lit d := (decimal_number prec emax pos_ below_ d).
+
+  (* every literal of the table is exactly so many steps *)
+  Fixpoint matches (unit : Q) (ds : list decimal) (zs : list Z) : bool :=
+    match ds, zs with
+    | [], [] => true
+    | d :: ds, z :: zs => if is_number prec emax d (unit * inject_Z z) then matches unit ds zs else false
+    | _, _ => false
+    end.
+  Lemma matches_ok unit : forall ds zs, matches unit ds zs = true -> List.length ds = List.length zs /\ forall j, (j < List.length ds)%nat ->
+    value (lit (nth j ds zero)) = Q2R unit * IZR (nth j zs 0%Z) /\ is_finite (lit (nth j ds zero)) = true.
+  Proof.
+    induction ds as [|d ds IH]; intros [|z zs] H; cbn [matches] in H; try discriminate; [split; [reflexivity|cbn; lia]|].
+    destruct (is_number _ _ d _) eqn:E; [|easy]. destruct (IH zs H) as [Ln V]. split; [cbn; lia|].
+    intros [|j] Hj; cbn [nth]; [|apply V; cbn in Hj; lia].
+    destruct (is_number_ok prec emax _ _ _ _ E) as [E1 E2]. rewrite E1, Q2R_mult, Q2R_Z. auto.
+  Qed.
+
+  Definition small (v : Q) : bool := Qle_bool (Qabs v) (inject_Z 1073741824).
+
+  Definition constants_check (k : constants) (coefficients : list decimal) (unit : Q) (task : Tube.task) (rows : Tube.table) (s : scale) (gain c : Q) : bool :=
+    let n := Z.of_nat (n task) in
+    let K := Z.of_nat (segments rows) in
+    ((dimensions k =? n)%Z && (0 <? n)%Z && (K <=? 2 ^ 24)%Z && (2 * n * (K + 3) <=? 2147483647)%Z &&
+     is_number prec emax (rate k) (dyadic (rate_m s) (rate_e s)) && is_number prec emax (last k) (dyadic (last_m s) (last_e s)) &&
+     is_number prec emax (gain_lower k) gain && is_number prec emax (gain_upper k) (- gain) && is_number prec emax (clamp k) c &&
+     Qle_bool (1 # 1073741824) gain && Qle_bool gain (inject_Z 1073741824) && Qle_bool (1 # 1073741824) c && Qle_bool c (1 # 4) &&
+     small (dyadic (rate_m s) (rate_e s)) && small (largest_of unit rows) && Qle_bool (1 # 1073741824) (min_width task) &&
+     forallb (fun i => small (nth i (lo (space task)) 0%Q) && small (nth i (hi (space task)) 0%Q)) (seq 0 (Tube.n task)) &&
+     matches unit coefficients (flat_table rows))%bool.
+
+  Variables (k : constants) (coefficients : list decimal) (lines : list string).
+  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gain c : Q).
+  Hypothesis tube_checked : check unit err depth task rows = true.
+  Hypothesis slopes_checked : slopes err task rows Vs = true.
+  Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
+  Hypothesis constants_checked : constants_check k coefficients unit task rows s gain c = true.
+
+  Variable log_ : number -> number.
+  Hypothesis log_accurate : accurate prec emax log_.
+  Let A := machine prec emax pos_ below_ log_.
+  Let prec_large := precision_large f.
+  Let emax_large := exponent_large f.
+
+  (* what `control` is called with *)
+  Variables (t : number) (x : nat -> number).
+  Hypothesis finite_t : is_finite t = true.
+  Hypothesis finite_x : forall i, (i < n task)%nat -> is_finite (x i) = true.
+  Hypothesis size_x : forall i, (i < n task)%nat -> Rabs (value (x i)) <= 1073741824.
+  (* times are right but for one rounding *)
+  Variable tau : R.
+  Hypothesis reads_t : reads f (value t) tau.
+
+  Let L (i : nat) : R := EmittedTube.emitted f unit rows s fst i (value t).
+  Let U (i : nat) : R := EmittedTube.emitted f unit rows s snd i (value t).
+  Let xs (i : Z) : number := x (Z.to_nat i).
+
+  Lemma small_ok v : small v = true -> Rabs (Q2R v) <= 1073741824.
+  Proof. unfold small. intro H. apply Qle_bool_R in H. rewrite Q2R_abs, Q2R_Z in H. exact H. Qed.
+
+  Lemma zeros_ok m : (m <= n task)%nat -> value (zeros A t xs m) = 0 /\ is_finite (zeros A t xs m) = true.
+  Proof.
+    assert (Z : value (lit zero) = 0 /\ is_finite (lit zero) = true) by (split; reflexivity). destruct Z as [Z1 Z2].
+    assert (M : Rabs 0 <= most emax) by (rewrite Rabs_R0; unfold most; apply bpow_ge_0).
+    assert (T : forall v : number, is_finite v = true -> value (Bmult mode_NE v (lit zero)) = 0 /\ is_finite (Bmult mode_NE v (lit zero)) = true).
+    { intros v Fv. destruct (mul_ok prec emax _ _ prec_large emax_large v (lit zero) Fv Z2) as [Q1 Q2]; [rewrite Z1, Rmult_0_r; exact M|].
+      rewrite Q1, Z1, Rmult_0_r. split; [apply rnd_0|exact Q2]. }
+    induction m; intro Hm; cbn [zeros].
+    - apply T, finite_t.
+    - destruct (IHm ltac:(lia)) as [I1 I2]. destruct (T (xs (Z.of_nat m))) as [X1 X2]; [unfold xs; rewrite Nat2Z.id; apply finite_x; lia|].
+      destruct (add_ok prec emax _ _ prec_large emax_large (zeros A t xs m) (Bmult mode_NE (xs (Z.of_nat m)) (lit zero)) I2 X2) as [Q1 Q2].
+      { rewrite I1, X1, Rplus_0_l. exact M. }
+      change (add A) with (@Bplus prec emax pos_ below_ mode_NE). change (mul A) with (@Bmult prec emax pos_ below_ mode_NE).
+      change (literal A zero) with (lit zero). rewrite Q1, I1, X1, Rplus_0_l. split; [apply rnd_0|exact Q2].
+  Qed.
+
+  Let K := segments rows.
+  Let cs := F2R (Float radix2 (rate_m s) (rate_e s)).
+  Let ls := F2R (Float radix2 (last_m s) (last_e s)).
+  Let seg := segment_of f cs ls t.
+
+  (* the checks, as statements about real numbers *)
+  Record checked : Prop := {
+    dimensions_ok : dimensions k = Z.of_nat (n task);
+    n_pos : (0 < n task)%nat;
+    K_small : (Z.of_nat K <= 2 ^ 24)%Z;
+    indices_small : (2 * dimensions k * (Z.of_nat K + 3) <= 2147483647)%Z;
+    rate_value : value (lit (rate k)) = cs /\ is_finite (lit (rate k)) = true;
+    last_value : value (lit (last k)) = ls /\ is_finite (lit (last k)) = true;
+    lower_gain : value (lit (gain_lower k)) = Q2R gain /\ is_finite (lit (gain_lower k)) = true;
+    upper_gain : value (lit (gain_upper k)) = - Q2R gain /\ is_finite (lit (gain_upper k)) = true;
+    clamp_value : value (lit (clamp k)) = Q2R c /\ is_finite (lit (clamp k)) = true;
+    gain_size : / 1073741824 <= Q2R gain <= 1073741824;
+    clamp_size : / 1073741824 <= Q2R c <= / 4;
+    rate_size : 0 <= cs <= 1073741824;
+    last_size : 0 <= ls < INR K;
+    table_size : forall side i j, side = fst \/ side = snd -> Rabs (Q2R unit * IZR (nth j (column side i rows) 0%Z)) <= 1073741824;
+    width_size : / 1073741824 <= Q2R (min_width task);
+    space_size : forall i, (i < n task)%nat -> -1073741824 <= at_ (lo (space task)) i /\ at_ (hi (space task)) i <= 1073741824;
+    table_matches : matches unit coefficients (flat_table rows) = true;
+    table_regular : regular (n task) rows = true
+  }.
+
+  Lemma all_checked : checked.
+  Proof.
+    pose proof constants_checked as H. unfold constants_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
+    destruct H as [[[[[[[[[[[[[[[[[H1 H2] H3] H4] H5] H6] H7] H8] H9] H10] H11] H12] H13] H14] H15] H16] H17] H18].
+    pose proof rounding_checked as G. unfold rounding_check in G. cbv zeta in G. rewrite !andb_true_iff in G.
+    destruct G as [[[[[[[[[Cz Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
+    pose proof tube_checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
+    apply Z.eqb_eq in H1. apply Z.ltb_lt in H2. apply Z.leb_le in H3, H4.
+    apply is_number_ok with (prec_gt_0_ := pos_) (prec_lt_emax_ := below_) in H5, H6, H7, H8, H9.
+    apply Qle_bool_R in H10, H11, H12, H13, H16, Cz, Lz, Bz. apply positive_ok in LK.
+    assert (Z0 : Q2R 0 = 0) by (unfold Q2R; cbn; lra).
+    assert (Zi : Q2R (1 # 1073741824) = / 1073741824) by (unfold Q2R; cbn; lra). assert (Zq : Q2R (1 # 4) = / 4) by (unfold Q2R; cbn; lra).
+    rewrite Zi, ?Zq, ?Q2R_Z in *. rewrite Q2R_opp in H8. rewrite !dyadic_ok in *. rewrite Z0 in *.
+    assert (KR : Q2R (inject_Z (Z.of_nat (segments rows))) = INR (segments rows)) by (now rewrite Q2R_Z, <- INR_IZR_INZ).
+    rewrite Q2R_minus, KR, dyadic_ok in LK.
+    apply small_ok in H14, H15. rewrite dyadic_ok in H14. apply Rabs_le_between in H14, H15.
+    constructor; auto; try (unfold cs, ls, K; lra).
+    - lia.
+    - rewrite H1. exact H4.
+    - intros side i j Sd. assert (S0 : side (0, 0)%Z = 0%Z) by (destruct Sd as [->| ->]; reflexivity).
+      rewrite column_nth by exact S0.
+      assert (Zero : Rabs (Q2R unit * IZR (side (0,0)%Z)) <= 1073741824) by (rewrite S0, Rmult_0_r, Rabs_R0; lra).
+      rewrite forallb_forall in Bd.
+      destruct (nth_in_or_default j rows []) as [I| ->]; [|destruct i; exact Zero].
+      specialize (Bd _ I). rewrite forallb_forall in Bd.
+      destruct (nth_in_or_default i (nth j rows []) (0, 0)%Z) as [I2|D]; [|rewrite D; exact Zero].
+      specialize (Bd _ I2). rewrite andb_true_iff in Bd. destruct Bd as [B1 B2].
+      apply Qle_bool_R in B1, B2. rewrite Q2R_abs, Q2R_mult, Q2R_Z in B1, B2.
+      destruct Sd as [->| ->]; lra.
+    - intros i Hi. rewrite forallb_forall in H17. assert (Q := H17 i ltac:(apply in_seq; lia)). rewrite andb_true_iff in Q. destruct Q as [Q1 Q2].
+      apply small_ok in Q1, Q2. apply Rabs_le_between in Q1, Q2. unfold at_. lra.
+  Qed.
+
+  (* one coefficient of the C's table *)
+  Lemma coefficient_ok i j side : (i < n task)%nat -> (j <= 3)%nat -> (side = 0 \/ side = 1)%Z ->
+    value (q A coefficients (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))) =
+      Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\
+    is_finite (q A coefficients (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))) = true.
+  Proof.
+    destruct all_checked as [D N0 Ks Is Rv Lv Lg Ug Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr]. intros Hi Hj Hs.
+    destruct (matches_ok _ _ _ Tm) as [Ml Mv]. rewrite (flat_table_length _ _ Tr) in Ml.
+    destruct (segment_range f rows cs ls Rs Ls t) as [S1 S2]. fold seg in S1, S2. fold K in S2.
+    destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
+    set (r := (Z.to_nat seg + j)%nat). assert (Hr : (r < List.length rows)%nat) by (unfold r; lia).
+    destruct (flat_table_nth _ _ _ _ Tr Hr Hi) as [F1 F2].
+    unfold q. change (literal A) with (decimal_number prec emax pos_ below_).
+    rewrite D. destruct Hs as [-> | ->]; cbn [Z.eqb].
+    - assert (E : Z.to_nat (seg * (2 * Z.of_nat (n task)) + Z.of_nat i * 2 + (2 * Z.of_nat (n task) * Z.of_nat j + 0)) = (2 * n task * r + 2 * i)%nat) by (unfold r; nia).
+      rewrite E. rewrite column_nth by reflexivity. rewrite <- F1. apply Mv. rewrite Ml. apply Nat.lt_le_trans with (2 * n task * (r + 1))%nat; [lia|apply Nat.mul_le_mono_l; lia].
+    - assert (E : Z.to_nat (seg * (2 * Z.of_nat (n task)) + Z.of_nat i * 2 + (2 * Z.of_nat (n task) * Z.of_nat j + 1)) = (2 * n task * r + (2 * i + 1))%nat) by (unfold r; nia).
+      rewrite E. rewrite column_nth by reflexivity. rewrite <- F2. apply Mv. rewrite Ml. apply Nat.lt_le_trans with (2 * n task * (r + 1))%nat; [lia|apply Nat.mul_le_mono_l; lia].
+  Qed.
+
+  Let Lf (i : nat) : number := Control.lower A k t seg (q A coefficients) (Z.of_nat i).
+  Let Uf (i : nat) : number := Control.upper A k t seg (q A coefficients) (Z.of_nat i).
+
+  Lemma edges_ok i : (i < n task)%nat -> (value (Lf i) = L i /\ is_finite (Lf i) = true) /\ (value (Uf i) = U i /\ is_finite (Uf i) = true).
+  Proof.
+    intro Hi. destruct all_checked as [D N0 Ks Is Rv Lv Lg Ug Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr].
+    assert (G : forall side j z, (j <= 3)%nat -> (side = 0 \/ side = 1)%Z -> z = (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))%Z ->
+      value (q A coefficients z) = Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\ is_finite (q A coefficients z) = true).
+    { intros side j z Hj Hs ->. now apply coefficient_ok. }
+    split.
+    - unfold Lf, Control.lower. cbv zeta.
+      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i fst).
+      + apply (G 0%Z 0%nat); [lia|now left|ring].
+      + apply (G 0%Z 1%nat); [lia|now left|ring].
+      + apply (G 0%Z 2%nat); [lia|now left|ring].
+      + apply (G 0%Z 3%nat); [lia|now left|ring].
+      + intro j. apply Ts. now left.
+    - unfold Uf, Control.upper. cbv zeta.
+      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i snd).
+      + apply (G 1%Z 0%nat); [lia|now right|ring].
+      + apply (G 1%Z 1%nat); [lia|now right|ring].
+      + apply (G 1%Z 2%nat); [lia|now right|ring].
+      + apply (G 1%Z 3%nat); [lia|now right|ring].
+      + intro j. apply Ts. now right.
+  Qed.
+
+  (* the emitted tube is wide enough, and within the state space *)
+  Lemma edges_range i : (i < n task)%nat -> L i + Q2R (min_width task) <= U i /\ at_ (lo (space task)) i <= L i /\ U i <= at_ (hi (space task)) i.
+  Proof.
+    intro Hi. set (clock := fun r => if Req_EM_T r tau then value t else r).
+    assert (Cl : forall r, reads f (clock r) r).
+    { intro r. unfold clock. destruct (Req_EM_T r tau) as [->|_]; [exact reads_t|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
+      apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
+    destruct (emitted_tube_sound f unit err depth task rows Vs s late tube_checked slopes_checked rounding_checked clock Cl) as (P1 & _ & P3 & _).
+    assert (Et : clock tau = value t) by (unfold clock; destruct (Req_EM_T tau tau); [reflexivity|congruence]).
+    specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box in P3. rewrite Et in P1, P3. unfold L, U. split; [exact P1|exact P3].
+  Qed.
+
+  (* The emitted `control`: it ends without anything undefined, stores finite inputs that act as the law (13) with e clamped, and says whether the state is inside. *)
+  Theorem control_acts : exists out status,
+    execute A (log_name k) (Source lines [("@coefficients"%string, coefficients)] (Emission.emitted k)) "@control" [@R_ A t] (places_of A k xs) = Some (out, Some (I_ status)) /\
+    (status = 0%Z <-> forall i, (i < n task)%nat -> L i < value (x i) < U i) /\ (status = 0 \/ status = 1)%Z /\
+    forall i, (i < n task)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
+      HeldLaw.acts (Q2R gain) (Q2R c) (32 * Q2R (half_ulp f)) None (value (x i) - L i) (U i - value (x i)) (value v).
+  Proof.
+    destruct all_checked as [D N0 Ks Is Rv Lv Lg Ug Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr].
+    destruct (matches_ok _ _ _ Tm) as [Ml _]. rewrite (flat_table_length _ _ Tr) in Ml.
+    destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
+    assert (Nd : number_of_dimensions k = n task) by (unfold number_of_dimensions; rewrite D; apply Nat2Z.id).
+    destruct (control_executes A k coefficients t seg (Z.of_nat K) xs lines) as (out & E & St).
+    - apply (segment_machine f log_ k rows cs ls Rv Lv Rs Ls t finite_t).
+    - apply (segment_range f rows cs ls Rs Ls t).
+    - rewrite D in *. lia.
+    - rewrite D, Ml, Kl. nia.
+    - rewrite Nd. destruct (zeros_ok (n task) ltac:(lia)) as [Z1 Z2].
+      apply (at_most_ok prec emax (zeros A t xs (n task)) (lit zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
+    - assert (Ulp : 32 * unit_roundoff prec = 32 * Q2R (half_ulp f)) by (rewrite half_ulp_value; reflexivity).
+      assert (Acts : forall i, (i < n task)%nat ->
+        (HeldLaw.acts (Q2R gain) (Q2R c) (32 * Q2R (half_ulp f)) None (value (x i) - L i) (U i - value (x i)) (value (push A k (Lf i) (Uf i) (x i))) /\
+         is_finite (push A k (Lf i) (Uf i) (x i)) = true) /\
+        (is_within A (Lf i) (Uf i) (x i) = true <-> L i < value (x i) < U i)).
+      { intros i Hi. destruct (edges_ok i Hi) as [[L1 L2] [U1 U2]]. destruct (edges_range i Hi) as (W & Sl & Su). destruct (Ss i Hi) as [S1 S2].
+        assert (Wl : / 1073741824 <= value (x i) - value (Lf i) + (value (Uf i) - value (x i))) by (rewrite L1, U1; lra).
+        assert (ZL : Rabs (value (Lf i)) <= 1073741824) by (rewrite L1; apply Rabs_le; lra).
+        assert (ZU : Rabs (value (Uf i)) <= 1073741824) by (rewrite U1; apply Rabs_le; lra).
+        split.
+        - assert (G := law_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate k (precision_small f) (Q2R gain) (Q2R c) Lg Ug Cv Gs Cs
+            (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl). rewrite L1, U1, Ulp in G. exact G.
+        - assert (G := within_ok prec emax pos_ below_ prec_large emax_large log_ (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi)).
+          rewrite L1, U1 in G. split; intro Q; [apply G in Q; lra|apply G; lra]. }
+      exists out. eexists. split; [exact E|split; [|split]].
+      + rewrite Nd. assert (O : forall m, (m <= n task)%nat -> outside_after A k t seg (q A coefficients) xs m = false <-> forall i, (i < m)%nat -> L i < value (x i) < U i).
+        { induction m; intro Hm; cbn [outside_after]; [split; [intros _ i Hi; lia|reflexivity]|].
+          specialize (IHm ltac:(lia)). destruct (Acts m ltac:(lia)) as [_ W]. cbv zeta. fold (Lf m) (Uf m). unfold xs at 1. rewrite Nat2Z.id.
+          destruct (is_within A (Lf m) (Uf m) (x m)).
+          - rewrite IHm. split; intros H i Hi; [destruct (Nat.eq_dec i m) as [->|Ne]; [now apply W|apply H; lia]|apply H; lia].
+          - split; [discriminate|]. intro H. assert (Q := H m ltac:(lia)). apply W in Q. discriminate. }
+        specialize (O (n task) ltac:(lia)). destruct (outside_after A k t seg (q A coefficients) xs (n task)).
+        * split; [discriminate|]. intro H. apply O in H. discriminate.
+        * split; [|reflexivity]. intros _. now apply O.
+      + destruct (outside_after A k t seg (q A coefficients) xs (number_of_dimensions k)); auto.
+      + intros i Hi. exists (push A k (Lf i) (Uf i) (x i)). destruct (Acts i Hi) as [[A1 A2] _]. split; [|split; [exact A2|exact A1]].
+        rewrite (St (Z.of_nat i)) by (rewrite D; lia). unfold xs. rewrite Nat2Z.id. reflexivity.
+  Qed.
+End Controller.

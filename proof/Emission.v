@@ -1,0 +1,169 @@
+(* The program that the generator prints for a refined tube of boxes, order 1, up to its constants: the reader's result is compared with it. *)
+From Coq Require Import ZArith List String.
+From Stt Require Import Syntax.
+Import ListNotations.
+Open Scope string_scope.
+Open Scope list_scope.
+
+Record constants := Constants {
+  dimensions : Z;
+  rate : decimal;       (* spline time a second *)
+  last : decimal;       (* the last spline time *)
+  gain_upper : decimal; (* gain where the upper edge is nearer, and where the lower one is *)
+  gain_lower : decimal;
+  clamp : decimal;      (* (1 - e_max) / 2 *)
+  single : bool         (* binary32, else binary64 *)
+}.
+Definition log_name (k : constants) : string := if single k then "logf" else "log".
+
+Definition zero := Decimal false 0 (-1).
+Definition one := Decimal false 10 (-1).
+Definition three := Decimal false 30 (-1).
+
+Section Emission.
+  Variable k : constants.
+
+  Definition segment_function := Function "@segment" "void" [ByValue TReal "t"; ByPointer TInt "row"; ByPointer TReal "s"] [
+    Let TBool "positive" (Binary Less (Real zero) (Name "t"));
+    Let TReal "started" (Select (Name "positive") (Name "t") (Real zero));
+    Let TReal "scaled" (Binary Times (Name "started") (Real (rate k)));
+    Let TBool "early" (Binary Less (Name "scaled") (Real (last k)));
+    Let TReal "u" (Select (Name "early") (Name "scaled") (Real (last k)));
+    Let TInt "segment" (Cast TInt (Name "u"));
+    Let TReal "base" (Cast TReal (Name "segment"));
+    Let TReal "place" (Binary Minus (Name "u") (Name "base"));
+    Let TInt "first" (Binary Times (Name "segment") (Int (2 * dimensions k)));
+    Put "row" (Atom (Name "first")); Put "s" (Atom (Name "place"))].
+
+  Definition basis_function := Function "@basis" "void" [ByValue TReal "s"; ByPointer TReal "w0"; ByPointer TReal "w1"; ByPointer TReal "w2"; ByPointer TReal "w3"] [
+    Let TReal "v0" (Binary Minus (Real one) (Name "s"));
+    Let TReal "v1" (Binary Times (Name "v0") (Name "v0"));
+    Let TReal "v2" (Binary Times (Name "v1") (Name "v0"));
+    Let TReal "v3" (Binary Times (Name "v0") (Name "s"));
+    Let TReal "v4" (Binary Plus (Real one) (Name "v3"));
+    Let TReal "v5" (Binary Times (Real three) (Name "v4"));
+    Let TReal "v6" (Binary Times (Name "v0") (Name "v5"));
+    Let TReal "v7" (Binary Plus (Real one) (Name "v6"));
+    Let TReal "v8" (Binary Times (Name "s") (Name "v5"));
+    Let TReal "v9" (Binary Plus (Real one) (Name "v8"));
+    Let TReal "v10" (Binary Times (Name "s") (Name "s"));
+    Let TReal "v11" (Binary Times (Name "v10") (Name "s"));
+    Put "w0" (Atom (Name "v2")); Put "w1" (Atom (Name "v7")); Put "w2" (Atom (Name "v9")); Put "w3" (Atom (Name "v11"))].
+
+  Definition blend_function := Function "@blend" "@real"
+    [ByValue TReal "w0"; ByValue TReal "w1"; ByValue TReal "w2"; ByValue TReal "w3"; ByValue TReal "q0"; ByValue TReal "q1"; ByValue TReal "q2"; ByValue TReal "q3"] [
+    Let TReal "v0" (Binary Times (Name "w0") (Name "q0"));
+    Let TReal "v1" (Binary Times (Name "w1") (Name "q1"));
+    Let TReal "v2" (Binary Plus (Name "v0") (Name "v1"));
+    Let TReal "v3" (Binary Times (Name "w2") (Name "q2"));
+    Let TReal "v4" (Binary Times (Name "w3") (Name "q3"));
+    Let TReal "v5" (Binary Plus (Name "v3") (Name "v4"));
+    Let TReal "v6" (Binary Plus (Name "v2") (Name "v5"));
+    Return (Some (Atom (Name "v6")))].
+
+  Definition transformed_error_function := Function "@transformed_error" "void"
+    [ByValue TReal "a"; ByValue TReal "b"; ByPointer TReal "epsilon"; ByPointer TReal "xi"] [
+    Let TReal "v0" (Binary Over (Name "b") (Name "a"));
+    Let TReal "v1" (Apply (log_name k) [Name "v0"]);
+    Let TReal "v2" (Negate (Name "v1"));
+    Let TReal "v3" (Binary Plus (Real one) (Name "v0"));
+    Let TReal "v4" (Binary Over (Name "v3") (Name "b"));
+    Put "epsilon" (Atom (Name "v2")); Put "xi" (Atom (Name "v4"))].
+
+  Definition law_function := Function "@law" "@real" [ByValue TReal "k"; ByValue TReal "xi"; ByValue TReal "epsilon"] [
+    Let TReal "v0" (Binary Times (Name "k") (Name "xi"));
+    Let TReal "v1" (Binary Times (Name "v0") (Name "epsilon"));
+    Let TReal "v2" (Negate (Name "v1"));
+    Return (Some (Atom (Name "v2")))].
+
+  (* the segment, and the weights in it *)
+  Definition place_statements := [
+    Declare TInt "row"; Declare TReal "s"; Call "@segment" [Name "t"] ["row"; "s"];
+    Declare TReal "w0"; Declare TReal "w1"; Declare TReal "w2"; Declare TReal "w3";
+    Call "@basis" [Name "s"] ["w0"; "w1"; "w2"; "w3"]].
+
+  Definition blended (q0 q1 q2 q3 : string) := Apply "@blend" [Name "w0"; Name "w1"; Name "w2"; Name "w3"; Name q0; Name q1; Name q2; Name q3].
+
+  (* the edges of dimension i; `stored` comes between them in `tube` *)
+  Definition lower_statements := [
+    Let TInt "pair" (Binary Times (Name "i") (Int 2));
+    Let TInt "at" (Binary Plus (Name "row") (Name "pair"));
+    Let TReal "lower_q0" (Load "@coefficients" (Name "at"));
+    Let TInt "lower_1" (Binary Plus (Name "at") (Int (2 * dimensions k)));
+    Let TReal "lower_q1" (Load "@coefficients" (Name "lower_1"));
+    Let TInt "lower_2" (Binary Plus (Name "at") (Int (4 * dimensions k)));
+    Let TReal "lower_q2" (Load "@coefficients" (Name "lower_2"));
+    Let TInt "lower_3" (Binary Plus (Name "at") (Int (6 * dimensions k)));
+    Let TReal "lower_q3" (Load "@coefficients" (Name "lower_3"));
+    Let TReal "lower_edge" (blended "lower_q0" "lower_q1" "lower_q2" "lower_q3")].
+  Definition upper_statements := [
+    Let TInt "upper_0" (Binary Plus (Name "at") (Int 1));
+    Let TReal "upper_q0" (Load "@coefficients" (Name "upper_0"));
+    Let TInt "upper_1" (Binary Plus (Name "at") (Int (2 * dimensions k + 1)));
+    Let TReal "upper_q1" (Load "@coefficients" (Name "upper_1"));
+    Let TInt "upper_2" (Binary Plus (Name "at") (Int (4 * dimensions k + 1)));
+    Let TReal "upper_q2" (Load "@coefficients" (Name "upper_2"));
+    Let TInt "upper_3" (Binary Plus (Name "at") (Int (6 * dimensions k + 1)));
+    Let TReal "upper_q3" (Load "@coefficients" (Name "upper_3"));
+    Let TReal "upper_edge" (blended "upper_q0" "upper_q1" "upper_q2" "upper_q3")].
+
+  Definition tube_body :=
+    lower_statements ++ [Store "lower" (Name "i") (Atom (Name "lower_edge"))] ++ upper_statements ++ [Store "upper" (Name "i") (Atom (Name "upper_edge"))].
+
+  Definition tube_function := Function "@tube" "void" [ByValue TReal "t"; ArrayOut "lower"; ArrayOut "upper"] ([
+    Let TBool "finite" (Finite (Name "t"));
+    Let TBool "bad" (Not (Name "finite"));
+    When (Name "bad") [
+      For "j" (dimensions k) [Store "lower" (Name "j") (Atom NotANumber); Store "upper" (Name "j") (Atom NotANumber)];
+      Return None]] ++
+    place_statements ++ [For "i" (dimensions k) tube_body]).
+
+  Definition inputs_body := [
+    Let TReal "x_j" (Load "x" (Name "j"));
+    Let TReal "x_zero" (Binary Times (Name "x_j") (Real zero));
+    Let TReal "zeros" (Binary Plus (Name "zero") (Name "x_zero"));
+    Set_ "zero" (Atom (Name "zeros"))].
+
+  Definition law_statements := [
+    Let TReal "x_i" (Load "x" (Name "i"));
+    Let TReal "room" (Binary Minus (Name "upper_edge") (Name "lower_edge"));
+    Let TReal "to_lower" (Binary Minus (Name "x_i") (Name "lower_edge"));
+    Let TReal "to_upper" (Binary Minus (Name "upper_edge") (Name "x_i"));
+    Let TBool "upper_nearer" (Binary Less (Name "to_upper") (Name "to_lower"));
+    Let TReal "nearest" (Select (Name "upper_nearer") (Name "to_upper") (Name "to_lower"));
+    Let TReal "gain" (Select (Name "upper_nearer") (Real (gain_upper k)) (Real (gain_lower k)));
+    Let TReal "least" (Binary Times (Name "room") (Real (clamp k)));
+    Let TBool "clear" (Binary Less (Name "least") (Name "nearest"));
+    Let TReal "near" (Select (Name "clear") (Name "nearest") (Name "least"));
+    Let TReal "far" (Binary Minus (Name "room") (Name "near"));
+    Let TBool "within" (Binary Less (Real zero) (Name "nearest"));
+    Let TBool "outside_any" (Select (Name "within") (Name "outside") (Truth true));
+    Declare TReal "epsilon"; Declare TReal "xi";
+    Call "@transformed_error" [Name "near"; Name "far"] ["epsilon"; "xi"];
+    Let TReal "push" (Apply "@law" [Name "gain"; Name "xi"; Name "epsilon"]);
+    Store "u" (Name "i") (Atom (Name "push"));
+    Set_ "outside" (Atom (Name "outside_any"))].
+
+  Definition control_body := lower_statements ++ upper_statements ++ law_statements.
+
+  Definition control_function := Function "@control" "@status" [ByValue TReal "t"; ArrayIn "x"; ArrayOut "u"] ([
+    Let TReal "t_zero" (Binary Times (Name "t") (Real zero));
+    Let TReal "zero" (Atom (Name "t_zero"));
+    For "j" (dimensions k) inputs_body;
+    Let TBool "finite" (Binary AtMost (Name "zero") (Real zero));
+    Let TBool "bad" (Not (Name "finite"));
+    When (Name "bad") [
+      For "j2" (dimensions k) [Store "u" (Name "j2") (Atom (Real zero))];
+      Return (Some (Atom (Int 2)))]] ++
+    place_statements ++ [
+    Let TBool "outside" (Atom (Truth false));
+    For "i" (dimensions k) control_body;
+    Return (Some (Select (Name "outside") (Int 1) (Int 0)))]).
+
+  (* the kernels and functions that the theorem is about; the file has others, which call nothing here and are called by nothing here *)
+  Definition emitted := [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].
+End Emission.
+
+Definition kept : list string := ["@segment"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"].
+Definition keep (s : source) : source :=
+  Source (directives s) (tables s) (filter (fun f => List.existsb (String.eqb (title f)) kept) (functions s)).

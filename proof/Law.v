@@ -1,0 +1,563 @@
+(* The law in machine arithmetic. Relative errors are counted in factors (1 - u): x and y are within n of each other when each is at least
+   (1 - u)^n of the other; products and quotients add the counts, and a rounding adds one. *)
+From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz.
+From Coquelicot Require Import Coquelicot.
+From Flocq Require Import Core IEEE754.BinarySingleNaN.
+From Stt Require HeldLaw.
+From Stt Require Import Loop Syntax Run Emission Control Semantics.
+Open Scope R_scope.
+
+Section Counts.
+  Variable u : R.
+  Hypothesis u_small : 0 < u <= / 16777216.
+  Let p := 1 - u.
+
+  Definition close (n : nat) (x y : R) : Prop := 0 < x /\ 0 < y /\ y * p ^ n <= x /\ x * p ^ n <= y.
+
+  Lemma p_range : 0 < p < 1. Proof. unfold p. lra. Qed.
+  Lemma pow_range n : 0 < p ^ n <= 1.
+  Proof. pose proof p_range. split; [apply pow_lt; lra|]. rewrite <- (pow1 n). apply pow_incr; lra. Qed.
+
+  Lemma close_refl n x : 0 < x -> close n x x.
+  Proof. intro H. pose proof (pow_range n). unfold close. repeat split; nra. Qed.
+  Lemma close_sym n x y : close n x y -> close n y x.
+  Proof. unfold close. tauto. Qed.
+  Lemma close_more n m x y : (n <= m)%nat -> close n x y -> close m x y.
+  Proof.
+    intros L (X & Y & A & B). pose proof (pow_range n) as Pn. replace m with (n + (m - n))%nat by lia. unfold close. rewrite !pow_add.
+    pose proof (pow_range (m - n)) as Pm. repeat split; auto; nra.
+  Qed.
+  Lemma close_trans n m x y z : close n x y -> close m y z -> close (n + m) x z.
+  Proof.
+    intros (X & Y & A & B) (_ & Z & C & D). pose proof (pow_range n). pose proof (pow_range m). unfold close. rewrite pow_add. repeat split; auto.
+    - apply Rle_trans with (2 := A). replace (z * (p ^ n * p ^ m)) with (z * p ^ m * p ^ n) by ring. apply Rmult_le_compat_r; lra.
+    - apply Rle_trans with (2 := D). rewrite <- Rmult_assoc. apply Rmult_le_compat_r; lra.
+  Qed.
+  Lemma close_mul n m x y x' y' : close n x y -> close m x' y' -> close (n + m) (x * x') (y * y').
+  Proof.
+    intros (X & Y & A & B) (X' & Y' & C & D). pose proof (pow_range n). pose proof (pow_range m). unfold close. rewrite pow_add.
+    assert (0 < y * p ^ n) by nra. assert (0 < y' * p ^ m) by nra. assert (0 < x * p ^ n) by nra. assert (0 < x' * p ^ m) by nra.
+    repeat split; [nra|nra| |].
+    - replace (y * y' * (p ^ n * p ^ m)) with ((y * p ^ n) * (y' * p ^ m)) by ring. apply Rmult_le_compat; lra.
+    - replace (x * x' * (p ^ n * p ^ m)) with ((x * p ^ n) * (x' * p ^ m)) by ring. apply Rmult_le_compat; lra.
+  Qed.
+  Lemma close_inv n x y : close n x y -> close n (/ x) (/ y).
+  Proof.
+    intros (X & Y & A & B). pose proof (pow_range n). assert (0 < / x) by now apply Rinv_0_lt_compat. assert (0 < / y) by now apply Rinv_0_lt_compat.
+    unfold close. repeat split; auto.
+    - apply (Rmult_le_reg_r (x * y)); [nra|]. replace (/ y * p ^ n * (x * y)) with (x * p ^ n) by (field; lra). replace (/ x * (x * y)) with y by (field; lra). exact B.
+    - apply (Rmult_le_reg_r (x * y)); [nra|]. replace (/ x * p ^ n * (x * y)) with (y * p ^ n) by (field; lra). replace (/ y * (x * y)) with x by (field; lra). exact A.
+  Qed.
+  Lemma close_div n m x y x' y' : close n x y -> close m x' y' -> close (n + m) (x / x') (y / y').
+  Proof. intros A B. apply close_mul; [exact A|now apply close_inv]. Qed.
+  Lemma close_add n x y x' y' : close n x y -> close n x' y' -> close n (x + x') (y + y').
+  Proof. intros (X & Y & A & B) (X' & Y' & C & D). unfold close. repeat split; nra. Qed.
+  Lemma close_rounded r x : 0 < x -> Rabs (r - x) <= u * Rabs x -> close 1 r x.
+  Proof.
+    intros X H. rewrite (Rabs_pos_eq x) in H by lra. apply Rabs_le_between in H. unfold close. rewrite pow_1. unfold p. repeat split; nra.
+  Qed.
+  Lemma close_then n r x y : close n x y -> Rabs (r - x) <= u * Rabs x -> close (S n) r y.
+  Proof. intros C H. change (S n) with (1 + n)%nat. apply close_trans with x; [|exact C]. apply close_rounded; [apply C|exact H]. Qed.
+
+  (* (1 - u)^n is at least 1 - n u *)
+  Lemma bernoulli n : 1 - INR n * u <= p ^ n.
+  Proof.
+    induction n; [cbn; lra|]. rewrite S_INR. cbn [pow]. pose proof (pos_INR n). pose proof p_range.
+    destruct (Rle_dec (1 - INR n * u) 0) as [N|P].
+    - assert (0 <= p * p ^ n) by (apply Rmult_le_pos; [lra|left; apply pow_range]). nra.
+    - apply Rle_trans with (p * (1 - INR n * u)); [unfold p; nra|apply Rmult_le_compat_l; lra].
+  Qed.
+  Lemma close_ln n x y : (n <= 1000)%nat -> close n x y -> Rabs (ln x - ln y) <= INR n * u * (1 + / 1000).
+  Proof.
+    intros N (X & Y & A & B). apply le_INR in N. replace (INR 1000) with 1000 in N by (rewrite INR_IZR_INZ; reflexivity). pose proof (pos_INR n).
+    pose proof (bernoulli n) as Be. pose proof (pow_range n) as P.
+    assert (Nu : 0 <= INR n * u <= / 10000) by nra.
+    assert (Lp : - ln (p ^ n) <= INR n * u * (1 + / 1000)).
+    { rewrite <- ln_Rinv by lra.
+      assert (E := exp_ineq1_le (INR n * u * (1 + / 1000))).
+      rewrite <- (ln_exp (INR n * u * (1 + / 1000))). apply Rcomplements.ln_le; [apply Rinv_0_lt_compat; lra|].
+      apply Rle_trans with (2 := E). apply (Rmult_le_reg_r (p ^ n)); [lra|]. rewrite Rinv_l by lra.
+      apply Rle_trans with ((1 + INR n * u * (1 + / 1000)) * (1 - INR n * u)); [|apply Rmult_le_compat_l; nra]. nra. }
+    assert (G : forall a b, 0 < a -> 0 < b -> b * p ^ n <= a -> ln b - ln a <= INR n * u * (1 + / 1000)).
+    { intros a b Ha Hb H1. apply Rcomplements.ln_le in H1; [|nra]. rewrite ln_mult in H1 by lra. lra. }
+    apply Rabs_le. pose proof (G x y X Y A). pose proof (G y x Y X B). lra.
+  Qed.
+End Counts.
+
+(* ------------------------------------------------------------------ real numbers: nearest, least and far *)
+
+Section Distances.
+  Variable u : R.
+  Hypothesis u_small : 0 < u <= / 16777216.
+  Let p := 1 - u.
+  Notation close := (close u).
+
+  (* the greater of two, of which one may be negative *)
+  Lemma greater_close n m y N Y : close n y Y -> (0 < m -> close n N m) -> (m <= 0 -> N <= 0) ->
+    close n (if Rlt_dec y N then N else y) (Rmax m Y).
+  Proof.
+    intros Cy Cn Neg. pose proof (pow_range u u_small n) as P. destruct Cy as (y0 & Y0 & A & B).
+    destruct (Rlt_dec y N) as [Q|Q].
+    - assert (m0 : 0 < m) by (apply Rnot_le_lt; intro C; apply Neg in C; lra). destruct (Cn m0) as (N0 & _ & C & D).
+      unfold close, Law.close in *. unfold Rmax. destruct (Rle_dec m Y); repeat split; auto; nra.
+    - unfold close, Law.close in *. destruct (Rle_dec m 0) as [m0|m0].
+      + rewrite Rmax_right by lra. repeat split; auto.
+      + destruct (Cn ltac:(lra)) as (N0 & _ & C & D). unfold Rmax. destruct (Rle_dec m Y); repeat split; auto; try lra; nra.
+  Qed.
+
+  (* a difference that is at least half of the minuend *)
+  Lemma difference_close S N s n : close 1 s S -> close 2 n N -> N <= S - N -> close 5 (s - n) (S - N).
+  Proof.
+    intros (s0 & S0 & A & B) (n0 & N0 & C & D) H. pose proof (p_range u u_small) as Pr. fold p in Pr, A, B, C, D. rewrite pow_1 in A, B.
+    set (F := S - N) in *. replace S with (F + N) in * by (unfold F; ring). clearbody F. clear S0.
+    assert (P2 : 0 < p ^ 2 <= 1) by (apply (pow_range u u_small)). assert (P5 : 0 < p ^ 5 <= 1) by (apply (pow_range u u_small)).
+    assert (I1 : p ^ 7 <= 2 * p ^ 3 - 1).
+    { replace p with (1 - u) by reflexivity. assert (0 <= u * u <= u / 1000) by nra. assert (0 <= u * u * u <= u / 1000) by nra.
+      assert (0 <= u * u * u * u <= u / 1000) by nra. assert (0 <= u * u * u * u * u <= u / 1000) by nra.
+      assert (0 <= u * u * u * u * u * u <= u / 1000) by nra. assert (0 <= u * u * u * u * u * u * u <= u / 1000) by nra. nra. }
+    assert (I2 : 2 * p ^ 4 - p ^ 7 <= 1).
+    { replace p with (1 - u) by reflexivity. assert (0 <= u * u <= u / 1000) by nra. assert (0 <= u * u * u <= u / 1000) by nra.
+      assert (0 <= u * u * u * u <= u / 1000) by nra. assert (0 <= u * u * u * u * u <= u / 1000) by nra.
+      assert (0 <= u * u * u * u * u * u <= u / 1000) by nra. assert (0 <= u * u * u * u * u * u * u <= u / 1000) by nra. nra. }
+    (* n <= N / p^2 and s <= S / p, without the quotients *)
+    assert (Low : F * p ^ 5 <= s - n).
+    { apply (Rmult_le_reg_r (p ^ 2)); [lra|]. replace (F * p ^ 5 * p ^ 2) with (F * p ^ 7) by ring.
+      assert (n * p ^ 2 <= N) by exact D. assert ((F + N) * p * p ^ 2 <= s * p ^ 2) by (apply Rmult_le_compat_r; lra).
+      assert (Q : p ^ 3 <= 1) by (apply (pow_range u u_small)).
+      assert (F * p ^ 7 <= F * (2 * p ^ 3 - 1)) by (apply Rmult_le_compat_l; lra).
+      assert (0 <= (F - N) * (1 - p ^ 3)) by (apply Rmult_le_pos; lra).
+      replace ((F + N) * p * p ^ 2) with ((F + N) * p ^ 3) in * by ring. nra. }
+    assert (High : (s - n) * p ^ 5 <= F).
+    { assert (s * p * p ^ 4 <= (F + N) * p ^ 4) by (apply Rmult_le_compat_r; [left; apply (pow_range u u_small)|lra]).
+      assert (N * p ^ 2 * p ^ 5 <= n * p ^ 5) by (apply Rmult_le_compat_r; lra).
+      assert (Q : p ^ 7 <= p ^ 4).
+      { replace (p ^ 7) with (p ^ 4 * p ^ 3) by ring. assert (0 < p ^ 4 <= 1) by (apply (pow_range u u_small)). assert (0 < p ^ 3 <= 1) by (apply (pow_range u u_small)). nra. }
+      assert (F * (2 * p ^ 4 - p ^ 7) <= F) by nra.
+      assert (0 <= (F - N) * (p ^ 4 - p ^ 7)) by (apply Rmult_le_pos; lra).
+      replace ((s - n) * p ^ 5) with (s * p * p ^ 4 - n * p ^ 5) by ring. replace (N * p ^ 2 * p ^ 5) with (N * p ^ 7) in * by ring. nra. }
+    unfold close, Law.close. fold p. repeat split; try assumption; try lra. assert (0 < F * p ^ 5) by nra. lra.
+  Qed.
+
+  Lemma close_bounds n x y : (n <= 1000)%nat -> close n x y -> y / 2 <= x <= 2 * y.
+  Proof.
+    intros N (X & Y & A & B). fold p in A, B. pose proof (bernoulli u u_small n) as Be. fold p in Be. apply le_INR in N. replace (INR 1000) with 1000 in N by (rewrite INR_IZR_INZ; reflexivity).
+    assert (1 / 2 <= p ^ n) by nra. nra.
+  Qed.
+End Distances.
+
+(* ------------------------------------------------------------------ the law on the machine *)
+
+(* the law (13) with e clamped: the nearer distance is at least the share c of the width *)
+Definition clamped_law (c k a b : R) : R :=
+  let near := Rmax (Rmin a b) (c * (a + b)) in
+  let far := a + b - near in
+  (if Rlt_dec b a then - k else k) * (1 / near + 1 / far) * ln (far / near).
+
+(* where the clamp does not act it is the law (13) *)
+Lemma clamped_law_inside c k a b : 0 < a -> 0 < b -> c * (a + b) <= Rmin a b -> clamped_law c k a b = law k a b.
+Proof.
+  intros Ha Hb Hc. unfold clamped_law. cbv zeta. rewrite Rmax_left by exact Hc. destruct (Rlt_dec b a).
+  - rewrite Rmin_right by lra. replace (a + b - b) with a by ring. unfold law. f_equal. f_equal. ring.
+  - rewrite Rmin_left by lra. replace (a + b - a) with b by ring. rewrite law_opp by lra. unfold law. ring.
+Qed.
+
+Section Machine.
+  Variables prec emax : Z.
+  Context (prec_gt_0_ : Prec_gt_0 prec).
+  Context (prec_lt_emax_ : Prec_lt_emax prec emax).
+  Hypothesis prec_large : (24 <= prec)%Z.
+  Hypothesis emax_large : (128 <= emax)%Z.
+  Notation number := (binary_float prec emax).
+  Notation value := (@B2R prec emax).
+  Notation rnd := (rnd prec emax).
+  Variable log_ : number -> number.
+  Let u := unit_roundoff prec.
+  Let A := machine prec emax _ _ log_.
+  Notation close := (close u).
+
+  (* the library's logarithm, within 4 units in the last place *)
+  Definition accurate : Prop := forall y : number, is_finite y = true -> 0 < value y ->
+    is_finite (log_ y) = true /\ Rabs (value (log_ y) - ln (value y)) <= 8 * u * Rabs (ln (value y)).
+  Hypothesis log_ok : accurate.
+
+  Variable k : constants.
+  Hypothesis prec_small : (prec <= 64)%Z.
+  Variables gain_ c : R.
+  Hypothesis gain_lower_ok : value (decimal_number prec emax _ _ (gain_lower k)) = gain_ /\ is_finite (decimal_number prec emax _ _ (gain_lower k)) = true.
+  Hypothesis gain_upper_ok : value (decimal_number prec emax _ _ (gain_upper k)) = - gain_ /\ is_finite (decimal_number prec emax _ _ (gain_upper k)) = true.
+  Hypothesis clamp_ok : value (decimal_number prec emax _ _ (clamp k)) = c /\ is_finite (decimal_number prec emax _ _ (clamp k)) = true.
+  Hypothesis gain_range : / 1073741824 <= gain_ <= 1073741824.
+  Hypothesis c_range : / 1073741824 <= c <= / 4.
+
+  Variables L U x : number.
+  Hypothesis finite_L : is_finite L = true.
+  Hypothesis finite_U : is_finite U = true.
+  Hypothesis finite_x : is_finite x = true.
+  Hypothesis size_L : Rabs (value L) <= 1073741824.
+  Hypothesis size_U : Rabs (value U) <= 1073741824.
+  Hypothesis size_x : Rabs (value x) <= 1073741824.
+  Let a := value x - value L.
+  Let b := value U - value x.
+  Let S := a + b.
+  Hypothesis width : / 1073741824 <= S.
+  Let m := Rmin a b.
+  Let N := Rmax m (c * S).
+  Let F := S - N.
+
+  Lemma u_small : 0 < u <= / 16777216.
+  Proof. pose proof (unit_roundoff_small prec prec_large) as H. change (IZR (2 ^ 24)) with 16777216 in H. exact H. Qed.
+
+  Lemma most_large v : Rabs v <= IZR (2 ^ 126) -> Rabs v <= most emax.
+  Proof. intro H. apply Rle_trans with (1 := H). unfold most. change (IZR (2 ^ 126)) with (bpow radix2 126). apply bpow_le; lia. Qed.
+  Lemma normal v : / IZR (2 ^ 126) <= Rabs v -> Rabs (rnd v - v) <= u * Rabs v.
+  Proof.
+    intro H. apply rnd_relative; [exact prec_gt_0_|exact emax_large|]. apply Rle_trans with (2 := H).
+    change (/ IZR (2 ^ 126)) with (bpow radix2 (-126)). apply Rle_refl.
+  Qed.
+
+  (* products, quotients and sums of positive numbers of ordinary size *)
+  Lemma times_close n m' (v w : number) V W : is_finite v = true -> is_finite w = true -> close n (value v) V -> close m' (value w) W -> (n + m' <= 1000)%nat ->
+    / IZR (2 ^ 120) <= V * W <= IZR (2 ^ 120) -> close (1 + (n + m')) (value (Bmult mode_NE v w)) (V * W) /\ is_finite (Bmult mode_NE v w) = true.
+  Proof.
+    intros Fv Fw Cv Cw Small [Lo Hi]. assert (C := close_mul u u_small _ _ _ _ _ _ Cv Cw). destruct (close_bounds u u_small _ _ _ Small C) as [B1 B2].
+    assert (P : 0 < / IZR (2 ^ 120)) by (apply Rinv_0_lt_compat; lra).
+    assert (E : Rabs (value v * value w) = value v * value w) by (apply Rabs_pos_eq; lra).
+    destruct (mul_ok prec emax _ _ prec_large emax_large v w Fv Fw) as [Q1 Q2]; [apply most_large; rewrite E; lra|].
+    split; [|exact Q2]. rewrite Q1. apply close_then with (x := value v * value w); [exact u_small|exact C|]. apply normal. rewrite E. lra.
+  Qed.
+  Lemma over_close n m' (v w : number) V W : is_finite v = true -> close n (value v) V -> close m' (value w) W -> (n + m' <= 1000)%nat ->
+    / IZR (2 ^ 120) <= V / W <= IZR (2 ^ 120) -> close (1 + (n + m')) (value (Bdiv mode_NE v w)) (V / W) /\ is_finite (Bdiv mode_NE v w) = true.
+  Proof.
+    intros Fv Cv Cw Small [Lo Hi]. assert (C := close_div u u_small _ _ _ _ _ _ Cv Cw). destruct (close_bounds u u_small _ _ _ Small C) as [B1 B2].
+    assert (P : 0 < / IZR (2 ^ 120)) by (apply Rinv_0_lt_compat; lra).
+    assert (E : Rabs (value v / value w) = value v / value w) by (apply Rabs_pos_eq; lra).
+    assert (W0 : value w <> 0) by (destruct Cw as (W0 & _); lra).
+    destruct (div_ok prec emax _ _ prec_large emax_large v w Fv W0) as [Q1 Q2]; [apply most_large; rewrite E; lra|].
+    split; [|exact Q2]. rewrite Q1. apply close_then with (x := value v / value w); [exact u_small|exact C|]. apply normal. rewrite E. lra.
+  Qed.
+
+  Lemma width_value : S = value U - value L. Proof. unfold S, a, b. ring. Qed.
+  Lemma width_size : S <= 2147483648.
+  Proof. rewrite width_value. pose proof size_U as HU. pose proof size_L as HL. apply Rabs_le_between in HU, HL. lra. Qed.
+  Lemma N_range : c * S <= N <= S / 2 /\ N <= F.
+  Proof.
+    assert (m <= S / 2) by (unfold m, Rmin, S; destruct Rle_dec; lra).
+    pose proof c_range as [C1 C2]. pose proof width as W. assert (c * S <= S / 4) by nra.
+    assert (c * S <= N <= S / 2) by (unfold N, Rmax; destruct Rle_dec; lra). unfold F. lra.
+  Qed.
+
+  Let room := sub A U L.
+  Lemma room_ok : close 1 (value room) S /\ is_finite room = true.
+  Proof.
+    pose proof width as W. pose proof width_size as Wz. rewrite width_value in W, Wz. assert (Rabs (value U - value L) = value U - value L) as E by (apply Rabs_pos_eq; lra).
+    destruct (sub_ok prec emax _ _ prec_large emax_large U L finite_U finite_L) as [Q1 Q2].
+    { apply most_large. rewrite E. assert (IZR (2 ^ 126) = 85070591730234615865843651857942052864) as -> by reflexivity. lra. }
+    split; [|exact Q2]. change (value room) with (value (Bminus mode_NE U L)). rewrite Q1, width_value. apply close_rounded; [exact u_small|lra|].
+    apply rnd_difference; try apply number_format; assumption.
+  Qed.
+
+  Lemma differences_ok : value (sub A x L) = rnd a /\ is_finite (sub A x L) = true /\ value (sub A U x) = rnd b /\ is_finite (sub A U x) = true.
+  Proof.
+    pose proof size_U as HU. pose proof size_L as HL. pose proof size_x as Hx. apply Rabs_le_between in HU, HL, Hx.
+    assert (IZR (2 ^ 126) = 85070591730234615865843651857942052864) as Z126 by reflexivity.
+    destruct (sub_ok prec emax _ _ prec_large emax_large x L finite_x finite_L) as [Q1 Q2].
+    { apply most_large. rewrite Z126. apply Rabs_le; lra. }
+    destruct (sub_ok prec emax _ _ prec_large emax_large U x finite_U finite_x) as [Q3 Q4].
+    { apply most_large. rewrite Z126. apply Rabs_le; lra. }
+    auto.
+  Qed.
+
+  Lemma nearer_ok : (upper_nearer A L U x = true -> b < a) /\ (upper_nearer A L U x = false -> rnd a <= rnd b).
+  Proof.
+    destruct differences_ok as (D1 & D2 & D3 & D4).
+    assert (H := less_ok prec emax (sub A U x) (sub A x L) D4 D2). rewrite D1, D3 in H.
+    unfold upper_nearer. change (less A (sub A U x) (sub A x L)) with (Bltb (sub A U x) (sub A x L)). split; intro E.
+    - apply H in E. apply Rnot_le_lt; intro C. apply (rnd_le prec emax prec_gt_0_) in C. lra.
+    - apply Rnot_lt_le; intro C. apply H in C. congruence.
+  Qed.
+
+  Lemma nearest_ok : value (nearest A L U x) = rnd m /\ is_finite (nearest A L U x) = true.
+  Proof.
+    destruct differences_ok as (D1 & D2 & D3 & D4). destruct nearer_ok as [N1 N2]. unfold nearest. destruct (upper_nearer A L U x).
+    - specialize (N1 eq_refl). rewrite D3. unfold m. rewrite Rmin_right by lra. auto.
+    - specialize (N2 eq_refl). rewrite D1. split; [|exact D2]. unfold m, Rmin. destruct (Rle_dec a b) as [Q|Q]; [reflexivity|].
+      apply Rle_antisym; [exact N2|]. apply rnd_le; [exact prec_gt_0_|lra].
+  Qed.
+
+  Let least := mul A room (decimal_number prec emax _ _ (clamp k)).
+  Lemma least_ok : close 2 (value least) (c * S) /\ is_finite least = true.
+  Proof.
+    destruct room_ok as [R1 R2]. destruct clamp_ok as [C1 C2]. pose proof width as W. pose proof width_size as Wz. pose proof c_range as Cr.
+    assert (Z120 : IZR (2 ^ 120) = 1329227995784915872903807060280344576) by reflexivity.
+    rewrite (Rmult_comm c S). change least with (Bmult mode_NE room (decimal_number prec emax _ _ (clamp k))).
+    change 2%nat with (1 + (1 + 0))%nat. apply times_close; [exact R2|exact C2|exact R1|rewrite C1; apply close_refl; [exact u_small|lra]|lia|].
+    rewrite Z120. assert (/ 1073741824 * / 1073741824 <= S * c) by (apply Rmult_le_compat; lra). assert (S * c <= 2147483648 * 1) by (apply Rmult_le_compat; lra). lra.
+  Qed.
+
+  Let near_ := near A k L U x.
+  Lemma near_ok : close 2 (value near_) N /\ is_finite near_ = true.
+  Proof.
+    destruct least_ok as [L1 L2]. destruct nearest_ok as [M1 M2].
+    assert (H := less_ok prec emax least (nearest A L U x) L2 M2).
+    assert (V : value near_ = (if Rlt_dec (value least) (rnd m) then rnd m else value least) /\ is_finite near_ = true).
+    { unfold near_, near. cbv zeta. change (mul A (sub A U L) (literal A (clamp k))) with least.
+      change (less A least (nearest A L U x)) with (Bltb least (nearest A L U x)). rewrite M1 in H. destruct (Bltb least (nearest A L U x)).
+      - split; [|exact M2]. rewrite M1. destruct (Rlt_dec (value least) (rnd m)) as [Q|Q]; [reflexivity|]. exfalso; apply Q, H; reflexivity.
+      - split; [|exact L2]. destruct (Rlt_dec (value least) (rnd m)) as [Q|Q]; [|reflexivity]. apply H in Q. discriminate. }
+    destruct V as [V1 V2]. split; [|exact V2]. rewrite V1. unfold N. apply greater_close; [exact u_small|exact L1| |].
+    - intro m0. apply close_more with 1%nat; [exact u_small|lia|]. apply close_rounded; [exact u_small|exact m0|].
+      unfold m, Rmin. destruct (Rle_dec a b); apply rnd_difference; try apply number_format; assumption.
+    - intro m0. rewrite <- (rnd_0 prec emax). apply rnd_le; [exact prec_gt_0_|exact m0].
+  Qed.
+
+  Let far_ := far A k L U x.
+  Lemma far_ok : close 6 (value far_) F /\ is_finite far_ = true.
+  Proof.
+    destruct room_ok as [R1 R2]. destruct near_ok as [N1 N2]. destruct N_range as [Nr Nf].
+    assert (D : close 5 (value room - value near_) F) by (apply difference_close; [exact u_small|exact R1|exact N1|exact Nf]).
+    destruct (close_bounds u u_small 5 _ _ ltac:(lia) D) as [D1 D2]. pose proof width_size as Wz. pose proof c_range. pose proof width.
+    assert (P : 0 < value room - value near_) by apply D.
+    destruct (sub_ok prec emax _ _ prec_large emax_large room near_ R2 N2) as [Q1 Q2].
+    { apply most_large. rewrite Rabs_pos_eq by lra. assert (IZR (2 ^ 126) = 85070591730234615865843651857942052864) as -> by reflexivity. assert (0 < c * S) by nra. unfold F in *. lra. }
+    split; [|exact Q2]. change (value far_) with (value (Bminus mode_NE room near_)). rewrite Q1. apply close_then with (x := value room - value near_); [exact u_small|exact D|].
+    apply rnd_difference; try apply number_format; assumption.
+  Qed.
+
+  Lemma sizes : / 1073741824 * / 1073741824 <= N /\ N <= F /\ F <= 2147483648 /\ 1 <= F / N <= 1073741824.
+  Proof.
+    destruct N_range as [[N1 N2] N3]. pose proof width_size as Wz. pose proof c_range as Cr. pose proof width as W.
+    assert (/ 1073741824 * / 1073741824 <= c * S) by (apply Rmult_le_compat; lra).
+    assert (N0 : 0 < N) by lra. repeat split; try (unfold F in *; lra).
+    - apply Rcomplements.Rle_div_r; lra.
+    - apply Rcomplements.Rle_div_l; [lra|]. assert (S <= 1073741824 * (c * S)) by nra. unfold F in *. nra.
+  Qed.
+
+  Let ratio_ := ratio A k L U x.
+  Lemma ratio_ok : close 9 (value ratio_) (F / N) /\ is_finite ratio_ = true.
+  Proof.
+    destruct near_ok as [N1 N2]. destruct far_ok as [F1 F2]. destruct sizes as (S1 & S2 & S3 & S4).
+    assert (Z120 : IZR (2 ^ 120) = 1329227995784915872903807060280344576) by reflexivity.
+    change 9%nat with (1 + (6 + 2))%nat. change ratio_ with (Bdiv mode_NE far_ near_). apply over_close; [exact F2|exact F1|exact N1|lia|rewrite Z120; lra].
+  Qed.
+
+  Let X := 1 / N + 1 / F.
+  Lemma X_range : / 2147483648 <= X <= 2305843009213693952.
+  Proof.
+    destruct sizes as (S1 & S2 & S3 & S4). unfold X, Rdiv. rewrite !Rmult_1_l. assert (0 < N) by lra.
+    assert (/ 2147483648 <= / F) by (apply Rinv_le_contravar; lra). assert (0 < / N) by (apply Rinv_0_lt_compat; lra).
+    assert (/ F <= / N) by (apply Rinv_le_contravar; lra).
+    assert (/ N <= 1152921504606846976).
+    { replace 1152921504606846976 with (/ (/ 1073741824 * / 1073741824)) by lra. apply Rinv_le_contravar; lra. }
+    lra.
+  Qed.
+
+  Let xi_ := xi A k L U x.
+  Lemma xi_ok : close 17 (value xi_) X /\ is_finite xi_ = true.
+  Proof.
+    destruct ratio_ok as [R1 R2]. destruct far_ok as [F1 F2]. destruct sizes as (S1 & S2 & S3 & S4). pose proof X_range as Xr.
+    assert (Z120 : IZR (2 ^ 120) = 1329227995784915872903807060280344576) by reflexivity.
+    assert (Z126 : IZR (2 ^ 126) = 85070591730234615865843651857942052864) by reflexivity.
+    destruct (whole_literal prec emax _ _ prec_large emax_large one 1 ltac:(lia) ltac:(reflexivity)) as [O1 O2].
+    assert (C : close 9 (1 + value ratio_) (1 + F / N)) by (apply close_add; [apply close_refl; [exact u_small|lra]|exact R1]).
+    destruct (close_bounds u u_small 9 _ _ ltac:(lia) C) as [B1 B2].
+    assert (E : Rabs (1 + value ratio_) = 1 + value ratio_) by (apply Rabs_pos_eq; lra).
+    destruct (add_ok prec emax _ _ prec_large emax_large _ ratio_ O2 R2) as [Q1 Q2]; [rewrite O1; apply most_large; rewrite E; lra|]. rewrite O1 in Q1.
+    set (sum := Bplus mode_NE (decimal_number prec emax prec_gt_0_ prec_lt_emax_ one) ratio_) in *.
+    assert (Cs : close 10 (value sum) (1 + F / N)).
+    { rewrite Q1. apply close_then with (x := 1 + value ratio_); [exact u_small|exact C|]. apply normal. rewrite E, Z126. lra. }
+    assert (EX : X = (1 + F / N) / F) by (unfold X; field; lra). rewrite EX in *.
+    change 17%nat with (1 + (10 + 6))%nat. change xi_ with (Bdiv mode_NE sum far_). apply over_close; [exact Q2|exact Cs|exact F1|lia|rewrite Z120; lra].
+  Qed.
+
+  Let E := ln (F / N).
+  Lemma E_range : 0 <= E <= 1073741824.
+  Proof.
+    destruct sizes as (S1 & S2 & S3 & S4). unfold E. split; [rewrite <- ln_1; apply Rcomplements.ln_le; lra|].
+    assert (H := exp_ineq1_le (F / N)). assert (Q : ln (F / N) <= F / N).
+    { rewrite <- (ln_exp (F / N)) at 2. apply Rcomplements.ln_le; lra. }
+    lra.
+  Qed.
+
+  Let log_ratio := log_ ratio_.
+  Lemma log_close : Rabs (value log_ratio - E) <= u * (10 + 9 * E) /\ is_finite log_ratio = true.
+  Proof.
+    destruct ratio_ok as [R1 R2]. destruct (log_ok ratio_ R2 ltac:(apply R1)) as [G1 G2]. split; [|exact G1].
+    assert (D := close_ln u u_small 9 _ _ ltac:(lia) R1). fold E in D. replace (INR 9) with 9 in D by (cbn; lra).
+    fold log_ratio in G2. pose proof E_range as Er. pose proof u_small as Us.
+    replace (value log_ratio - E) with ((value log_ratio - ln (value ratio_)) + (ln (value ratio_) - E)) by ring.
+    eapply Rle_trans; [apply Rabs_triang|].
+    assert (Rabs (ln (value ratio_)) <= E + 1).
+    { replace (ln (value ratio_)) with ((ln (value ratio_) - E) + E) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq E) by lra. lra. }
+    assert (H2 : Rabs (ln (value ratio_)) <= E + 9 * u * (1 + / 1000)).
+    { replace (ln (value ratio_)) with ((ln (value ratio_) - E) + E) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq E) by lra. lra. }
+    assert (8 * u * Rabs (ln (value ratio_)) <= 8 * u * (E + 9 * u * (1 + / 1000))) by (apply Rmult_le_compat_l; lra).
+    assert (0 <= u * E) by nra. nra.
+  Qed.
+
+  (* the sign of the side that the machine takes for the nearer one *)
+  Let side := if upper_nearer A L U x then -1 else 1.
+
+  Lemma product_close v K e : close 18 v K -> Rabs (e - E) <= u * (10 + 9 * E) -> / 1152921504606846976 / 2 <= K ->
+    Rabs (v * e - K * E) <= u * K * (11 + 28 * E).
+  Proof.
+    intros (v0 & K0 & C1 & C2) He HK. pose proof (bernoulli u u_small 18) as Be. replace (INR 18) with 18 in Be by (cbn; lra).
+    pose proof u_small as Us. pose proof E_range as Er.
+    assert (D1 : Rabs (v - K) <= u * K * 18.1).
+    { assert (K * (1 - 18 * u) <= v) by (apply Rle_trans with (2 := C1); apply Rmult_le_compat_l; lra). assert (v * (1 - 18 * u) <= K) by (apply Rle_trans with (2 := C2); apply Rmult_le_compat_l; lra).
+      assert (v <= K * (1 + 18.1 * u)).
+      { apply (Rmult_le_reg_r (1 - 18 * u)); [lra|]. assert (K * (1 - (1 + 18.1 * u) * (1 - 18 * u)) <= 0); [|lra]. 
+        assert (0 <= u * (0.1 - 325.8 * u)) by (apply Rmult_le_pos; lra).
+        assert (0 <= K * (u * (0.1 - 325.8 * u))) by (apply Rmult_le_pos; lra). lra. }
+      apply Rabs_le. lra. }
+    replace (v * e - K * E) with (K * (e - E) + (v - K) * E + (v - K) * (e - E)) by ring.
+    eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult with (x := v - K).
+    assert (Q1 : Rabs (K * (e - E) + (v - K) * E) <= K * (u * (10 + 9 * E)) + u * K * 18.1 * E).
+    { eapply Rle_trans; [apply Rabs_triang|]. rewrite !Rabs_mult. rewrite (Rabs_pos_eq K), (Rabs_pos_eq E) by lra.
+      apply Rplus_le_compat; [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra]. }
+    assert (Q2 : Rabs (v - K) * Rabs (e - E) <= (u * K * 18.1) * (u * (10 + 9 * E))) by (apply Rmult_le_compat; try apply Rabs_pos; assumption).
+    assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (0 <= u * K * E) by (apply Rmult_le_pos; lra).
+    assert (Q3 : (u * K * 18.1) * (u * (10 + 9 * E)) <= u * K * (0.01 + 0.01 * E)).
+    { replace ((u * K * 18.1) * (u * (10 + 9 * E))) with (u * K * (18.1 * (u * (10 + 9 * E)))) by ring. apply Rmult_le_compat_l; [lra|].
+      assert (u * (10 + 9 * E) <= / 16777216 * (10 + 9 * E)) by (apply Rmult_le_compat_r; lra). lra. }
+    lra.
+  Qed.
+
+  Lemma push_close : Rabs (value (push A k L U x) - side * (gain_ * X * E)) <= u * (gain_ * X) * (12 + 30 * E) /\ is_finite (push A k L U x) = true.
+  Proof.
+    destruct xi_ok as [X1 X2]. destruct log_close as [G1 G2]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
+    destruct gain_lower_ok as [L1 L2]. destruct gain_upper_ok as [U1 U2].
+    assert (Z126 : IZR (2 ^ 126) = 85070591730234615865843651857942052864) by reflexivity.
+    set (K := gain_ * X).
+    assert (Kr : / 1152921504606846976 / 2 <= K <= 2475880078570760549798248448).
+    { unfold K. split; [|assert (gain_ * X <= 1073741824 * 2305843009213693952) by (apply Rmult_le_compat; lra); lra].
+      assert (/ 1073741824 * / 2147483648 <= gain_ * X) by (apply Rmult_le_compat; lra). lra. }
+    set (g := gain A k L U x).
+    assert (Gv : value g = side * gain_ /\ is_finite g = true).
+    { unfold g, gain, side. destruct (upper_nearer A L U x); [change (literal A (gain_upper k)) with (decimal_number prec emax prec_gt_0_ prec_lt_emax_ (gain_upper k)); rewrite U1|
+      change (literal A (gain_lower k)) with (decimal_number prec emax prec_gt_0_ prec_lt_emax_ (gain_lower k)); rewrite L1]; split; auto; ring. }
+    assert (Side : side = 1 \/ side = -1) by (unfold side; destruct upper_nearer; auto).
+    assert (Sa : Rabs side = 1) by (destruct Side as [-> | ->]; [apply Rabs_R1|rewrite Rabs_left; lra]).
+    assert (Odd : forall z, rnd (side * z) = side * rnd z).
+    { intro z. destruct Side as [-> | ->]; [now rewrite !Rmult_1_l|]. replace (-1 * z) with (- z) by ring. rewrite rnd_opp. ring. }
+    destruct Gv as [Gv Gf].
+    (* gain times xi *)
+    assert (C : close 17 (gain_ * value xi_) K).
+    { unfold K. change 17%nat with (0 + 17)%nat. apply close_mul; [exact u_small|apply close_refl; [exact u_small|lra]|exact X1]. }
+    destruct (close_bounds u u_small 17 _ _ ltac:(lia) C) as [B1 B2].
+    assert (Ez : Rabs (value g * value xi_) = gain_ * value xi_).
+    { rewrite Gv. replace (side * gain_ * value xi_) with (side * (gain_ * value xi_)) by ring. rewrite Rabs_mult, Sa, Rmult_1_l. apply Rabs_pos_eq. lra. }
+    destruct (mul_ok prec emax _ _ prec_large emax_large g xi_ Gf X2) as [M1 M2]; [apply most_large; rewrite Ez, Z126; lra|].
+    set (gx := Bmult mode_NE g xi_) in *.
+    assert (Cg : close 18 (rnd (gain_ * value xi_)) K).
+    { apply close_then with (x := gain_ * value xi_); [exact u_small|exact C|]. apply normal. rewrite Rabs_pos_eq, Z126 by lra. lra. }
+    rewrite Gv, Rmult_assoc, Odd in M1. set (v := rnd (gain_ * value xi_)) in *.
+    (* times epsilon *)
+    assert (P := product_close v K (value log_ratio) Cg G1 ltac:(lra)).
+    set (e := value log_ratio) in *.
+    assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (KE : 0 <= K * E) by (apply Rmult_le_pos; lra). assert (KEb : u * (K * E) <= 1 * (K * E)) by (apply Rmult_le_compat_r; lra).
+    assert (Pz : Rabs (v * e) <= K * E + u * K * (11 + 28 * E)).
+    { replace (v * e) with (K * E + (v * e - K * E)) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (K * E)) by lra. lra. }
+    destruct (opp_ok prec emax log_ratio) as [O1 O2].
+    set (eps := Bopp log_ratio) in *.
+    assert (Ev : value gx * value eps = - side * (v * e)).
+    { rewrite M1, O1. fold e. ring. }
+    assert (Ea : Rabs (value gx * value eps) <= IZR (2 ^ 126)).
+    { rewrite Ev, Rabs_mult, Rabs_Ropp, Sa, Rmult_1_l, Z126. 
+      assert (K * E <= 2475880078570760549798248448 * 1073741824) by (apply Rmult_le_compat; lra).
+      assert (u * K <= 1 * K) by (apply Rmult_le_compat_r; lra). assert (u * K * (11 + 28 * E) <= K * (11 + 28 * E)) by (apply Rmult_le_compat_r; lra). lra. }
+    destruct (mul_ok prec emax _ _ prec_large emax_large gx eps M2 ltac:(rewrite O2; exact G2)) as [T1 T2]; [now apply most_large|].
+    set (product := Bmult mode_NE gx eps) in *.
+    destruct (opp_ok prec emax product) as [W1 W2].
+    change (push A k L U x) with (Bopp product). rewrite W1, W2. split; [|exact T2].
+    rewrite T1, Ev. replace (- side * (v * e)) with (- (side * (v * e))) by ring. rewrite rnd_opp, Odd, Ropp_involutive.
+    rewrite <- Rmult_minus_distr_l, Rabs_mult, Sa, Rmult_1_l.
+    replace (rnd (v * e) - K * E) with ((rnd (v * e) - v * e) + (v * e - K * E)) by ring.
+    eapply Rle_trans; [apply Rabs_triang|].
+    assert (Re := rnd_error prec emax prec_gt_0_ prec_large emax_large (v * e)). fold u in Re.
+    assert (Ti : tiny <= u * K * / 100).
+    { assert (Ub : bpow radix2 (-64) <= u) by (apply bpow_le; lia). unfold tiny.
+      replace (bpow radix2 (-150)) with (bpow radix2 (-64) * bpow radix2 (-86)) by (rewrite <- bpow_plus; reflexivity).
+      assert (B86 : bpow radix2 (-86) = / 77371252455336267181195264) by reflexivity. rewrite B86.
+      pose proof (bpow_gt_0 radix2 (-64)). rewrite Rmult_assoc. apply Rmult_le_compat; lra. }
+    assert (Rabs (v * e) * u <= (K * E + u * K * (11 + 28 * E)) * u) by (apply Rmult_le_compat_r; lra).
+    assert (u * K * (11 + 28 * E) * u <= u * K * (0.1 + 0.1 * E)).
+    { replace (u * K * (11 + 28 * E) * u) with (u * K * (u * (11 + 28 * E))) by ring. apply Rmult_le_compat_l; [lra|].
+      apply Rle_trans with (/ 16777216 * (11 + 28 * E)); [apply Rmult_le_compat_r; lra|lra]. }
+    nra.
+  Qed.
+
+  (* the emitted law is the law (13) with e clamped, up to 30 u in relative terms and in epsilon *)
+  Theorem law_ok : Rabs (value (push A k L U x) - clamped_law c gain_ a b) <= 30 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k L U x) = true.
+  Proof.
+    destruct push_close as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
+    destruct nearer_ok as [N1 N2]. destruct sizes as (S1 & S2 & S3 & S4).
+    assert (Kp : 0 < gain_ * X) by nra. assert (Up : 0 < u * (gain_ * X)) by nra. assert (0 <= u * (gain_ * X) * E) by nra.
+    assert (Law : clamped_law c gain_ a b = (if Rlt_dec b a then -1 else 1) * (gain_ * X * E)).
+    { unfold clamped_law. cbv zeta. fold S. fold m. fold N. fold F. fold X. fold E. destruct (Rlt_dec b a); ring. }
+    rewrite Law. unfold side in P. destruct (upper_nearer A L U x).
+    - destruct (Rlt_dec b a) as [Q|Q]; [|specialize (N1 eq_refl); lra]. eapply Rle_trans; [exact P|]. nra.
+    - specialize (N2 eq_refl). destruct (Rlt_dec b a) as [Q|Q]; [|eapply Rle_trans; [exact P|]; nra].
+      (* a tie after rounding: the logarithm is near 0, and the wrong sign does not matter *)
+      assert (Eq : rnd a = rnd b) by (apply Rle_antisym; [exact N2|apply rnd_le; [exact prec_gt_0_|lra]]).
+      assert (b0 : 0 < b).
+      { apply Rnot_le_lt; intro C. assert (R0 : rnd b <= 0) by (rewrite <- (rnd_0 prec emax); now apply rnd_le). 
+        assert (D := rnd_difference prec emax prec_gt_0_ prec_large (value x) (value L) (number_format _ _ _) (number_format _ _ _)). fold a in D. fold u in D.
+        pose proof width as Wd. unfold S in Wd. rewrite Rabs_pos_eq with (x := a) in D by lra. apply Rabs_le_between in D. nra. }
+      assert (Ca : close 1 (rnd a) a) by (apply close_rounded; [exact u_small|lra|apply rnd_difference; try apply number_format; assumption]).
+      assert (Cb : close 1 (rnd b) b) by (apply close_rounded; [exact u_small|lra|apply rnd_difference; try apply number_format; assumption]).
+      rewrite Eq in Ca. assert (Cab : close 2 a b) by (change 2%nat with (1 + 1)%nat; apply close_trans with (y := rnd b); [exact u_small|apply close_sym; first [exact u_small|exact Ca]|exact Cb]).
+      assert (Nm : N = b /\ F = a).
+      { assert (m = b) as Mb by (unfold m; apply Rmin_right; lra). destruct (close_bounds u u_small 2 _ _ ltac:(lia) Cab) as [B1 B2].
+        assert (c * S <= b) by (pose proof c_range; unfold S; nra). assert (N = b) by (unfold N; rewrite Mb; apply Rmax_left; lra). split; [assumption|]. unfold F, S. lra. }
+      assert (Es : E <= 3 * u).
+      { unfold E. destruct Nm as [-> ->]. assert (D := close_ln u u_small 2 _ _ ltac:(lia) Cab). replace (INR 2) with 2 in D by (cbn; lra).
+        assert (Q2 : ln (a / b) = ln a - ln b) by (unfold Rdiv; rewrite ln_mult, ln_Rinv by (try apply Rinv_0_lt_compat; lra); ring). rewrite Q2.
+        apply Rabs_le_between in D. lra. }
+      replace (value (push A k L U x) - -1 * (gain_ * X * E)) with ((value (push A k L U x) - 1 * (gain_ * X * E)) + 2 * (gain_ * X * E)) by ring.
+      eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (2 * (gain_ * X * E))) by nra.
+      assert (gain_ * X * E <= gain_ * X * (3 * u)) by (apply Rmult_le_compat_l; lra). nra.
+  Qed.
+
+  (* the same as an error of the factor and an error of the logarithm, as the certificate counts it *)
+  Theorem law_acts : HeldLaw.acts gain_ c (32 * u) None a b (value (push A k L U x)) /\ is_finite (push A k L U x) = true.
+  Proof.
+    destruct law_ok as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
+    set (w := value (push A k L U x)) in *. assert (Kp : 0 < gain_ * X) by nra.
+    set (sign := if Rlt_dec b a then -1 else 1). assert (Sg : sign * sign = 1 /\ Rabs sign = 1).
+    { unfold sign. destruct (Rlt_dec b a); split; try ring; [rewrite Rabs_left; lra|apply Rabs_R1]. }
+    assert (Law : clamped_law c gain_ a b = sign * (gain_ * X * E)).
+    { unfold clamped_law, sign. cbv zeta. fold S. fold m. fold N. fold F. fold X. fold E. destruct (Rlt_dec b a); ring. }
+    rewrite Law in P. set (d := (sign * w / (gain_ * X) - E) / (1 + E)).
+    assert (D : Rabs d <= 30 * u).
+    { unfold d. assert (Q : sign * w / (gain_ * X) - E = sign * (w - sign * (gain_ * X * E)) * / (gain_ * X)).
+      { replace (sign * (w - sign * (gain_ * X * E))) with (sign * w - sign * sign * (gain_ * X * E)) by ring. destruct Sg as [-> _]. field. lra. }
+      rewrite Q. unfold Rdiv. rewrite !Rabs_mult. destruct Sg as [_ ->].
+      rewrite (Rabs_pos_eq (/ (gain_ * X))) by (left; apply Rinv_0_lt_compat; lra). rewrite (Rabs_pos_eq (/ (1 + E))) by (left; apply Rinv_0_lt_compat; lra).
+      apply (Rmult_le_reg_r ((gain_ * X) * (1 + E))); [apply Rmult_lt_0_compat; lra|].
+      replace (1 * Rabs (w - sign * (gain_ * X * E)) * / (gain_ * X) * / (1 + E) * (gain_ * X * (1 + E))) with (Rabs (w - sign * (gain_ * X * E))) by (field; lra).
+      eapply Rle_trans; [exact P|]. right; ring. }
+    assert (Db := D). apply Rabs_le_between in Db.
+    assert (W : w = sign * (gain_ * X * (1 + d) * (E + d / (1 + d)))).
+    { replace (gain_ * X * (1 + d) * (E + d / (1 + d))) with (gain_ * X * (E + d * (1 + E))) by (field; lra). unfold d.
+      replace ((sign * w / (gain_ * X) - E) / (1 + E) * (1 + E)) with (sign * w / (gain_ * X) - E) by (field; lra).
+      replace (sign * (gain_ * X * (E + (sign * w / (gain_ * X) - E)))) with (sign * sign * w) by (field; lra). destruct Sg as [-> _]. ring. }
+    exists d, (d / (1 + d)). split; [lra|split].
+    - unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ (1 + d))) by (left; apply Rinv_0_lt_compat; lra).
+      apply (Rmult_le_reg_r (1 + d)); [lra|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. nra.
+    - unfold HeldLaw.clamp. rewrite W. unfold HeldLaw.magnitude, HeldLaw.nearer. fold S. fold m. fold N. fold F. fold E. unfold HeldLaw.side, sign, X. destruct (Rlt_dec b a); ring.
+  Qed.
+
+  (* and the machine knows whether the state is inside *)
+  Theorem within_ok : is_within A L U x = true <-> 0 < a /\ 0 < b.
+  Proof.
+    destruct nearest_ok as [M1 M2]. assert (Z0 : value (decimal_number prec emax _ _ zero) = 0) by reflexivity.
+    assert (H := less_ok prec emax (decimal_number prec emax _ _ zero) (nearest A L U x) eq_refl M2). rewrite Z0, M1 in H.
+    unfold is_within. change (less A (literal A zero) (nearest A L U x)) with (Bltb (decimal_number prec emax _ _ zero) (nearest A L U x)). rewrite H.
+    assert (R : 0 < rnd m <-> 0 < m).
+    { split; intro Q.
+      - apply Rnot_le_lt; intro C. apply (rnd_le prec emax prec_gt_0_) in C. rewrite rnd_0 in C. lra.
+      - assert (D : Rabs (rnd m - m) <= u * Rabs m) by (unfold m, Rmin; destruct (Rle_dec a b); apply rnd_difference; try apply number_format; assumption).
+        rewrite (Rabs_pos_eq m) in D by lra. apply Rabs_le_between in D. pose proof u_small as Us. nra. }
+    rewrite R. unfold m, Rmin. destruct (Rle_dec a b); lra.
+  Qed.
+End Machine.

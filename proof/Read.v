@@ -1,0 +1,284 @@
+(* A reader of the C text that runs inside Coq: what the theorem says, it says of the program that this reader finds in the file.
+   It fails on whatever it does not know, so that no text can mean more to a compiler than it means here. *)
+From Coq Require Import ZArith NArith List Bool String Ascii.
+From Stt Require Import Syntax.
+Import ListNotations.
+Open Scope string_scope.
+
+(* ------------------------------------------------------------------ tokens *)
+
+Definition within (low high c : N) : bool := if (low <=? c)%N then (c <=? high)%N else false.
+Definition is_digit (c : ascii) : bool := within 48 57 (N_of_ascii c).
+Definition is_upper (c : ascii) : bool := within 65 90 (N_of_ascii c).
+Definition is_lower (c : ascii) : bool := within 97 122 (N_of_ascii c).
+Definition is_letter (c : ascii) : bool := is_upper c || is_lower c || (N_of_ascii c =? 95)%N.
+Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N || (n =? 10)%N.
+Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
+
+Inductive token := Word (w : string) | Number (w : string) | Sign (c : ascii) | Line (w : string).
+
+(* what is being read; a word is kept back to front *)
+Inductive state := Between | InWord (w : string) | InNumber (w : string) | InComment (star : bool) | InLine (w : string) | Slash.
+
+Fixpoint reverse (s acc : string) : string := match s with EmptyString => acc | String c r => reverse r (String c acc) end.
+Definition ends_in_e (w : string) : bool := match w with String c _ => Ascii.eqb c "e" | _ => false end.
+Definition finish (st : state) (l : list token) : option (list token) :=
+  match st with
+  | Between => Some l
+  | InWord w => Some (Word (reverse w "") :: l)
+  | InNumber w => Some (Number (reverse w "") :: l)
+  | InLine w => Some (Line (reverse w "") :: l)
+  | InComment _ | Slash => None
+  end.
+
+(* a directive is its whole line; a comment is left out, but not inside a directive *)
+Definition begin (c : ascii) : option (state * list token) :=
+  if is_blank c then Some (Between, [])
+  else if is_letter c then Some (InWord (String c ""), [])
+  else if is_digit c then Some (InNumber (String c ""), [])
+  else if Ascii.eqb c "/" then Some (Slash, [])
+  else if Ascii.eqb c "#" then Some (InLine "#", [])
+  else if within 33 126 (N_of_ascii c) then Some (Between, [Sign c])
+  else None.
+
+Fixpoint tokens (s : string) (st : state) (acc : list token) : option (list token) :=
+  match s with
+  | EmptyString => match finish st acc with Some l => Some (rev' l) | None => None end
+  | String c r =>
+      let fresh acc := match begin c with Some (st, new) => tokens r st (app new acc) | None => None end in
+      match st with
+      | InComment star =>
+          if star then (if Ascii.eqb c "/" then tokens r Between acc else tokens r (InComment (Ascii.eqb c "*")) acc)
+          else tokens r (InComment (Ascii.eqb c "*")) acc
+      | Slash => if Ascii.eqb c "*" then tokens r (InComment false) acc
+                 else match begin c with Some (st, new) => tokens r st (app new (Sign "/" :: acc)) | None => None end
+      | InLine w => if is_newline c then tokens r Between (Line (reverse w "") :: acc) else tokens r (InLine (String c w)) acc
+      | InWord w => if is_letter c || is_digit c then tokens r (InWord (String c w)) acc else fresh (Word (reverse w "") :: acc)
+      | InNumber w => if is_letter c || is_digit c || Ascii.eqb c "." || (ends_in_e w && Ascii.eqb c "-")
+                      then tokens r (InNumber (String c w)) acc else fresh (Number (reverse w "") :: acc)
+      | Between => fresh acc
+      end
+  end.
+
+(* names that begin with the task's get an @ in its place: no name of the text has one *)
+Definition upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
+Fixpoint map_string (f : ascii -> ascii) (s : string) : string := match s with EmptyString => "" | String c r => String (f c) (map_string f r) end.
+Fixpoint without (prefix s : string) : option string :=
+  match prefix, s with
+  | EmptyString, _ => Some s
+  | String p ps, String c r => if Ascii.eqb p c then without ps r else None
+  | _, EmptyString => None
+  end.
+Definition local (task : string) : token -> token :=
+  let small := task ++ "_" in let big := map_string upper small in
+  fun t => match t with
+  | Word w => match without small w with Some r => Word ("@" ++ r) | None => match without big w with Some r => Word ("@" ++ r) | None => t end end
+  | _ => t
+  end.
+
+(* ------------------------------------------------------------------ parts of a statement *)
+
+Notation "'let*' x ':=' e 'in' f" := (match e with Some x => f | None => None end) (at level 200, x pattern, right associativity).
+Notation "e 'or' f" := (match e with Some y => Some y | None => f end) (at level 60, right associativity).
+
+Definition eat_sign (c : ascii) (l : list token) : option (list token) :=
+  match l with Sign d :: r => if Ascii.eqb c d then Some r else None | _ => None end.
+Definition eat_word (w : string) (l : list token) : option (list token) :=
+  match l with Word v :: r => if String.eqb w v then Some r else None | _ => None end.
+Fixpoint eat_signs (s : string) (l : list token) : option (list token) :=
+  match s with EmptyString => Some l | String c s => let* l := eat_sign c l in eat_signs s l end.
+
+Definition keywords : list string :=
+  ["const"; "static"; "inline"; "void"; "bool"; "int32_t"; "if"; "else"; "for"; "while"; "do"; "return"; "true"; "false"; "isfinite"; "NAN"; "@real"; "@status";
+   "@OK"; "@OUTSIDE_TUBE"; "@BAD_INPUT"; "@N"].
+Definition name (l : list token) : option (string * list token) :=
+  match l with Word w :: r => if existsb (String.eqb w) keywords then None else Some (w, r) | _ => None end.
+
+Fixpoint number (s : string) (v count : Z) : Z * Z * string :=
+  match s with
+  | String c r => if is_digit c then number r (10 * v + Z.of_N (N_of_ascii c - 48)) (count + 1) else (v, count, s)
+  | EmptyString => (v, count, s)
+  end.
+(* no octal *)
+Definition integer (w : string) : option Z :=
+  match number w 0 0 with
+  | (v, n, EmptyString) => match w with String "0" _ => if (n =? 1)%Z then Some 0%Z else None | _ => if (n =? 0)%Z then None else Some v end
+  | _ => None
+  end.
+
+Section Parse.
+  Variable suffix : string. (* of a number in the program's own precision: "F" or "" *)
+
+  (* digits . digits [e [-] digits] suffix *)
+  Definition real (w : string) : option (Z * Z) :=
+    match number w 0 0 with
+    | (v, a, String "." r) =>
+        let '(v, b, r) := number r v 0 in
+        if (a =? 0)%Z then None else if (b =? 0)%Z then None
+        else if String.eqb r suffix then Some (v, - b)%Z
+        else match r with
+             | String "e" (String "-" r) => let '(x, c, r) := number r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b - x)%Z else None
+             | String "e" r => let '(x, c, r) := number r 0 0 in if (c =? 0)%Z then None else if String.eqb r suffix then Some (v, - b + x)%Z else None
+             | _ => None
+             end
+    | _ => None
+    end.
+  Definition decimal_ (l : list token) : option (decimal * list token) :=
+    match l with
+    | Number w :: r => let* (d, e) := real w in Some (Decimal false d e, r)
+    | Sign "-" :: Number w :: r => let* (d, e) := real w in Some (Decimal true d e, r)
+    | _ => None
+    end.
+
+  Definition constants : list (string * atom) :=
+    [("true", Truth true); ("false", Truth false); ("@OK", Int 0); ("@OUTSIDE_TUBE", Int 1); ("@BAD_INPUT", Int 2)].
+  Definition find {A} (x : string) (l : list (string * A)) : option A :=
+    (fix go l := match l with [] => None | (y, a) :: r => if String.eqb x y then Some a else go r end) l.
+
+  Definition type_ (l : list token) : option (type * list token) :=
+    match l with Word w :: r => let* t := find w [("@real", TReal); ("int32_t", TInt); ("bool", TBool)] in Some (t, r) | _ => None end.
+
+  Definition atom_ (l : list token) : option (atom * list token) :=
+    match l with
+    | Word w :: r => (let* a := find w constants in Some (a, r)) or (let* (x, r) := name l in Some (Name x, r))
+    | Number w :: r => (let* (d, e) := real w in Some (Real (Decimal false d e), r)) or (let* z := integer w in Some (Int z, r))
+    | Sign "(" :: Sign "-" :: r => let* (v, r) := decimal_ (Sign "-" :: r) in let* r := eat_sign ")" r in Some (Real v, r)
+    | Sign "(" :: r => let* r := eat_word "@real" r in let* r := eat_sign ")" r in let* r := eat_word "NAN" r in Some (NotANumber, r)
+    | _ => None
+    end.
+
+  Definition operator_ (l : list token) : option (operator * list token) :=
+    match l with
+    | Sign c :: r =>
+        if Ascii.eqb c "+" then Some (Plus, r) else if Ascii.eqb c "-" then Some (Minus, r)
+        else if Ascii.eqb c "*" then Some (Times, r) else if Ascii.eqb c "/" then Some (Over, r)
+        else if Ascii.eqb c "<" then (let* r := eat_sign "=" r in Some (AtMost, r)) or Some (Less, r)
+        else if Ascii.eqb c "&" then let* r := eat_sign "&" r in Some (And, r) else None
+    | _ => None
+    end.
+
+  (* a, b, ..) after the opening bracket; results are written &x and come last *)
+  Fixpoint arguments (fuel : nat) (l : list token) : option (list atom * list string * list token) :=
+    match fuel with
+    | O => None
+    | S f =>
+        let go a out r :=
+          (let* r := eat_sign ")" r in Some (a, out, r)) or
+          (let* r := eat_sign "," r in let* (more, outs, r) := arguments f r in
+           match out, more with [], _ => Some (app a more, outs, r) | _, [] => Some ([], app out outs, r) | _, _ => None end) in
+        (let* r := eat_sign "&" l in let* (x, r) := name r in go [] [x] r) or
+        (let* (a, r) := atom_ l in go [a] [] r)
+    end.
+
+  (* every expression ends with a semicolon *)
+  Definition expression_ (l : list token) : option (expression * list token) :=
+    (let* (a, r) := atom_ l in
+       (let* r := eat_sign ";" r in Some (Atom a, r)) or
+       (let* (o, r) := operator_ r in let* (b, r) := atom_ r in let* r := eat_sign ";" r in Some (Binary o a b, r)) or
+       (let* r := eat_sign "?" r in let* (b, r) := atom_ r in let* r := eat_sign ":" r in let* (c, r) := atom_ r in let* r := eat_sign ";" r in Some (Select a b c, r))) or
+    (let* r := eat_sign "-" l in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Negate (Name x), r)) or
+    (let* r := eat_sign "!" l in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Not (Name x), r)) or
+    (let* r := eat_sign "(" l in let* (t, r) := type_ r in let* r := eat_sign ")" r in let* (x, r) := name r in let* r := eat_sign ";" r in Some (Cast t (Name x), r)) or
+    (let* (x, r) := name l in
+       (let* r := eat_sign "[" r in let* (i, r) := name r in let* r := eat_signs "];" r in Some (Load x (Name i), r)) or
+       (let* r := eat_sign "(" r in let* (a, o, r) := arguments 20 r in match o with [] => let* r := eat_sign ";" r in Some (Apply x a, r) | _ => None end)) or
+    (let* r := eat_word "isfinite" l in let* r := eat_sign "(" r in let* (x, r) := name r in let* r := eat_signs ")!=" r in
+       match r with Number "0" :: r => let* r := eat_sign ";" r in Some (Finite (Name x), r) | _ => None end).
+
+  (* ------------------------------------------------------------------ statements, functions, the file *)
+
+  Definition statement_ (block : list token -> option (list statement * list token)) (l : list token) : option (statement * list token) :=
+    (let* r := eat_word "const" l in let* (t, r) := type_ r in let* (x, r) := name r in let* r := eat_sign "=" r in
+       let* (e, r) := expression_ r in Some (Let t x e, r)) or
+    (let* (t, r) := type_ l in let* (x, r) := name r in
+       (let* r := eat_sign ";" r in Some (Declare t x, r)) or
+       (let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Let t x e, r))) or
+    (let* r := eat_sign "*" l in let* (x, r) := name r in let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Put x e, r)) or
+    (let* (x, r) := name l in
+       (let* r := eat_sign "=" r in let* (e, r) := expression_ r in Some (Set_ x e, r)) or
+       (let* r := eat_sign "[" r in let* (i, r) := name r in let* r := eat_signs "]=" r in
+          (* a lone NaN is cast, as it is in an expression *)
+          let* (e, r) := expression_ r in Some (Store x (Name i) e, r)) or
+       (let* r := eat_sign "(" r in let* (a, o, r) := arguments 20 r in let* r := eat_sign ";" r in Some (Call x a o, r))) or
+    (let* r := eat_word "for" l in let* r := eat_sign "(" r in let* r := eat_word "int32_t" r in let* (x, r) := name r in let* r := eat_sign "=" r in
+       match r with
+       | Number "0" :: r =>
+           let* r := eat_sign ";" r in let* r := eat_word x r in let* r := eat_sign "<" r in
+           match r with
+           | Number w :: r =>
+               let* n := integer w in let* r := eat_signs ";++" r in let* r := eat_word x r in let* r := eat_signs "){" r in
+               let* (body, r) := block r in Some (For x n body, r)
+           | _ => None
+           end
+       | _ => None
+       end) or
+    (let* r := eat_word "if" l in let* r := eat_sign "(" r in let* (x, r) := name r in let* r := eat_signs "){" r in
+       let* (body, r) := block r in Some (When (Name x) body, r)) or
+    (let* r := eat_word "return" l in
+       (let* r := eat_sign ";" r in Some (Return None, r)) or (let* (e, r) := expression_ r in Some (Return (Some e), r))).
+
+  (* statements up to the closing brace; the fuel is the number of tokens, and every statement has some *)
+  Fixpoint block (fuel : nat) (l : list token) : option (list statement * list token) :=
+    match fuel with
+    | O => None
+    | S f => (let* r := eat_sign "}" l in Some ([], r)) or
+             (let* (s, r) := statement_ (block f) l in let* (ss, r) := block f r in Some (s :: ss, r))
+    end.
+
+  Definition parameter_ (l : list token) : option (parameter * list token) :=
+    let array r := let* r := eat_sign "[" r in let* r := eat_word "@N" r in eat_sign "]" r in
+    (let* r := eat_word "const" l in let* r := eat_word "@real" r in let* (x, r) := name r in let* r := array r in Some (ArrayIn x, r)) or
+    (let* (t, r) := type_ l in
+       (let* r := eat_sign "*" r in let* (x, r) := name r in Some (ByPointer t x, r)) or
+       (let* (x, r) := name r in
+          (let* r := array r in match t with TReal => Some (ArrayOut x, r) | _ => None end) or Some (ByValue t x, r))).
+  Fixpoint parameters_ (fuel : nat) (l : list token) : option (list parameter * list token) :=
+    match fuel with
+    | O => None
+    | S f => let* (p, r) := parameter_ l in
+             (let* r := eat_sign ")" r in Some ([p], r)) or
+             (let* r := eat_sign "," r in let* (ps, r) := parameters_ f r in Some (p :: ps, r))
+    end.
+
+  Definition function_ (fuel : nat) (l : list token) : option (function * list token) :=
+    let r := match (let* r := eat_word "static" l in eat_word "inline" r) with Some r => r | None => l end in
+    match r with
+    | Word t :: r =>
+        if existsb (String.eqb t) ["void"; "@real"; "@status"] then
+          let* (x, r) := name r in let* r := eat_sign "(" r in let* (ps, r) := parameters_ 20 r in let* r := eat_sign "{" r in
+          let* (body, r) := block fuel r in Some (Function x t ps body, r)
+        else None
+    | _ => None
+    end.
+
+  Fixpoint decimals (fuel : nat) (l : list token) : option (list decimal * list token) :=
+    match fuel with
+    | O => None
+    | S f => let* (v, r) := decimal_ l in
+             (let* r := eat_signs "};" r in Some ([v], r)) or (let* r := eat_sign "," r in let* (vs, r) := decimals f r in Some (v :: vs, r))
+    end.
+  (* static const real x[count] = { .. }; *)
+  Definition table_ (fuel : nat) (l : list token) : option (string * list decimal * list token) :=
+    let* r := eat_word "static" l in let* r := eat_word "const" r in let* r := eat_word "@real" r in let* (x, r) := name r in let* r := eat_sign "[" r in
+    match r with
+    | Number w :: r =>
+        let* n := integer w in let* r := eat_signs "]={" r in let* (vs, r) := decimals fuel r in
+        if (Z.of_nat (List.length vs) =? n)%Z then Some (x, vs, r) else None
+    | _ => None
+    end.
+
+  Fixpoint file (fuel : nat) (l : list token) : option source :=
+    match fuel, l with
+    | O, _ => None
+    | _, [] => Some (Source [] [] [])
+    | S f, Line w :: r => let* s := file f r in Some (Source (w :: directives s) (tables s) (functions s))
+    | S f, _ =>
+        (let* (x, vs, r) := table_ fuel l in let* s := file f r in Some (Source (directives s) ((x, vs) :: tables s) (functions s))) or
+        (let* (g, r) := function_ fuel l in let* s := file f r in Some (Source (directives s) (tables s) (g :: functions s)))
+    end.
+
+  Definition read (task text : string) : option source :=
+    let* l := tokens text Between [] in
+    let l := map (local task) l in
+    file (S (List.length l)) l.
+End Parse.

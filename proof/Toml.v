@@ -1,0 +1,155 @@
+(* The task's numbers from the text of its TOML file: boxes, times and margins. It fails on keys that it does not know where they could change a set. *)
+From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii.
+From Stt Require Import Tube Read.
+Import ListNotations.
+Open Scope string_scope.
+Open Scope list_scope.
+
+Inductive token := Bare (w : string) | Text (w : string) | Mark (c : ascii) | End.
+Inductive state := Between | InBare (w : string) | InText (w : string) | InComment.
+
+Definition bare (c : ascii) : bool := is_letter c || is_digit c || Ascii.eqb c "-" || Ascii.eqb c "+" || Ascii.eqb c ".".
+Definition space_ (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N || (n =? 9)%N || (n =? 13)%N.
+
+Fixpoint tokens (s : string) (st : state) (acc : list token) : option (list token) :=
+  match s with
+  | EmptyString => match st with
+                   | Between | InComment => Some (rev' (End :: acc))
+                   | InBare w => Some (rev' (End :: Bare (reverse w "") :: acc))
+                   | InText _ => None
+                   end
+  | String c r =>
+      let fresh acc :=
+        if is_newline c then tokens r Between (End :: acc)
+        else if space_ c then tokens r Between acc
+        else if Ascii.eqb c "#" then tokens r InComment acc
+        else if Ascii.eqb c """" then tokens r (InText "") acc
+        else if bare c then tokens r (InBare (String c "")) acc
+        else tokens r Between (Mark c :: acc) in
+      match st with
+      | Between => fresh acc
+      | InBare w => if bare c then tokens r (InBare (String c w)) acc else fresh (Bare (reverse w "") :: acc)
+      | InText w => if Ascii.eqb c """" then tokens r Between (Text (reverse w "") :: acc)
+                    else if Ascii.eqb c "\" then None else if is_newline c then None else tokens r (InText (String c w)) acc
+      | InComment => if is_newline c then tokens r Between (End :: acc) else tokens r InComment acc
+      end
+  end.
+
+Inductive value := VNumber (q : Q) | VText (s : string) | VTruth (b : bool) | VList (l : list value).
+
+(* [-] digits [. digits] [e [-] digits] *)
+Definition power (e : Z) : Q := if (0 <=? e)%Z then inject_Z (10 ^ e) else (1 # Z.to_pos (10 ^ (- e)))%Q.
+Definition unsigned (w : string) : option Q :=
+  let '(v, a, r) := number w 0 0 in
+  if (a =? 0)%Z then None else
+  let '(v, b, r) := match r with String "." r => let '(v, b, r) := number r v 0 in (v, if (b =? 0)%Z then (-1)%Z else b, r) | _ => (v, 0%Z, r) end in
+  if (b <? 0)%Z then None else
+  match r with
+  | EmptyString => Some (inject_Z v * power (- b))%Q
+  | String "e" (String "-" r) => match number r 0 0 with (x, c, EmptyString) => if (c =? 0)%Z then None else Some (inject_Z v * power (- b - x))%Q | _ => None end
+  | String "e" r => match number r 0 0 with (x, c, EmptyString) => if (c =? 0)%Z then None else Some (inject_Z v * power (x - b))%Q | _ => None end
+  | _ => None
+  end.
+Definition number_ (w : string) : option Q :=
+  match w with
+  | String "-" r => match unsigned r with Some q => Some (Qred (- q)) | None => None end
+  | _ => match unsigned w with Some q => Some (Qred q) | None => None end
+  end.
+
+Fixpoint skip (l : list token) : list token := match l with End :: r => skip r | _ => l end.
+Fixpoint value_ (fuel : nat) (l : list token) : option (value * list token) :=
+  match fuel, l with
+  | O, _ => None
+  | S f, Bare w :: r => if String.eqb w "true" then Some (VTruth true, r) else if String.eqb w "false" then Some (VTruth false, r)
+                        else match number_ w with Some q => Some (VNumber q, r) | None => None end
+  | S f, Text w :: r => Some (VText w, r)
+  | S f, Mark "[" :: r =>
+      (fix items m l acc := match m with
+         | O => None
+         | S m => match skip l with
+                  | Mark "]" :: r => Some (VList (rev acc), r)
+                  | l => match value_ f l with
+                         | Some (v, r) => match skip r with
+                                          | Mark "," :: r => items m r (v :: acc)
+                                          | Mark "]" :: r => Some (VList (rev (v :: acc)), r)
+                                          | _ => None end
+                         | None => None end
+                  end
+         end) (List.length r) r []
+  | _, _ => None
+  end.
+
+Definition entries := list (string * value).
+Record section := Section_ { many : bool; head : string; body : entries }.
+
+(* sections back to front, and their entries too *)
+Fixpoint document (fuel : nat) (l : list token) (now : section) (done : list section) : option (list section) :=
+  match fuel, l with
+  | O, _ => None
+  | _, [] => Some (rev (now :: done))
+  | S f, End :: r => document f r now done
+  | S f, Mark "[" :: Mark "[" :: Bare h :: Mark "]" :: Mark "]" :: End :: r => document f r (Section_ true h []) (now :: done)
+  | S f, Mark "[" :: Bare h :: Mark "]" :: End :: r => document f r (Section_ false h []) (now :: done)
+  | S f, Bare k :: Mark "=" :: r => match value_ (List.length r) r with
+                                    | Some (v, End :: r) => document f r (Section_ (many now) (head now) ((k, v) :: body now)) done
+                                    | _ => None end
+  | _, _ => None
+  end.
+
+Definition numbers (v : value) : option (list Q) :=
+  match v with
+  | VList l => fold_right (fun v acc => match v, acc with VNumber q, Some r => Some (q :: r) | _, _ => None end) (Some []) l
+  | _ => None
+  end.
+Definition the_numbers (k : string) (e : entries) : option (list Q) := match find k e with Some v => numbers v | None => None end.
+Definition the_number (k : string) (e : entries) : option Q := match find k e with Some (VNumber q) => Some q | _ => None end.
+Definition number_or (d : Q) (k : string) (e : entries) : option Q := match find k e with None => Some d | Some (VNumber q) => Some q | _ => None end.
+Definition only (ks : list string) (e : entries) : bool := forallb (fun p => existsb (String.eqb (fst p)) ks) e.
+Definition once (e : entries) : bool :=
+  (fix go e := match e with [] => true | (k, _) :: r => if existsb (fun p => String.eqb k (fst p)) r then false else go r end) e.
+
+Definition box_of (n : nat) (shrink : list Q) (e : entries) : option box :=
+  match the_numbers "lower" e, the_numbers "upper" e with
+  | Some a, Some b => if Nat.eqb (List.length a) n then if Nat.eqb (List.length b) n then
+      Some (Box (map (fun p => Qred (fst p + snd p)) (combine a shrink)) (map (fun p => Qred (fst p - snd p)) (combine b shrink))) else None else None
+  | _, _ => None
+  end.
+
+(* keys that leave the sets alone; the tube, the law and the plant are checked by themselves *)
+Definition sections_known : list (string * list string) := [
+  ("", ["name"; "axes"; "units"; "prescribed_time"; "initial_state"; "body"]);
+  ("state_space", ["lower"; "upper"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"]);
+  ("unsafe", ["name"; "lower"; "upper"]);
+  ("tube", ["clearance"; "min_width"; "design"; "prefer"; "max_speed"; "max_acceleration"; "segments"; "seed"]);
+  ("control", ["gain"; "e_max"; "u_max"; "period"; "latency"; "outside"; "saturate"]);
+  ("emit", ["scalar"; "math"; "tick_period"; "selftest"; "rust"]);
+  ("plant", ["f_max"; "w_max"; "g_min"; "g_max"; "g_cross"; "noise"])].
+
+Definition task_in (text : string) : option (string * task) :=
+  let* l := tokens text Between [] in
+  let* ss := document (S (List.length l)) l (Section_ false "" []) [] in
+  let known := forallb (fun s => match find (head s) sections_known with
+    | Some ks => if only ks (body s) then if once (body s) then Bool.eqb (many s) (String.eqb (head s) "unsafe") else false else false
+    | None => false end) ss in
+  let singles := map (fun s => (head s, VTruth true)) (filter (fun s => negb (many s)) ss) in
+  if negb known then None else if negb (once singles) then None else
+  let part h := match List.find (fun s => String.eqb (head s) h) ss with Some s => body s | None => [] end in
+  let top := part "" in
+  let* T := the_number "prescribed_time" top in
+  let* x := the_numbers "initial_state" top in
+  let n := List.length x in
+  let* h := match find "body" top with
+            | None => Some (repeat 0%Q n)
+            | Some (VNumber q) => Some (repeat q n)
+            | Some v => match numbers v with Some l => if Nat.eqb (List.length l) n then Some l else None | None => None end
+            end in
+  let none := repeat 0%Q n in
+  let* space := box_of n h (part "state_space") in
+  let* start := box_of n none (part "initial_set") in
+  let* target := box_of n none (part "target_set") in
+  let* unsafe := fold_right (fun s acc => match box_of n (map Qopp h) (body s), acc with Some b, Some r => Some (b :: r) | _, _ => None end)
+                   (Some []) (filter many ss) in
+  let* clearance := number_or (3 # 100) "clearance" (part "tube") in
+  let* width := number_or (1 # 20) "min_width" (part "tube") in
+  let* name := match find "name" top with Some (VText w) => Some w | _ => None end in
+  Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576))).

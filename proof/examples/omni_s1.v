@@ -1,0 +1,703 @@
+(* omni_s1.v: theorems about the controller in omni_s1.c. The texts of the task, of omni_s1.h and of omni_s1.c are below, and Coq reads them.
+
+   For every time and state in finite numbers of ordinary size, `omni_s1_control` ends, with nothing that C leaves undefined; what it
+   stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
+   32 units of rounding in the factor and in epsilon; its status says whether the state is between L and U in every dimension.
+   For every time, L and U are those of the tube theorem: as wide as demanded, within the state space, clear of every unsafe set,
+   in the initial set at 0 and in the target set from t_c on.
+
+   Assumed: IEEE 754 arithmetic without contraction, and a library whose logarithm is within 4 units in the last place. *)
+From Coq Require Import ZArith QArith Qreals Reals List String.
+From Coquelicot Require Import Coquelicot.
+From Flocq Require Import IEEE754.BinarySingleNaN.
+From Stt Require Held HeldLaw.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Windows Period Design Uniform Sound Sharp Toml Header.
+Import ListNotations.
+Open Scope R_scope.
+
+(* The three files, as they are. *)
+Definition the_toml : string := "#:schema ../docs/task.schema.json
+# The paper's case study, start S1: a robot in a room of 5 m by 5 m, from the upper left corner to the upper right, in 9 s.
+name = ""omni_s1""
+prescribed_time = 9.0
+initial_state = [0.25, 4.75]
+
+[state_space]
+lower = [0.0, 0.0]
+upper = [5.0, 5.0]
+
+[initial_set]
+lower = [0.0, 4.5]
+upper = [0.5, 5.0]
+
+[target_set]
+lower = [4.5, 4.5]
+upper = [5.0, 5.0]
+
+[[unsafe]]
+name = ""O1""
+lower = [1.0, 4.0]
+upper = [2.0, 5.0]
+
+[[unsafe]]
+name = ""O2""
+lower = [2.0, 2.5]
+upper = [3.0, 3.5]
+
+[[unsafe]]
+name = ""O3""
+lower = [1.0, 0.5]
+upper = [2.0, 1.5]
+
+[[unsafe]]
+name = ""O4""
+lower = [4.0, 1.5]
+upper = [5.0, 2.5]
+
+[tube]
+clearance = 0.03
+min_width = 0.05
+
+[control]
+gain = 0.5
+"%string.
+Definition the_header : string := "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * Call omni_s1_control once every period with the time since the start and the measured state. It keeps no state and
+ * needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
+ * Compile without -ffast-math, and with -ffp-contract=off where the target has a fused multiply-add.
+ */
+#ifndef OMNI_S1_H
+#define OMNI_S1_H
+
+#ifdef __cplusplus
+extern ""C"" {
+#endif
+
+typedef float omni_s1_real;
+
+#define OMNI_S1_N 2
+#define OMNI_S1_T_C 9.0F /* prescribed time, seconds */
+#define OMNI_S1_DESIGN_HASH ""93e290185d1afd3c"" /* log it: names this design */
+
+typedef enum {
+    OMNI_S1_OK = 0,
+    OMNI_S1_OUTSIDE_TUBE = 1,
+    OMNI_S1_BAD_INPUT = 2
+} omni_s1_status;
+
+/* Edges of the tube gamma at time t (seconds), in the task's units.
+ * t below 0 counts as 0 and above t_c as t_c; NaN when t is not finite.
+ */
+void omni_s1_tube(omni_s1_real t, omni_s1_real lower[OMNI_S1_N], omni_s1_real upper[OMNI_S1_N]);
+
+/* Rate of change of the edges, d gamma / d t, at time t (seconds), in units per second.
+ * The rate at 0 before that and zero from t_c on; NaN when t is not finite.
+ */
+void omni_s1_tube_rate(omni_s1_real t, omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N]);
+
+/* Control law (13), u = -k xi epsilon, k = 0.5, e clamped to [-0.99, 0.99] by component.
+ * t: seconds since the start (held within [0, t_c]); x: state; u: input.
+ * OK: x strictly inside the tube. OUTSIDE_TUBE: not so; u is the clamped law, finite, and points inward
+ * (0 where the tube is empty). BAD_INPUT: t or x has a NaN or an infinity; u is 0. u may be the array x itself.
+ */
+omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N]);
+
+/* How far x is from leaving the tube: the distance to the nearest edge over the tube's width there, least over the
+ * components. 0.5 in the middle, positive inside, negative outside, at least -1; NaN when an argument is not finite.
+ * Watch it: act while there is margin, not when the tube is left.
+ */
+omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real x[OMNI_S1_N]);
+
+/* Error transform of section IV for the state x in the box (lower, upper), by component:
+ *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
+ *   epsilon = ln((1 + e) / (1 - e))
+ *   xi      = 4 / ((upper - lower) (1 - e^2)) = d epsilon / dx
+ * 0 in a component with upper <= lower; a width below 2^-20 counts as that.
+ * NaN where an edge, x or upper - lower is not finite.
+ */
+void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
+                       const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
+                       omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
+"%string.
+Definition the_text : string := "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+ *
+ * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
+ * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
+ *
+ * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
+ */
+#include ""omni_s1.h""
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdint.h>
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))
+#error ""omni_s1.c: compile without -ffast-math; it tests its inputs for NaN and infinity""
+#endif
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD != 0)
+#error ""omni_s1.c: compile for float arithmetic, not the x87's (-mfpmath=sse): rounding is bounded for that""
+#endif
+
+/* B-spline control points divided by 6, one row for each of 32 + 3 points:
+ * lower[0], upper[0], lower[1], upper[1]
+ * Multiples of 2^-20: exact in float and double.
+ */
+static const omni_s1_real omni_s1_coefficients[140] = {
+    -0.012588501F, 0.07280731F, 0.777133F, 0.8619337F,
+    0.0000104904175F, 0.08332348F, 0.7500105F, 0.8333235F,
+    0.012608528F, 0.09383869F, 0.722888F, 0.80471325F,
+    0.025206566F, 0.104353905F, 0.6957655F, 0.776103F,
+    0.037805557F, 0.11487007F, 0.668643F, 0.7474928F,
+    0.050403595F, 0.12538528F, 0.6415205F, 0.7188816F,
+    0.06300163F, 0.1359005F, 0.614398F, 0.6902714F,
+    0.08876228F, 0.16166115F, 0.5872755F, 0.66166115F,
+    0.11452484F, 0.1874237F, 0.560153F, 0.6330519F,
+    0.1402874F, 0.21318626F, 0.5666475F, 0.6395464F,
+    0.16605091F, 0.23894978F, 0.57314205F, 0.6460409F,
+    0.19181347F, 0.26471233F, 0.5796375F, 0.6525364F,
+    0.21757603F, 0.2904749F, 0.58613205F, 0.6590309F,
+    0.24333858F, 0.31623745F, 0.5888052F, 0.66170406F,
+    0.26910114F, 0.342F, 0.5886774F, 0.6615763F,
+    0.2948637F, 0.36776257F, 0.58855057F, 0.66144943F,
+    0.32062626F, 0.39352512F, 0.5884237F, 0.6613226F,
+    0.34638977F, 0.41928864F, 0.58829594F, 0.6611948F,
+    0.37215233F, 0.4450512F, 0.5909691F, 0.66386795F,
+    0.3979149F, 0.47081375F, 0.6023283F, 0.67522717F,
+    0.42367744F, 0.4965763F, 0.61368847F, 0.68658733F,
+    0.44944F, 0.52233887F, 0.62504864F, 0.6979475F,
+    0.47520256F, 0.5481014F, 0.63640785F, 0.7093067F,
+    0.5009661F, 0.57386494F, 0.647768F, 0.7206669F,
+    0.52672863F, 0.5996275F, 0.65912724F, 0.7320261F,
+    0.5524912F, 0.62539005F, 0.6704874F, 0.74338627F,
+    0.57825375F, 0.6511526F, 0.6818466F, 0.7547455F,
+    0.6040163F, 0.67691517F, 0.6932068F, 0.76610565F,
+    0.62977886F, 0.7026777F, 0.704566F, 0.77746487F,
+    0.6555414F, 0.7284403F, 0.7159262F, 0.78882504F,
+    0.68130493F, 0.7542038F, 0.7272854F, 0.80018425F,
+    0.7070675F, 0.77996635F, 0.73864555F, 0.8115444F,
+    0.73283005F, 0.8057289F, 0.75000477F, 0.82290363F,
+    0.7585926F, 0.8314915F, 0.75000477F, 0.82290363F,
+    0.73283005F, 0.8057289F, 0.75000477F, 0.82290363F
+};
+
+/* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
+ * Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
+ */
+static inline void omni_s1_segment(omni_s1_real t, int32_t *row, omni_s1_real *s)
+{
+    const bool positive = 0.0F < t;
+    const omni_s1_real started = positive ? t : 0.0F;
+    const omni_s1_real scaled = started * 3.5555556F;
+    const bool early = scaled < 31.999998F;
+    const omni_s1_real u = early ? scaled : 31.999998F;
+    const int32_t segment = (int32_t)u;
+    const omni_s1_real base = (omni_s1_real)segment;
+    const omni_s1_real place = u - base;
+    const int32_t first = segment * 4;
+    *row = first;
+    *s = place;
+}
+
+/* 6 times the uniform cubic B-spline basis at s in [0, 1]: weights >= 0 with sum 6. */
+static inline void omni_s1_basis(omni_s1_real s, omni_s1_real *w0, omni_s1_real *w1, omni_s1_real *w2,
+                                 omni_s1_real *w3)
+{
+    const omni_s1_real v0 = 1.0F - s;
+    const omni_s1_real v1 = v0 * v0;
+    const omni_s1_real v2 = v1 * v0;
+    const omni_s1_real v3 = v0 * s;
+    const omni_s1_real v4 = 1.0F + v3;
+    const omni_s1_real v5 = 3.0F * v4;
+    const omni_s1_real v6 = v0 * v5;
+    const omni_s1_real v7 = 1.0F + v6;
+    const omni_s1_real v8 = s * v5;
+    const omni_s1_real v9 = 1.0F + v8;
+    const omni_s1_real v10 = s * s;
+    const omni_s1_real v11 = v10 * s;
+    *w0 = v2;
+    *w1 = v7;
+    *w2 = v9;
+    *w3 = v11;
+}
+
+/* Derivative of the weights with respect to s. */
+static inline void omni_s1_basis_rate(omni_s1_real s, omni_s1_real *dw0, omni_s1_real *dw1, omni_s1_real *dw2,
+                                      omni_s1_real *dw3)
+{
+    const omni_s1_real v0 = 1.0F - s;
+    const omni_s1_real v1 = v0 + v0;
+    const omni_s1_real v2 = v0 * v1;
+    const omni_s1_real v3 = v0 * v0;
+    const omni_s1_real v4 = v2 + v3;
+    const omni_s1_real v5 = -v4;
+    const omni_s1_real v6 = v0 - s;
+    const omni_s1_real v7 = 3.0F * v6;
+    const omni_s1_real v8 = v0 * v7;
+    const omni_s1_real v9 = v0 * s;
+    const omni_s1_real v10 = 1.0F + v9;
+    const omni_s1_real v11 = 3.0F * v10;
+    const omni_s1_real v12 = v8 - v11;
+    const omni_s1_real v13 = s * v7;
+    const omni_s1_real v14 = v11 + v13;
+    const omni_s1_real v15 = s + s;
+    const omni_s1_real v16 = s * v15;
+    const omni_s1_real v17 = s * s;
+    const omni_s1_real v18 = v16 + v17;
+    *dw0 = v5;
+    *dw1 = v12;
+    *dw2 = v14;
+    *dw3 = v18;
+}
+
+/* An edge of the tube (or its slope in spline time): sum of w_j q_j. */
+static inline omni_s1_real omni_s1_blend(omni_s1_real w0, omni_s1_real w1, omni_s1_real w2, omni_s1_real w3,
+                                         omni_s1_real q0, omni_s1_real q1, omni_s1_real q2, omni_s1_real q3)
+{
+    const omni_s1_real v0 = w0 * q0;
+    const omni_s1_real v1 = w1 * q1;
+    const omni_s1_real v2 = v0 + v1;
+    const omni_s1_real v3 = w2 * q2;
+    const omni_s1_real v4 = w3 * q3;
+    const omni_s1_real v5 = v3 + v4;
+    const omni_s1_real v6 = v2 + v5;
+    return v6;
+}
+
+/* Normalized error e = (2 x - gamma_s) / gamma_d, from a = x - lower, b = upper - x. */
+static inline omni_s1_real omni_s1_normalized_error(omni_s1_real a, omni_s1_real b, omni_s1_real width)
+{
+    const omni_s1_real v0 = a - b;
+    const omni_s1_real v1 = v0 / width;
+    return v1;
+}
+
+/* Transformed error epsilon = ln((1 + e)/(1 - e)) = ln(a/b) and xi = d epsilon/dx = 1/a + 1/b. */
+static inline void omni_s1_transformed_error(omni_s1_real a, omni_s1_real b, omni_s1_real *epsilon,
+                                             omni_s1_real *xi)
+{
+    const omni_s1_real v0 = b / a;
+    const omni_s1_real v1 = logf(v0);
+    const omni_s1_real v2 = -v1;
+    const omni_s1_real v3 = 1.0F + v0;
+    const omni_s1_real v4 = v3 / b;
+    *epsilon = v2;
+    *xi = v4;
+}
+
+/* Control law (13): u = -k xi epsilon. */
+static inline omni_s1_real omni_s1_law(omni_s1_real k, omni_s1_real xi, omni_s1_real epsilon)
+{
+    const omni_s1_real v0 = k * xi;
+    const omni_s1_real v1 = v0 * epsilon;
+    const omni_s1_real v2 = -v1;
+    return v2;
+}
+
+void omni_s1_tube(omni_s1_real t, omni_s1_real lower[OMNI_S1_N], omni_s1_real upper[OMNI_S1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower[j] = (omni_s1_real)NAN;
+            upper[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real w0;
+    omni_s1_real w1;
+    omni_s1_real w2;
+    omni_s1_real w3;
+    omni_s1_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_edge = omni_s1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        lower[i] = lower_edge;
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_edge = omni_s1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        upper[i] = upper_edge;
+    }
+}
+
+void omni_s1_tube_rate(omni_s1_real t, omni_s1_real lower_rate[OMNI_S1_N], omni_s1_real upper_rate[OMNI_S1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            lower_rate[j] = (omni_s1_real)NAN;
+            upper_rate[j] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real dw0;
+    omni_s1_real dw1;
+    omni_s1_real dw2;
+    omni_s1_real dw3;
+    omni_s1_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    const bool moving = t < 9.0F;
+    const omni_s1_real per_second = moving ? 3.5555556F : 0.0F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_slope = omni_s1_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const omni_s1_real lower_speed = lower_slope * per_second;
+        lower_rate[i] = lower_speed;
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_slope = omni_s1_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s1_real upper_speed = upper_slope * per_second;
+        upper_rate[i] = upper_speed;
+    }
+}
+
+omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], omni_s1_real u[OMNI_S1_N])
+{
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_s1_real x_j = x[j];
+        const omni_s1_real x_zero = x_j * 0.0F;
+        const omni_s1_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            u[j2] = 0.0F;
+        }
+        return OMNI_S1_BAD_INPUT;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real w0;
+    omni_s1_real w1;
+    omni_s1_real w2;
+    omni_s1_real w3;
+    omni_s1_basis(s, &w0, &w1, &w2, &w3);
+    bool outside = false;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_edge = omni_s1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_edge = omni_s1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real gain = upper_nearer ? (-0.5F) : 0.5F;
+        const omni_s1_real least = room * 0.005F;
+        const bool clear = least < nearest;
+        const omni_s1_real near = clear ? nearest : least;
+        const omni_s1_real far = room - near;
+        const bool within = 0.0F < nearest;
+        const bool outside_any = within ? outside : true;
+        omni_s1_real epsilon;
+        omni_s1_real xi;
+        omni_s1_transformed_error(near, far, &epsilon, &xi);
+        const omni_s1_real push = omni_s1_law(gain, xi, epsilon);
+        u[i] = push;
+        outside = outside_any;
+    }
+    return outside ? OMNI_S1_OUTSIDE_TUBE : OMNI_S1_OK;
+}
+
+omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real x[OMNI_S1_N])
+{
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 2; ++j) {
+        const omni_s1_real x_j = x[j];
+        const omni_s1_real x_zero = x_j * 0.0F;
+        const omni_s1_real zeros = zero + x_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        return (omni_s1_real)NAN;
+    }
+    int32_t row;
+    omni_s1_real s;
+    omni_s1_segment(t, &row, &s);
+    omni_s1_real w0;
+    omni_s1_real w1;
+    omni_s1_real w2;
+    omni_s1_real w3;
+    omni_s1_basis(s, &w0, &w1, &w2, &w3);
+    omni_s1_real margin = 0.5F;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_s1_real lower_q0 = omni_s1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_s1_real lower_q1 = omni_s1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_s1_real lower_q2 = omni_s1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_s1_real lower_q3 = omni_s1_coefficients[lower_3];
+        const omni_s1_real lower_edge = omni_s1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_s1_real upper_q0 = omni_s1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_s1_real upper_q1 = omni_s1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_s1_real upper_q2 = omni_s1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_s1_real upper_q3 = omni_s1_coefficients[upper_3];
+        const omni_s1_real upper_edge = omni_s1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const omni_s1_real held_share = beyond ? (-1.0F) : share;
+        const bool less = held_share < margin;
+        const omni_s1_real margin_next = less ? held_share : margin;
+        margin = margin_next;
+    }
+    return margin;
+}
+
+void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
+                       const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
+                       omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N])
+{
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_s1_real lower_edge = lower[i];
+        const omni_s1_real upper_edge = upper[i];
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = upper_edge - lower_edge;
+        const bool filled = 0.0F < room;
+        const bool empty = !filled;
+        const bool wide = 9.536743e-7F < room;
+        const omni_s1_real width = wide ? room : 9.536743e-7F;
+        const omni_s1_real to_lower = x_i - lower_edge;
+        const omni_s1_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real gain = upper_nearer ? (-1.0F) : 1.0F;
+        const omni_s1_real least = width * 0.005F;
+        const omni_s1_real widened = width - room;
+        const omni_s1_real spare = widened * 0.5F;
+        const omni_s1_real distance = nearest + spare;
+        const bool farther = least < distance;
+        const bool clear = filled && farther;
+        const omni_s1_real near = clear ? distance : least;
+        const omni_s1_real far = width - near;
+        const omni_s1_real a = upper_nearer ? far : near;
+        const omni_s1_real b = upper_nearer ? near : far;
+        const omni_s1_real e_raw = omni_s1_normalized_error(a, b, width);
+        const bool e_held_above = (-0.99F) < e_raw;
+        const omni_s1_real e_held_raised = e_held_above ? e_raw : (-0.99F);
+        const bool e_held_over = 0.99F < e_held_raised;
+        const omni_s1_real e_held = e_held_over ? 0.99F : e_held_raised;
+        omni_s1_real epsilon_near;
+        omni_s1_real xi_i;
+        omni_s1_transformed_error(near, far, &epsilon_near, &xi_i);
+        const omni_s1_real epsilon_i = gain * epsilon_near;
+        const bool finite_x = isfinite(x_i) != 0;
+        const bool finite_room = isfinite(room) != 0;
+        const bool finite = finite_x && finite_room;
+        const omni_s1_real e_settled = empty ? 0.0F : e_held;
+        const omni_s1_real e_out = finite ? e_settled : (omni_s1_real)NAN;
+        e[i] = e_out;
+        const omni_s1_real epsilon_settled = empty ? 0.0F : epsilon_i;
+        const omni_s1_real epsilon_out = finite ? epsilon_settled : (omni_s1_real)NAN;
+        epsilon[i] = epsilon_out;
+        const omni_s1_real xi_settled = empty ? 0.0F : xi_i;
+        const omni_s1_real xi_out = finite ? xi_settled : (omni_s1_real)NAN;
+        xi[i] = xi_out;
+    }
+}
+"%string.
+
+(* The task that is read in the first. Sets have the body added; all numbers are exact. *)
+Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
+  (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
+  (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
+  (Box [(9 # 2); (9 # 2)] [(5 # 1); (5 # 1)]) (* target set *)
+  [(Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]);
+   (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]);
+   (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]);
+   (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)])] (* unsafe sets *)
+  (3 # 100) (1 # 20) (* clearance, least width *))%Q.
+Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
+Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
+
+(* The header has this type of numbers, these values of the status, prototypes, and no more that the C could see. *)
+Lemma header_read : header_ok Single "omni_s1"%string 2 the_header = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
+Definition the_unit : Q := (1 # 1048576).
+Definition the_error : Q := (1 # 131072).
+
+Definition the_source := read (suffix Single) "omni_s1"%string the_text.
+Definition the_constants : constants := Eval vm_compute in constants_of Single the_source.
+Definition the_coefficients : list decimal := Eval vm_compute in coefficients_of the_source.
+Definition the_table : Tube.table := Eval vm_compute in rows_of Single the_unit the_constants the_coefficients.
+Definition the_scale : scale := Eval vm_compute in scale_of Single the_constants.
+Definition the_gain : Q := Eval vm_compute in value_of Single (gain_lower the_constants).
+Definition the_clamp : Q := Eval vm_compute in value_of Single (Emission.clamp the_constants).
+Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
+Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
+Definition the_program : source := Source (preamble Single "omni_s1"%string) [("@coefficients"%string, the_coefficients)] (Emission.emitted the_constants).
+
+(* The text is this program: the table, and the functions that `tube` and `control` are made of. *)
+Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
+Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
+
+(* P1 to P5 of the exact tube, with room for the error. *)
+Lemma tube_checked : check the_unit the_error 20 the_task the_table = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+Lemma slopes_checked : slopes the_error the_task the_table the_steps = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+(* P7: the arithmetic moves no edge by more than the error. *)
+Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_steps the_scale the_late = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+(* The constants and the table of the text are these numbers, and of ordinary size. *)
+Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gain the_clamp = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
+Notation number := (binary_float (precision Single) (largest_exponent Single)).
+
+(* What `control` does: *)
+Theorem controller : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
+  let A := machine (precision Single) (largest_exponent Single) (Edge.pos_ Single) (Edge.below_ Single) log_ in
+  forall (t : number) (x : nat -> number),
+  is_finite t = true -> (forall i, (i < 2)%nat -> is_finite (x i) = true) ->
+  (forall i, (i < 2)%nat -> (Rabs (B2R (x i)) <= 1073741824)%R) ->
+  forall tau, reads Single (B2R t) tau ->
+  let L i := EmittedTube.emitted Single the_unit the_table the_scale fst i (B2R t) in
+  let U i := EmittedTube.emitted Single the_unit the_table the_scale snd i (B2R t) in
+  exists program out status,
+    option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program /\
+    execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
+    (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
+    forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
+      HeldLaw.acts (Q2R the_gain) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) None (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+Proof.
+  intros log_ accurate A t x Ft Fx Sx tau Rt L U.
+  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+    the_gain the_clamp tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
+  exists the_program, out, status. split; [exact text_read|exact H].
+Qed.
+
+(* and what its edges are: *)
+Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
+
+
+(* The plant: bounds by component, and numbers that help Coq. *)
+Definition the_plant : plant := (Plant [(39 # 1); (39 # 1)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(1 # 20); (1 # 20)] [(0 # 1); (0 # 1)]
+  (1 # 1000) (0 # 1) (1 # 1048576)
+  [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61481973 # 16777216); (61481973 # 16777216)] [(60528189 # 16777216); (60437729 # 16777216)])%Q.
+Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gain the_clamp (32 * half_ulp Single) the_plant = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
+(* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
+   to `switch (p + 1)`. The derivative of x i is y + g u, with y all but its own input. *)
+Theorem closed_loop : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
+  forall (taken switch : nat -> R) (x : nat -> R -> R) (y g : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
+  option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program ->
+  let L i t := Tube.lower the_unit the_task the_table i t in
+  let U i t := Tube.upper the_unit the_task the_table i t in
+  let input p i := applied Single log_ the_constants program (clock p) (measured p) i in
+  (* times: the first input acts from 0 on; no acting sample is older than tau, none begins to act later than the latency *)
+  (switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
+    switch (S p) - taken p <= Q2R (tau_ the_plant) /\ switch p - taken p <= Q2R (latency_ the_plant)) ->
+  (forall p, is_finite (clock p) = true /\ reads Single (B2R (clock p)) (taken p)) ->
+  (* sensors *)
+  (forall p i, (i < 2)%nat -> is_finite (measured p i) = true /\ Rabs (B2R (measured p i)) <= 1073741824 /\
+    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (noise_ the_plant)) ->
+  (* the start: |e| <= (rho - 1)/(rho + 1) *)
+  (forall i, (i < 2)%nat -> (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= x i 0 - L i 0 /\
+    (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= U i 0 - x i 0) ->
+  (* the plant *)
+  (forall i t, (i < 2)%nat -> continuity_pt (x i) t) ->
+  (forall p t, switch p < t < switch (S p) -> (forall i, (i < 2)%nat -> L i t < x i t < U i t) -> forall i, (i < 2)%nat ->
+    is_derive (x i) t (y i p t + g i p t * input p i) /\
+    Rabs (y i p t) <= Q2R (nth i (push_ the_plant) 0%Q) + Q2R (nth i (cross_ the_plant) 0%Q) * Held.others 2 i (fun j => Rabs (input p j)) /\
+    Q2R (nth i (gmin_ the_plant) 0%Q) <= g i p t <= Q2R (nth i (gmax_ the_plant) 0%Q)) ->
+  forall p t, 0 <= t <= switch p ->
+    (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
+    (forall o, In o (unsafe the_task) -> exists i, (i < 2)%nat /\
+      (x i t < at_ (lo o) i - Q2R (clearance the_task) \/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\
+    (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
+Proof.
+  intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
+  rewrite text_read in Text. injection Text as <-.
+  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+    the_gain the_clamp the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
+    Times Continuous Start Ode Clock Sensors).
+Qed.
+
+Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
+Print Assumptions theorems.

@@ -1,0 +1,198 @@
+"""Theorems for Coq: the library rests on nothing of ours, shipped controllers have theirs, what is changed has none."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from test_cli import run
+
+from stt_codegen.errors import BadInput
+from stt_codegen.theorem import asking
+from stt_codegen.theorem.reading import Facts, Unread, facts
+from stt_codegen.theorem.writing import written
+
+pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
+
+
+def files_of(name: str, scalar: str) -> tuple[bytes, bytes, bytes]:
+    """Task, C and certificate as they are shipped."""
+    folder = ROOT / "generated" / name / "refined" / scalar
+    return (
+        (ROOT / "tasks" / f"{name}.toml").read_bytes(),
+        (folder / f"{name}.c").read_bytes(),
+        (folder / f"{name}.certificate.json").read_bytes(),
+    )
+
+
+def read(name: str, scalar: str) -> Facts:
+    return facts(*files_of(name, scalar))
+
+
+def shipped() -> list[tuple[str, str]]:
+    """Refined controllers that theorems are written about, of all that are shipped."""
+    found = []
+    for path in sorted((ROOT / "generated").glob("*/refined/*/*.certificate.json")):
+        name, scalar = path.parents[2].name, path.parent.name
+        try:
+            read(name, scalar)
+        except BadInput:
+            continue
+        found.append((name, scalar))
+    return found
+
+
+# ------------------------------------------------------------------------------------------------ what is written
+
+
+def test_the_library_takes_nothing_for_granted() -> None:
+    listed = asking.names()
+    assert sorted(p.stem for p in (ROOT / "proof").glob("*.v")) == sorted(listed)
+    for name in listed:
+        text = re.sub(r"\(\*.*?\*\)", "", (ROOT / "proof" / f"{name}.v").read_text(), flags=re.S)
+        assert not re.search(r"\b(Admitted|admit|Axioms?|Parameters?|Conjecture|Abort|give_up|bypass_check)\b", text), name
+        assert not re.search(r"^(Variables?|Hypothes[ie]s)\b", text, re.M), f"{name}: outside of a section it is an axiom"
+
+
+def test_most_example_tasks_of_order_1_have_theorems() -> None:
+    names = {name for name, _ in shipped()}
+    assert {"omni_s1", "omni_s2", "omni_s3", "omni_heading", "trolley", "crawler", "spacecraft", "empty"} <= names
+    assert {(name, scalar) for name in names for scalar in ("float", "double")} == set(shipped())
+
+
+@pytest.mark.parametrize(
+    ("name", "scalar", "told"),
+    [
+        ("arm", "float", "plant.order 2"),
+        ("courier", "float", "missions"),
+        ("rover", "float", "unsafe sets that are no boxes"),
+        ("crane", "fixed", "controllers in integers"),
+    ],
+)
+def test_what_no_theorem_is_written_about_is_said(name: str, scalar: str, told: str) -> None:
+    with pytest.raises(BadInput, match=told):
+        read(name, scalar)
+
+
+def test_generate_writes_what_the_command_asks(tmp_path: Path) -> None:
+    """The text follows from the shipped files alone."""
+    done = run("generate", "tasks/trolley.toml", "--theorem", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    data = [ROOT / "tasks/trolley.toml", tmp_path / "trolley.c", tmp_path / "trolley.certificate.json"]
+    assert (tmp_path / "trolley.v").read_bytes() == written(facts(*(p.read_bytes() for p in data)))
+
+
+def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
+    done = run("generate", "tasks/arm.toml", "--theorem", "--out", str(tmp_path))
+    assert done.returncode == 2
+    assert "plant.order 2" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_of_sets_cannot_end_the_comment() -> None:
+    task, source, certificate = files_of("trolley", "float")
+    text = written(facts(task.replace(b'"pillar"', b'"p *) Axiom a : False. (*"'), source, certificate)).decode()
+    assert text.count("(*") == text.count("*)")
+    assert "p __ Axiom a _ False. __" in text
+
+
+def test_without_coq_the_command_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = run("theorem", "tasks/omni_s1.toml", "generated/omni_s1/refined/float/omni_s1.c", "--json")
+    assert done.returncode == 4
+    assert "libcoq-coquelicot" in json.loads(done.stdout)["error"]
+
+
+# ------------------------------------------------------------------------------------------------ what Coq says
+
+
+QUICK = [("omni_s1", "float"), ("trolley", "float"), ("omni_heading", "double")]
+
+
+@pytest.mark.parametrize(("name", "scalar"), QUICK)
+def test_coq_accepts_shipped_controllers(name: str, scalar: str, tool: Callable[[str], str]) -> None:
+    tool("coqc")
+    answer = asking.ask_coq(written(read(name, scalar)), name)
+    assert answer.holds, answer.what
+    assert set(answer.axioms) == asking.AXIOMS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "scalar"), sorted(set(shipped()) - set(QUICK)))
+def test_coq_accepts_every_shipped_controller(name: str, scalar: str, tool: Callable[[str], str]) -> None:
+    test_coq_accepts_shipped_controllers(name, scalar, tool)
+
+
+def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str]) -> None:
+    tool("coqc")
+    done = run("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts emitted_tube, closed_loop")
+
+
+# ------------------------------------------------------------------------------------------------ what is changed
+
+MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced by what, where the no comes from
+    ("omni_s1", 1, rb"(_coefficients\[\d+\] = \{\s+)-?[\d.]+F", rb"\g<1>0.5F", "tube_checked"),
+    ("omni_s1", 1, rb"started \* 3\.5555556F", b"started * 3.5555F", "rounding_checked"),
+    ("omni_s1", 1, rb"31\.999998F", b"31.99F", "rounding_checked"),
+    ("omni_s1", 1, rb"scaled < 31\.999998F", b"scaled < 32.0F", "holds time at another number"),
+    ("omni_s1", 1, rb"= 1\.0F - s;", b"= s - 1.0F;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 2.0F * v4;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 3.5F * v4;", "which is not whole"),
+    ("omni_s1", 1, rb"= v2 \+ v5;", b"= v2 - v5;", "statements"),
+    ("omni_s1", 1, rb"\*w1 = v7;", b"*w1 = v9;", "statements"),
+    ("omni_s1", 0, rb"prescribed_time = 9\.0", b"prescribed_time = 9.1", "rounding_checked"),
+    ("omni_s1", 0, rb"clearance = 0\.03", b"clearance = 0.04", "tube_checked"),
+    ("omni_s1", 0, rb"min_width = 0\.05", b"min_width = 0.5", "tube_checked"),
+    ("omni_s1", 0, rb"initial_state = \[0\.25, 4\.75\]", b"initial_state = [0.55, 4.75]", "tube_checked"),
+    ("omni_s1", 0, rb"lower = \[2\.0, 2\.5\]", b"lower = [1.5, 2.5]", "tube_checked"),
+    ("omni_s1", 0, rb"(target_set\]\s+lower = )\[4\.5, 4\.5\]", rb"\g<1>[4.6, 4.5]", "tube_checked"),
+    ("omni_s1", 2, rb'"edge_error": \[\d+, \d+\]', b'"edge_error": [1, 1]', "rounding_checked"),
+    ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
+    ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
+    ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
+    ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+]
+
+
+@pytest.mark.parametrize(("name", "file", "old", "new", "told"), MUTANTS)
+def test_what_is_changed_has_no_theorem(
+    name: str, file: int, old: bytes, new: bytes, told: str, tool: Callable[[str], str]
+) -> None:
+    """By what is read and by Coq alone: no hash and no checker is asked."""
+    tool("coqc")
+    data = list(files_of(name, "float"))
+    changed = re.sub(old, new, data[file])
+    assert changed != data[file]
+    data[file] = changed
+    try:
+        answer = asking.ask_coq(written(facts(*data)), name)
+    except Unread as problem:
+        assert told in str(problem)
+        return
+    assert not answer.holds
+    assert told in answer.what
+
+
+def test_the_command_asks_the_checker_for_what_coq_does_not_read(tmp_path: Path, tool: Callable[[str], str]) -> None:
+    """A law of the wrong sign: table, constants and kernels of the tube are as they were."""
+    tool("coqc")
+    shutil.copytree(ROOT / "generated/omni_s1/refined/float", tmp_path / "c")
+    source, proof = tmp_path / "c/omni_s1.c", tmp_path / "c/omni_s1.certificate.json"
+    text = source.read_text().replace("upper_nearer ? gain_minus : gain_i", "upper_nearer ? gain_i : gain_minus")
+    text = text.replace("upper_nearer ? (-0.5F) : 0.5F", "upper_nearer ? 0.5F : (-0.5F)")
+    assert text != source.read_text()
+    source.write_text(text)
+    document = json.loads(proof.read_text())
+    document["sha256"]["omni_s1.c"] = hashlib.sha256(source.read_bytes()).hexdigest()
+    proof.write_text(json.dumps(document))
+    done = run("theorem", "tasks/omni_s1.toml", str(source), "--json")
+    assert done.returncode == 1
+    assert "checker: NO" in json.loads(done.stdout)["what"]
