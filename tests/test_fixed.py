@@ -193,6 +193,54 @@ def test_the_self_test_passes_and_finds_every_changed_coefficient(name: str, too
         assert code(head + "_coefficients[" + "\n".join([*lines[:k], ",".join(numbers), *lines[k + 1 :]])) != 0
 
 
+ROW = ("levels", "slopes", "bends")
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_self_test_finds_a_wrong_row_of_the_curves_wherever_it_moves_u(name: str, tool, tmp_path) -> None:
+    """Rows of H: where u is below its limit in the widest tube. Every row: where it is lost, which leaves no u."""
+    controller = made(name)
+    for file, data in controller.files.items():
+        (tmp_path / file).write_bytes(data)
+    (tmp_path / "main.c").write_text(f'#include "{name}.h"\nint main(void) {{ return {name}_selftest(); }}\n')
+    lines = controller.files[f"{name}.c"].decode().splitlines()
+    heads = [k for k, line in enumerate(lines) if line.startswith("static const") and any(f"_{t}[" in line for t in ROW)]
+    law, rows = law_of(controller.task, design_of(name)), len(curves.over_rows())
+    levels = [int(lines[heads[0] + 1 + k].strip(" ,")) for k in range(rows + 8 * law.octaves)]
+
+    def noticed(row: int, *entries: int) -> bool:
+        bent = [*lines]
+        for head, entry in zip(heads, entries, strict=False):
+            bent[head + 1 + row] = f"    {entry}" + ("," if bent[head + 1 + row].endswith(",") else "")
+        (tmp_path / f"{name}.c").write_text("\n".join(bent) + "\n")
+        sources = [tmp_path / file for file in ("main.c", f"{name}.c", f"{name}_selftest.c")]
+        subprocess.run([tool("gcc"), "-O1", "-o", tmp_path / "run", *sources], check=True)
+        return subprocess.run([tmp_path / "run"], check=False).returncode != 0
+
+    assert len(heads) == len(ROW)
+    assert not noticed(rows, levels[rows])
+    assert all(noticed(row, 0, 0, 0) for row in range(rows, len(levels), 5))
+    assert noticed(rows + 7, levels[rows + 7] + 60)  # next to the middle of the tube
+
+
+def test_samples_are_at_ticks() -> None:
+    with pytest.raises(BadInput, match=r"control\.period: is 0\.01, no whole number of ticks of 0\.003, .*; use 0\.009"):
+        stt.parse(text_of("gantry", ("tick_period = 0.001", "tick_period = 0.003")))
+    with pytest.raises(BadInput, match="--rate 333: samples come every 0.003003 s, and time is counted in ticks of 0.001 s"):
+        made_here().simulate(rate=333)
+    assert made_here().simulate(rate=500).kept
+
+
+def made_here() -> stt.Controller:
+    return stt.build(stt.load(ROOT / "tasks" / "gantry.toml"))
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_a_page_about_integers(name: str, tmp_path) -> None:
+    page = stt.build(stt.load(ROOT / "tasks" / f"{name}.toml")).report(tmp_path / "page.html", show=False)
+    assert "at ticks" in Path(page).read_text()
+
+
 # ------------------------------------------------------------------------------------------------ right
 
 
@@ -228,7 +276,7 @@ def test_every_gain_limit_and_clamp_is_right_or_refused(name: str, control: dict
     try:
         controller = build_task(task, tube=design_of(name))
     except BadInput as refused:
-        assert "control.u_max: is so small beside what the gain makes" in str(refused)
+        assert "control.u_max: in integers of 32 bits the least of u_max" in str(refused)
         assert control["u_max"] < 1
         return
     rows = compare_backend(controller, GeneratedPython, 1500)
@@ -362,9 +410,9 @@ def test_a_tube_a_gain_or_a_time_that_integers_do_not_hold_is_refused() -> None:
     for near in (10**6, 10**9, 10**10):
         with pytest.raises(BadInput, match=r"control\.e_max: is so near 1"):
             fixed_program(with_control(e_max=1 - Fraction(1, near)), design)
-    with pytest.raises(BadInput, match=r"control\.gain: is so small beside u_max"):
+    with pytest.raises(BadInput, match=r"control\.gain: 1e-06 is so small beside u_max 1000000"):
         fixed_program(with_control(gain=Fraction(1, 10**6), u_max=Fraction(10**6)), design)
-    with pytest.raises(BadInput, match=r"control\.u_max: is so small beside what the gain"):
+    with pytest.raises(BadInput, match=r"control\.u_max: in integers of 32 bits the least of u_max"):
         fixed_program(with_control(gain=Fraction(10**5), u_max=(Fraction(10**4), Fraction(1, 10))), design)
     with pytest.raises(BadInput, match="beyond 31 bits"):
         clock_of(design, Fraction(1, 10**9))

@@ -1495,7 +1495,7 @@ extern "C" {{
 #define M_X(v) M_UNITS(v, {x_scale})
 #define M_U(v) M_UNITS(v, {u_scale})
 #define M_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
-#define M_TICKS {last}U
+#define M_TICKS UINT32_C({last})
 #define M_TICKS_A_SECOND {second}
 {proved}#define M_DESIGN_HASH "{hash}"
 typedef enum {{ M_OK = 0, M_OUTSIDE_TUBE = 1 }} P_status;
@@ -1660,6 +1660,10 @@ class Integers(Source):
         foreign = task.inline or task.scales or task.outside != "return" or task.repeats or task.apart is not None
         need(not foreign and len({*task.e_max}) == 1, "the task asks for what no controller in integers has")
         need(task.tick is not None and task.u_max is not None, "the task has no tick_period or no u_max, which integers need")
+        assert task.tick is not None
+        need(
+            task.period is None or (task.period / task.tick).denominator == 1, "the task's period is no whole number of its ticks"
+        )
         self.names = ["coefficients", *(["filters"] if task.order == 2 else []), "levels", "slopes", "bends", "places"]
         self.names += ["gains", "offsets", "limits"]
         words = tokens(data)
@@ -1717,12 +1721,13 @@ class Integers(Source):
         assert task.tick is not None
         bits = {"x_scale": self.x_bits, "u_scale": self.u_bits}
         scales = {name: f"{2**v}.0" if v >= 0 else f"(1.0 / {2**-v}.0)" for name, v in bits.items()}
+        whole = {name[0]: f"({v})" if v < 0 else v for name, v in bits.items()}
         a, b = (1 / task.tick).as_integer_ratio()
-        proved = "" if task.period is None else f"#define M_TICKS_PROVED {math.floor(task.period / task.tick)}U\n"
+        proved = "" if task.period is None else f"#define M_TICKS_PROVED UINT32_C({task.period / task.tick})\n"
         heads = [*self.heads, *(["int P_phase(uint32_t tick);"] if phased else [])]
         heads += [f"\n#define M_SELFTEST_{hash_}\nint P_selftest(void);"] if task.selftest else []
         own = HEAD.format(
-            n=task.n, x=self.x_bits, u=self.u_bits, last=-(-task.t_c // task.tick), second=a if b == 1 else f"({a}.0 / {b}.0)",
+            n=task.n, **whole, last=-(-task.t_c // task.tick), second=f"INT32_C({a})" if b == 1 else f"({a}.0 / {b}.0)",
             proved=proved, hash=hash_, heads="\n".join(heads), **scales,
         )  # fmt: skip
         should = [*tokens(self.named(own)), "the end"]

@@ -238,7 +238,8 @@ def _told(task: Task) -> str:
     often = "s or faster"
     if task.differs:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"
-    return f"sampled every {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(told)}"
+    at = "at ticks, every" if task.emit.scalar == "fixed" else "every"
+    return f"sampled {at} {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(told)}"
 
 
 def _advice(task: Task, setting: Setting, age: Fraction) -> str:

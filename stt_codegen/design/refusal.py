@@ -32,7 +32,7 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     limits = {f"tube.{name}": getattr(task.tube, name) for name in ("max_speed", "max_acceleration")}
     limits["control.u_max"] = task.control.u_max if task.limits_are_demanded else None
     limits = {name: given for name, given in limits.items() if given is not None}
-    if limits and is_found(_with(task, dict.fromkeys(limits))):
+    if limits and is_found(_with(_in_floats(task), dict.fromkeys(limits))):
         return _limits_bind(task, arena, limits, is_found)
     if task.mission:
         return why_unmet(task, arena, is_found)
@@ -44,6 +44,11 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     ladder = segments_tried(task, arena)
     count = f"{task.tube.segments} segments" if task.tube.segments else f"up to {ladder[-1]} segments"
     return f"P4 avoid: no spline tube of {count} was found along the shortest route; {_what_binds(task, free, ladder)}"
+
+
+def _in_floats(task: Task) -> Task:
+    """The same task in a scalar that needs no limit of u."""
+    return task.changed(emit={"scalar": "float"}) if task.emit.scalar == "fixed" else task
 
 
 def _with(task: Task, values: Mapping[str, Given | None]) -> Task:

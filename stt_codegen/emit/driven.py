@@ -37,8 +37,12 @@ def adapter_source(task: Task, design: RefinedDesign | AdaptiveDesign, certifica
     """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
     if task.emit.scalar == "fixed":
         assert isinstance(design, RefinedDesign)
-        scales = {"x_scale": power_of_two(design.bits), "u_scale": power_of_two(law_of(task, design).u_bits)}
-        return template("loop/adapter_fixed.c.j2").render(prefix=task.name, macro=task.name.upper(), order=task.order, **scales)
+        return template("loop/adapter_fixed.c.j2").render(
+            prefix=task.name, macro=task.name.upper(), order=task.order, x_scale=power_of_two(design.bits),
+            u_scale=power_of_two(law_of(task, design).u_bits), t_c=repr(float(task.prescribed_time)), segments=design.segments,
+            rows=len(design.table), filter=[repr(float(v)) for v in design.filter],
+            table=[[f"{v}.0" for v in row] for row in design.integers().reshape(len(design.table), -1)],
+        )  # fmt: skip
     steps = certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(

@@ -44,6 +44,7 @@ CLOCKS = ("stated", "early", "late", "worst")  # what the sets' clock shows, wit
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
 MOST_SAMPLES = 10_000_000  # of a run
+TICK_ROUNDING = 1e-6  # of a tick: what a rate in decimals may be off by
 MOST_FACES = 1024  # of an unsafe set, as in loop.h
 WAITS = 8  # of a tube that waits, after which a run is not made longer
 CYCLES = 2  # more than the first, of a tube that repeats itself
@@ -181,6 +182,10 @@ class Loop:
         shares = np.array(scenario.shares or (1.0,) * self.controller.task.dimension)
         task, field_ = self.controller.task, self.field
         period = 1 / scenario.rate
+        tick = self.controller.program.tick
+        if tick is not None and abs(period / float(tick) - max(1, round(period / float(tick)))) > TICK_ROUNDING:
+            told = f"samples come every {period:g} s, and time is counted in ticks of {float(tick):g} s"
+            raise BadInput(f"--rate {scenario.rate:g}: {told}; use {1 / float(tick):.9g} divided by a whole number")
         samples = max(1, math.ceil(end / period - 1e-9))
         if samples > MOST_SAMPLES:
             raise BadInput(f"--rate {scenario.rate:g}: makes {samples} samples in {end:g} s; at most {MOST_SAMPLES}")

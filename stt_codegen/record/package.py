@@ -66,7 +66,8 @@ def _library(kind: str, controller: Controller) -> Files:
     header, source, module, proof = file_names(prefix)
     inline, integers = controller.task.emit.math == "inline", controller.program.tick is not None
     sketch = "sketch_fixed.ino" if integers else "sketch.ino"
-    period = loop_period(controller)
+    period, space = loop_period(controller), controller.task.state_space
+    low, high = float(min(space.lower)), float(max(space.upper))
     words = {
         "prefix": prefix,
         "macro": prefix.upper(),
@@ -83,6 +84,10 @@ def _library(kind: str, controller: Controller) -> Files:
         "repeats": controller.task.repeat,
         "period_us": int(period * 10**6),
         "period_ms": f"{float(period * 1000):g}",
+        "period_rest": (period * 10**6).numerator % (period * 10**6).denominator,
+        "period_parts": (period * 10**6).denominator,
+        "low": f"{low:.9g}",
+        "range": f"{high - low:.9g}",
         "most": f"{float((max if integers else min)(controller.task.u_max or (1,))):.9g}",
         "scale": f"{float(max(map(abs, controller.task.state_space.upper))):.9g}",
     }

@@ -180,6 +180,8 @@ class Analysis:
     def assumptions(self) -> list[str]:
         """What the periods rest on and nothing here can show."""
         task, found = self.controller.task, list[str]()
+        if task.emit.scalar == "fixed":
+            found.append("samples are taken at ticks; `generate` says which gains integers hold beside u_max")
         if task.order == 2:
             found.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
         if task.differs:

@@ -127,7 +127,10 @@ def _filtered(controller: Controller, round_: Rounding) -> dict[str, Any]:
     assert isinstance(design, RefinedDesign)
     module = load_module(task.name, controller.files[f"{task.name}.py"])
     t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)
-    low, high = (np.array(v) for v in zip(*(module.filtered_tube(v) for v in t.tolist()), strict=True))
+    tick, scale = controller.program.tick, 1.0
+    if tick is not None:  # in integers
+        t, scale = np.rint(t / float(tick)).astype(int), float(design.unit)
+    low, high = (np.array(v) * scale for v in zip(*(module.filtered_tube(v) for v in t.tolist()), strict=True))
     return {"lambda": _numbers(design.filter), "low": round_(low), "high": round_(high)}
 
 

@@ -128,11 +128,15 @@ def _integers_problem(task: TaskTables) -> str | None:
     if emit.scalar != "fixed":
         return None
     if task.tube.design != "refined":
-        return f'emit.scalar: "fixed" is for refined tubes; an {task.tube.design} one takes "float" or "double"'
+        return f'emit.scalar: "fixed" is for refined tubes; tube.design = "{task.tube.design}" takes "float" or "double"'
     if emit.tick_period is None:
         return 'emit.tick_period: is missing; with emit.scalar = "fixed" time is a count of ticks, say how many seconds one is'
     if control.u_max is None:
         return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
+    if control.period is not None and (control.period / emit.tick_period).denominator != 1:
+        whole = max(1, control.period // emit.tick_period)
+        told = f"is {decimal(control.period)}, no whole number of ticks of {decimal(emit.tick_period)}"
+        return f"control.period: {told}, at which alone integers see the time; use {decimal(whole * emit.tick_period)}"
     unknown = {
         "emit.rust (--package rust)": emit.rust,
         'emit.math = "inline"': emit.math == "inline",

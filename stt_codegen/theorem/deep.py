@@ -119,7 +119,15 @@ def found_plant(found: Facts, bounds: Bounds) -> Plant | None:
 
 def example(n: int) -> Bounds:
     """A plant for tasks that have none: xdot = u + w, |w| <= 1/20, sampled every millisecond."""
-    return Bounds([Fraction(1, 20)] * n, [Fraction(1)] * n, [Fraction(1)] * n, [Fraction(0)] * n, Fraction(1, 1000), Fraction(0), Fraction(1, 1 << 20))
+    return Bounds(
+        [Fraction(1, 20)] * n,
+        [Fraction(1)] * n,
+        [Fraction(1)] * n,
+        [Fraction(0)] * n,
+        Fraction(1, 1000),
+        Fraction(0),
+        Fraction(1, 1 << 20),
+    )
 
 
 TEMPLATE = """\

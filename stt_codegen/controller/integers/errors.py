@@ -33,7 +33,7 @@ from stt_codegen.controller.integers.kernels import (
     weights_kernel,
 )
 from stt_codegen.controller.integers.law import LOOSE, FixedLaw, law_of, narrow_of, narrowest
-from stt_codegen.decimals import decimal
+from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered
 from stt_codegen.errors import BadInput
@@ -154,8 +154,8 @@ def require_right(task: Task, design: RefinedDesign) -> None:
     beyond = (1 + LOOSE) / (1 - Fraction(3, 2) * LOOSE) - 1  # the clamp acts later, for e and for y
     if (1 + relative) * (1 + beyond) - 1 > allowed or in_eps > allowed:
         raise BadInput(
-            "control.gain: is so small beside u_max that integers of 32 bits lose u in the middle of the tube; raise it, lower "
-            'u_max, or use emit.scalar = "float"'
+            f"control.gain: {by_component(law.gain)} is so small beside u_max {by_component(law.u_max)} that integers of 32 bits "
+            'lose u in the middle of the tube; raise it, lower u_max, or use emit.scalar = "float"'
         )
 
 

@@ -165,7 +165,7 @@ class Frame:
     def margin_doc(self) -> tuple[str, ...]:
         return (
             f"How far x is from leaving the tube, in 2^-{MARGIN_BITS}: the distance to the nearest edge over the width there,",
-            f"least over the components. {HALF_MARGIN} in the middle, positive inside, else {-2 * HALF_MARGIN} to -1.",
+            f"least over the components. {HALF_MARGIN} in the middle, 0 or more inside, else {-2 * HALF_MARGIN} to -1.",
             "Watch it: act while there is margin, not when the tube is left.",
         )
 

@@ -124,6 +124,6 @@ class InertialFrame(Frame):
         return (
             f"How far x is from leaving the tube, and v + lambda x from leaving its own, in 2^-{MARGIN_BITS}: the distance to",
             "the nearest edge over the width there, the lesser of both, least over the components.",
-            f"{HALF_MARGIN} in the middle, positive inside, negative outside, at least {-2 * HALF_MARGIN}.",
+            f"{HALF_MARGIN} in the middle, 0 or more inside, negative outside, at least {-2 * HALF_MARGIN}.",
             "Watch it: act while there is margin, not when the tube is left.",
         )

@@ -52,8 +52,13 @@ def clock_of(design: RefinedDesign, period: Fraction) -> Clock:
         fits = last < 2**31 and scale < 2**31 and scale * (last / HALF_WORD + 1) < 2**31
         if fits and last < 2 ** (bits - 2):
             return Clock(round(scale), bits, last)
+    if step >= Fraction(1, 2):
+        half = design.prescribed_time / design.segments / 2
+        raise BadInput(
+            f"emit.tick_period: {float(period):g} s is not below half a segment of the tube, {float(half):g} s; use less"
+        )
     took = f"{float(period):g} s over {float(design.prescribed_time):g} s and {design.segments} segments"
-    raise BadInput(f"emit.tick_period: {took} makes integers beyond 31 bits; use another")
+    raise BadInput(f"emit.tick_period: {took} makes integers beyond 31 bits; use a longer one")
 
 
 def _kernel(name: str, inputs: tuple[Var, ...], block: Block, outputs: Mapping[str, Operand], *doc: str) -> Kernel:

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from stt_codegen.controller.integers.curves import RISE_BITS, over_rows, rise_rows
 from stt_codegen.controller.integers.kernels import HALF_WORD
+from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.designs.filtered import filtered
 from stt_codegen.errors import BadInput
@@ -79,9 +80,12 @@ class FixedLaw:
             if max(self.u_max) * 2**bits <= far * LEAST_SIZE:
                 break
         if min(self.u_max) * 2**bits < 1 << 19:
+            known = math.floor(min(self.u_max) * Fraction(2) ** bits).bit_length()
+            told = f"the least of u_max, {decimal(min(self.u_max))}, has {known} bits"
+            why = f"beside gain {by_component(self.gain)} and u_max {by_component(self.u_max)}, and needs 20"
             raise BadInput(
-                "control.u_max: is so small beside what the gain makes of a narrow tube that integers of 32 bits do not hold "
-                "both; lower control.gain, or raise u_max or tube.min_width"
+                f"control.u_max: in integers of 32 bits {told} {why}; make gains and limits of the components more alike, lower "
+                'control.gain, raise the least u_max or tube.min_width, or use emit.scalar = "float"'
             )
         return bits
 

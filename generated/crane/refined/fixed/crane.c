@@ -4,8 +4,8 @@
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
  * at rest in it; gamma(0) is in the certificate.
- * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest, for |f +
- * w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
+ * The state stays in it (P9) sampled at ticks, every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest,
+ * for |f + w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  * No value leaves 32 bits, whatever the arguments.

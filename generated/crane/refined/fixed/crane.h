@@ -4,12 +4,13 @@
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
  * The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
  * at rest in it; gamma(0) is in the certificate.
- * The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest, for |f +
- * w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
+ * The state stays in it (P9) sampled at ticks, every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest,
+ * for |f + w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
  *
  * Call crane_control once every period with the tick since the start and the measured x and v.
- * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
- * No floating point, no division, no library. Every bit pattern of an argument is a number, and none overflows.
+ * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same.
+ * No floating point, no division, no library but the compiler's own products on an AVR.
+ * Every bit pattern of an argument is a number, and none overflows.
  */
 #ifndef CRANE_H
 #define CRANE_H
@@ -26,9 +27,9 @@ extern "C" {
 #define CRANE_X(v) CRANE_UNITS(v, 262144.0) /* units of a constant in the task's: the compiler computes it */
 #define CRANE_U(v) CRANE_UNITS(v, 16777216.0)
 #define CRANE_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
-#define CRANE_TICKS 2400U /* the first tick that is not before t_c = 12 s: count no farther */
-#define CRANE_TICKS_A_SECOND 200
-#define CRANE_TICKS_PROVED 4U /* between samples, at most: from which starts, see above (P9) */
+#define CRANE_TICKS UINT32_C(2400) /* the first tick that is not before t_c = 12 s: count no farther */
+#define CRANE_TICKS_A_SECOND INT32_C(200)
+#define CRANE_TICKS_PROVED UINT32_C(4) /* between samples, at most: from which starts, see above (P9) */
 #define CRANE_DESIGN_HASH "94579429cb9a0d6c" /* log it: names this design */
 
 typedef enum {
@@ -61,7 +62,7 @@ crane_status crane_control(uint32_t tick, const int32_t x[CRANE_N], const int32_
 
 /* How far x is from leaving the tube, and v + lambda x from leaving its own, in 2^-16: the distance to
  * the nearest edge over the width there, the lesser of both, least over the components.
- * 32768 in the middle, positive inside, negative outside, at least -65536.
+ * 32768 in the middle, 0 or more inside, negative outside, at least -65536.
  * Watch it: act while there is margin, not when the tube is left.
  */
 int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRANE_N]);

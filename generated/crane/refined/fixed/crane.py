@@ -4,8 +4,8 @@ Certified (crane.certificate.json): for every t the tube keeps 0.05 from every
 unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
 The plant is of order 2: xdot = v, vdot = f + g u + w, and v is measured too. Covered is every start
 at rest in it; gamma(0) is in the certificate.
-The state stays in it (P9) sampled every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest, for |f +
-w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
+The state stays in it (P9) sampled at ticks, every 0.02 s or faster, from every start with |e(0)| <= 0.9 at rest,
+for |f + w| <= 0.1, 0.9 <= g_ii <= 1.1, |g_ij| <= 0: |e| of v + lambda x < 0.9001, |u| <= 1.5.
 
 The same functions as crane.c with the same integers, bit for bit; see crane.h for their units.
 Arrays come in as sequences of 2 whole numbers of 32 bits and go out as tuples.
@@ -692,7 +692,7 @@ def control(tick, x, v):
 def margin(tick, x, v):
     """How far x is from leaving the tube, and v + lambda x from leaving its own, in 2^-16: the distance to
     the nearest edge over the width there, the lesser of both, least over the components.
-    32768 in the middle, positive inside, negative outside, at least -65536.
+    32768 in the middle, 0 or more inside, negative outside, at least -65536.
     Watch it: act while there is margin, not when the tube is left.
     """
     tick = _count("tick", tick)

@@ -2,8 +2,8 @@
  *
  * Certified (gantry.certificate.json): for every t the tube keeps 0.01 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
- * The state stays in it (P9) sampled every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0: |e| < 0.9001, |u| <= 0.6.
+ * The state stays in it (P9) sampled at ticks, every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
+ * w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 3e-05: |e| < 0.9001, |u| <= 0.6.
  *
  * One statement a line, every value assigned once. Numbers in brackets are equations of Das and Jagtap, IEEE L-CSS 8, 2024.
  * No value leaves 32 bits, whatever the arguments.

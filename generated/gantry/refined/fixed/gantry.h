@@ -2,12 +2,13 @@
  *
  * Certified (gantry.certificate.json): for every t the tube keeps 0.01 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
- * The state stays in it (P9) sampled every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
- * w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0: |e| < 0.9001, |u| <= 0.6.
+ * The state stays in it (P9) sampled at ticks, every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
+ * w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 3e-05: |e| < 0.9001, |u| <= 0.6.
  *
  * Call gantry_control once every period with the tick since the start and the measured state.
- * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same: no loop depends on data.
- * No floating point, no division, no library. Every bit pattern of an argument is a number, and none overflows.
+ * It keeps no state and needs no set-up; any thread or interrupt may call it. Every call costs about the same.
+ * No floating point, no division, no library but the compiler's own products on an AVR.
+ * Every bit pattern of an argument is a number, and none overflows.
  */
 #ifndef GANTRY_H
 #define GANTRY_H
@@ -24,10 +25,10 @@ extern "C" {
 #define GANTRY_X(v) GANTRY_UNITS(v, 1048576.0) /* units of a constant in the task's: the compiler computes it */
 #define GANTRY_U(v) GANTRY_UNITS(v, 67108864.0)
 #define GANTRY_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
-#define GANTRY_TICKS 4000U /* the first tick that is not before t_c = 4 s: count no farther */
-#define GANTRY_TICKS_A_SECOND 1000
-#define GANTRY_TICKS_PROVED 10U /* between samples, at most: from which starts, see above (P9) */
-#define GANTRY_DESIGN_HASH "5e14e4d10f2a54ab" /* log it: names this design */
+#define GANTRY_TICKS UINT32_C(4000) /* the first tick that is not before t_c = 4 s: count no farther */
+#define GANTRY_TICKS_A_SECOND INT32_C(1000)
+#define GANTRY_TICKS_PROVED UINT32_C(10) /* between samples, at most: from which starts, see above (P9) */
+#define GANTRY_DESIGN_HASH "a0f9dc15bb115d69" /* log it: names this design */
 
 typedef enum {
     GANTRY_OK = 0,
@@ -48,14 +49,14 @@ void gantry_tube(uint32_t tick, int32_t lower[GANTRY_N], int32_t upper[GANTRY_N]
 gantry_status gantry_control(uint32_t tick, const int32_t x[GANTRY_N], int32_t u[GANTRY_N]);
 
 /* How far x is from leaving the tube, in 2^-16: the distance to the nearest edge over the width there,
- * least over the components. 32768 in the middle, positive inside, else -65536 to -1.
+ * least over the components. 32768 in the middle, 0 or more inside, else -65536 to -1.
  * Watch it: act while there is margin, not when the tube is left.
  */
 int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N]);
 
 /* In gantry_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the
  * board's boot. 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */
-#define GANTRY_SELFTEST_5e14e4d10f2a54ab
+#define GANTRY_SELFTEST_a0f9dc15bb115d69
 int gantry_selftest(void);
 
 #ifdef __cplusplus

@@ -2,8 +2,8 @@
 
 Certified (gantry.certificate.json): for every t the tube keeps 0.01 from every
 unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
-The state stays in it (P9) sampled every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
-w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0: |e| < 0.9001, |u| <= 0.6.
+The state stays in it (P9) sampled at ticks, every 0.01 s or faster, from every start with |e(0)| <= 0.9, for |f +
+w| <= 0.02, 0.95 <= g_ii <= 1.05, |g_ij| <= 0, x measured to 3e-05: |e| < 0.9001, |u| <= 0.6.
 
 The same functions as gantry.c with the same integers, bit for bit; see gantry.h for their units.
 Arrays come in as sequences of 2 whole numbers of 32 bits and go out as tuples.
@@ -16,7 +16,7 @@ TICK_PERIOD = 0.001  # seconds of one tick
 TICKS = 4000  # the first tick that is not before t_c
 X_BITS = 20  # x counts units of 2^-20
 U_BITS = 26  # u counts units of 2^-26
-DESIGN_HASH = "5e14e4d10f2a54ab"
+DESIGN_HASH = "a0f9dc15bb115d69"
 
 OK = 0
 OUTSIDE_TUBE = 1
@@ -598,7 +598,7 @@ def control(tick, x):
 
 def margin(tick, x):
     """How far x is from leaving the tube, in 2^-16: the distance to the nearest edge over the width there,
-    least over the components. 32768 in the middle, positive inside, else -65536 to -1.
+    least over the components. 32768 in the middle, 0 or more inside, else -65536 to -1.
     Watch it: act while there is margin, not when the tube is left.
     """
     tick = _count("tick", tick)
