@@ -12,9 +12,9 @@ from typing import Any
 
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem.hints import hints, steps
+from stt_codegen.theorem.hints import cells, hints, steps
 from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import CELLS, DEPTH, FORMATS, box, listed, rational
+from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational
 
 GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
 SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
@@ -164,7 +164,8 @@ def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
     """The record `sampling` of proof/Period.v, with gain and clamp as the C has them."""
     rest = (s.rho, s.force, s.g_min, s.g_max, s.g_cross, s.shift)
     parts = [f"Component the_gain the_clamp None {' '.join(rational(v[i]) for v in rest)}" for i in range(found.n)]
-    rows = ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in hints(found, s)]
+    bounds = hints(found, s)
+    rows = ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in bounds]
     return {
         "tau": rational(s.period + s.latency),
         "latency": rational(s.latency),
@@ -172,7 +173,7 @@ def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
         "lost": rational(s.lost),
         "components": ";\n  ".join(parts),
         "hints": ";\n  ".join(f"[{row}]" for row in rows),
-        "cells": CELLS,
+        "cells": cells(found, s, bounds),
     }
 
 
