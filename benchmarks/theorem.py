@@ -2,10 +2,10 @@
 
     python benchmarks/theorem.py [--mutants 200] [--tokens 200] [--seed 0] [--record FILE.md]
 
-One row for each refined controller that theorems are written about: processor seconds of coqc, lines of the `.v`, and where the
-task has a period the one of the sampled theorem beside the one of P9. Then mutants, asked of Coq alone (neither hashes nor the stand-alone
-checker): tubes and tasks of `mutants.py` that `truth.py` finds unsafe; and C files with one token changed, where what Coq does not
-read is the checker's. Exit code 1 where a shipped controller is refused or a mutant gets through both.
+One row for each refined controller that theorems are written about: processor seconds of coqc, lines of the `.v`, and where
+the task has a period the one of the sampled theorem beside the one of P9. Then mutants. Tubes and tasks of `mutants.py` that
+`truth.py` finds unsafe are asked of Coq alone, without hashes and the stand-alone checker; of C files with one token changed
+what Coq does not read is the checker's. Exit code 1 where a shipped controller is refused or a mutant gets through both.
 """
 
 from __future__ import annotations

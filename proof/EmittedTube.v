@@ -6,7 +6,7 @@ From Stt Require Import Tube Loop Speed Rounding Emitted.
 Import ListNotations.
 Open Scope R_scope.
 
-(* constants of the time scale as floats: mantissa and exponent *)
+(* K/t_c and the last spline time below K, as the C has them: mantissa and exponent. *)
 Record scale := Scale { rate_m : Z; rate_e : Z; last_m : Z; last_e : Z }.
 Definition dyadic (m e : Z) : Q := if (0 <=? e)%Z then inject_Z (m * 2 ^ e) else (m # Z.to_pos (2 ^ (- e))).
 

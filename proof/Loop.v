@@ -1,4 +1,7 @@
-(* The closed loop: under the funnel law the state never leaves the tube (first exit). *)
+(* The closed loop in continuous time: under the law (13) the state never leaves the tube, whatever bounds the plant has.
+
+   By first exit. Near an edge the law pushes harder than drift, disturbance and the edge's own motion together, because 1/a has no
+   bound; so there is a distance, which depends on the bounds, that the state keeps from every edge. *)
 From Coq Require Import Reals Lra Psatz Lia.
 From Coquelicot Require Import Coquelicot.
 Open Scope R_scope.
@@ -43,6 +46,7 @@ Proof.
     intros r Hr; assert (B := A (t - r) ltac:(lra)); cbn in B; replace (t - (t - r)) with r in B by ring; lra.
 Qed.
 
+(* What rises at least at v inside an interval; nothing is known of derivatives at its ends. *)
 Lemma rises x dx s m v : s < m -> (forall r, continuity_pt x r) ->
   (forall r, s < r < m -> is_derive x r (dx r) /\ v <= dx r) -> v * (m - s) <= x m - x s.
 Proof.
@@ -69,6 +73,7 @@ Proof.
     destruct H as (c' & Hc' & ->). apply Rmult_le_compat_r; [lra|]. apply D; lra.
 Qed.
 
+(* (13) with a = x - lower and b = upper - x: xi = 1/a + 1/b, epsilon = ln(a/b). *)
 Definition law (k a b : R) : R := - k * (1 / a + 1 / b) * ln (a / b).
 
 Lemma law_opp k a b : 0 < a -> 0 < b -> law k a b = - law k b a.
@@ -77,6 +82,7 @@ Proof.
   rewrite ln_Rinv by (apply Rdiv_lt_0_compat; lra). ring.
 Qed.
 
+(* Closer than rho to an edge the law outweighs F + v. *)
 Lemma push k a b rho d gm F v : 0 < k -> 0 < a <= rho -> d <= a + b -> rho <= d / 4 -> 0 < gm -> rho * (F + v) <= gm * k ->
   F + v <= gm * law k a b.
 Proof.

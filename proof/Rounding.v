@@ -1,4 +1,5 @@
-(* P7: straight-line float code, its rounding bound by a proved forward analysis, and the emitted function `tube`. *)
+(* P7 for straight-line code: every statement rounds once, and a forward analysis in rationals bounds what that adds up to. It is
+   proved for any rounding with a relative and an absolute error, and used for IEEE single and double precision as Flocq has them. *)
 From Coq Require Import ZArith QArith Qreals Qminmax Qabs Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core Relative.
 From Coquelicot Require Import Coquelicot.

@@ -1,4 +1,5 @@
-(* P6: a bound on the speed of the edges, and the two theorems put together. *)
+(* How fast the edges are, from the differences of neighbouring Bezier coefficients; then the closed loop of Loop.v with the tube
+   of Tube.v: reach, avoid and stay in continuous time. *)
 From Coq Require Import ZArith QArith Qreals Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.

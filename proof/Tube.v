@@ -1,4 +1,8 @@
-(* A refined tube: uniform cubic B-spline edges from a table of integers, a checker over Z, and its soundness. *)
+(* A refined tube: uniform cubic B-spline edges from a table of integers, a check over Z, and what follows from its `true`.
+
+   A requirement is a disjunction of lower bounds on sums of edges. On a segment an edge lies above its least Bezier coefficient;
+   where that shows too little the segment is halved, and each half may choose another of the disjuncts. So an obstacle may be
+   passed below in one half and above in the next, and no hint of the certificate is needed or believed. *)
 From Coq Require Import ZArith QArith Qreals Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.
@@ -43,7 +47,7 @@ Ltac izr := repeat (rewrite plus_IZR || rewrite minus_IZR || rewrite mult_IZR ||
 Lemma cubic_bezier q0 q1 q2 q3 s : cubic q0 q1 q2 q3 s = bernstein (to_bez q0 q1 q2 q3) s.
 Proof. unfold cubic, bernstein, to_bez; cbn [c0 c1 c2 c3]; izr; ring. Qed.
 
-(* halves, times 8 so that they are integers *)
+(* de Casteljau's halves, times 8: coefficients stay integers, and the bound is multiplied by 8 with each halving. *)
 Definition early (c : bez) : bez :=
   Bez (8 * c0 c) (4 * (c0 c + c1 c)) (2 * (c0 c + 2 * c1 c + c2 c)) (c0 c + 3 * c1 c + 3 * c2 c + c3 c).
 Definition late (c : bez) : bez :=
@@ -82,9 +86,9 @@ Qed.
 Definition piece := list (bez * bez).
 Definition zero_bez := Bez 0 0 0 0.
 
-(* wl * lower_dim + wu * upper_dim >= least *)
+(* wl * lower + wu * upper >= least, of the edges of one dimension, in units of the table. *)
 Record atom := Atom { dim : nat; wl : Z; wu : Z; least : Z }.
-Definition requirement := list atom. (* one of them must hold, which one may differ from half to half *)
+Definition requirement := list atom. (* one of them must hold; which one may differ from half to half *)
 
 Definition of_atom (a : atom) (p : piece) : bez :=
   let c := nth (dim a) p (zero_bez, zero_bez) in mix (wl a) (fst c) (wu a) (snd c).
@@ -261,7 +265,7 @@ Proof.
   apply Rmult_le_compat_l; [lra|]. lra.
 Qed.
 
-(* requirements at one end only: the first piece's start (s = 0), the last one's end (s = 1) *)
+(* Requirements at one end only, for P2 and P5: the first piece's start (s = 0), the last one's end (s = 1) *)
 Definition at_start (c : bez) := Bez (c0 c) (c0 c) (c0 c) (c0 c).
 Definition at_end (c : bez) := Bez (c3 c) (c3 c) (c3 c) (c3 c).
 Lemma at_start_ok c s : bernstein (at_start c) s = 1 * bernstein c 0.
@@ -337,6 +341,7 @@ Section Compile.
   Definition first_ones (k : task) : list requirement := flat_map (fun i => around (x0 k) i ++ within (start k) i) (seq 0 (n k)).
   Definition last_ones (k : task) : list requirement := flat_map (within (target k)) (seq 0 (n k)).
 
+  (* Bounds are rounded to whole units on the harder side, and widened by err: by so much a function may differ from its edge. *)
   Definition positive (q : Q) : bool := negb (Qle_bool q 0).
 
   Definition check (depth : nat) (k : task) (rows : table) : bool :=

@@ -45,6 +45,7 @@ def test_the_wheel_holds_the_templates_and_the_console_script(wheel) -> None:
         entry = next(n for n in names if n.endswith("entry_points.txt"))
         assert "stt-codegen = stt_codegen.cli.main:main" in archive.read(entry).decode()
     assert {f"stt_codegen/templates/controller.{kind}.j2" for kind in ("h", "c", "py")} <= set(names)
+    assert {"stt_codegen/proof/_CoqProject", "stt_codegen/proof/Tube.v", "stt_codegen/templates/theorem.v.j2"} <= set(names)
     assert {"stt_codegen/py.typed", "stt_codegen/__init__.pyi"} <= set(names)  # type checkers see the interface
     assert not [n for n in names if n.startswith(("tests/", "generated/", "benchmarks/"))]
 

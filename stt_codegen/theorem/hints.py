@@ -1,4 +1,5 @@
-"""What helps Coq with P9, and is not believed: by window and component a bound on |u|, and one on the logarithm in it.
+"""What helps Coq with P9, and is not believed: by window and component a bound on |u|, and one on the logarithm in it; and into
+how many cells the range of a width must be cut.
 
 A window is a segment, or the time from t_c on. The bounds are those of docs/certificate-format.md, a little larger.
 """
@@ -12,6 +13,7 @@ from fractions import Fraction
 from stt_codegen.theorem.reading import Facts, Sampling
 
 BITS, ROOM = 24, 1 + Fraction(1, 1 << 20)
+CELLS, ROUGH = (1, 2, 4, 8, 16, 32, 64, 128), 2.0**-16
 LOG = Fraction(1, 1 << 16)  # by so much exp is known too little, see proof/HeldLaw.v
 Hint = tuple[Fraction, Fraction]
 
@@ -28,10 +30,18 @@ def steps(facts: Facts) -> list[int]:
     return [max(abs(b - a) for edge in own for a, b in itertools.pairwise(edge)) for own in edges]
 
 
-def widths(facts: Facts, i: int) -> list[Fraction]:
-    """The least width in every window."""
+def widths(facts: Facts, i: int) -> list[tuple[Fraction, Fraction]]:
+    """The least and the largest width in every window."""
     spans = [[b - a for a, b in zip(bezier(facts, k, i, 0), bezier(facts, k, i, 1), strict=True)] for k in range(facts.segments)]
-    return [facts.unit * min(span) for span in spans] + [facts.unit * spans[-1][3]]
+    spans.append([spans[-1][3]])
+    return [(facts.unit * min(span), facts.unit * max(span)) for span in spans]
+
+
+def speeds(facts: Facts, i: int) -> list[Fraction]:
+    """How fast an edge is in every window and the one before."""
+    edges = [[bezier(facts, k, i, side) for side in (0, 1)] for k in range(facts.segments)]
+    own = [max(abs(b - a) for edge in pair for a, b in itertools.pairwise(edge)) for pair in edges] + [0]
+    return [3 * facts.unit * max(v, own[max(k - 1, 0)]) * facts.segments / facts.t_c for k, v in enumerate(own)]
 
 
 def hints(facts: Facts, sampling: Sampling) -> list[list[Hint]]:
@@ -39,7 +49,7 @@ def hints(facts: Facts, sampling: Sampling) -> list[list[Hint]]:
     columns = []
     for i in range(facts.n):
         own = widths(facts, i)
-        columns.append([_hint(facts, sampling, i, min(d, own[max(k - 1, 0)])) for k, d in enumerate(own)])
+        columns.append([_hint(facts, sampling, i, min(d, own[max(k - 1, 0)][0])) for k, (d, _) in enumerate(own)])
     return [list(row) for row in zip(*columns, strict=True)]
 
 
@@ -57,3 +67,24 @@ def _hint(facts: Facts, sampling: Sampling, i: int, width: Fraction) -> Hint:
 
 def _up(value: Fraction) -> Fraction:
     return Fraction(math.ceil(value * (1 << BITS)), 1 << BITS)
+
+
+def cells(facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> int:
+    """Into so few the range of every window's width is cut that the law is seen to push back enough in all."""
+    return next((m for m in CELLS if all(_pushes_back(facts, sampling, rows, i, m) for i in range(facts.n))), CELLS[-1])
+
+
+def _pushes_back(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int, m: int) -> bool:
+    """Of one component in every window and cell, as proof/Period.v has it, in floating point and so with some room."""
+    rho, shift, lost = float(sampling.rho[i]), float(sampling.shift[i]), float(sampling.lost)
+    late, pull = float(sampling.latency), float(sampling.g_min[i] * facts.gain[i]) * (1 - lost)
+    for (least, largest), speed, row in zip(widths(facts, i), speeds(facts, i), rows, strict=True):
+        others = sum((u for j, (u, _) in enumerate(row) if j != i), Fraction(0))
+        push = float(sampling.force[i] + sampling.g_cross[i] * others + speed)
+        drift = push * (float(sampling.period) + late) + float(sampling.g_max[i] * row[i][0]) * late + shift
+        for k in range(m):
+            d, to = (float(least + (largest - least) * j / m) for j in (k, k + 1))
+            far, near, nearest = d * rho / (1 + rho) - drift, d / (1 + rho) + drift, to / (1 + rho) + drift
+            if far <= near or pull / nearest * (1 + near / far) * (math.log(far / near) - lost - ROUGH) <= push:
+                return False
+    return True

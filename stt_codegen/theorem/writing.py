@@ -11,11 +11,10 @@ from typing import Any
 
 from stt_codegen.decimals import above, below, decimal
 from stt_codegen.emit.render import template
-from stt_codegen.theorem.hints import hints, steps
+from stt_codegen.theorem.hints import cells, hints, steps
 from stt_codegen.theorem.reading import Edges, Facts, Sampling, Statement
 
 DEPTH = 20  # times that a segment may be halved
-CELLS = 2  # into which the range of a window's width is cut
 LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
 FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}
 SIGNS = {"+": "Add", "-": "Sub", "*": "Mul"}
@@ -118,7 +117,7 @@ def _plain(name: str) -> str:
 
 def _sampled(facts: Facts, sampling: Sampling) -> dict[str, Any]:
     """The numbers of the third theorem."""
-    components = []
+    components, rows = [], hints(facts, sampling)
     for i in range(facts.n):
         limit = "None" if facts.u_max is None else f"(Some {rational(facts.u_max[i])})"
         first = [rational(facts.gain[i]), rational((1 - facts.e_max[i]) / 2), limit]
@@ -130,8 +129,8 @@ def _sampled(facts: Facts, sampling: Sampling) -> dict[str, Any]:
         "share": rational(sampling.share),
         "lost": rational(sampling.lost),
         "components": components,
-        "hints": ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in hints(facts, sampling)],
-        "cells": CELLS,
+        "hints": ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in rows],
+        "cells": cells(facts, sampling, rows),
     }
 
 
