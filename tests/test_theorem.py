@@ -148,7 +148,7 @@ def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str])
     tool("coqc")
     done = run("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts emitted_tube, closed_loop")
+    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop")
 
 
 # ------------------------------------------------------------------------------------------------ what is changed

@@ -97,11 +97,10 @@ def generate(
 
 def _theorem(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes]:
     """<name>.v, from what is written: the task spelled out where it has a map."""
-    from stt_codegen.theorem.reading import facts
-    from stt_codegen.theorem.writing import written
+    from stt_codegen.theorem.text import theorem_text
 
-    data = (files.get(f"{name}.task.toml", task), files[f"{name}.c"], files[f"{name}.certificate.json"])
-    return {f"{name}.v": written(facts(*data))}
+    data = (files.get(f"{name}.task.toml", task), *(files[f"{name}{end}"] for end in (".h", ".c", ".certificate.json")))
+    return {f"{name}.v": theorem_text(*data)}
 
 
 def _tell_what_is_not_proved(controller: Any) -> None:

@@ -86,9 +86,6 @@ class Arena:
         return float(self.origin[i]) + value * self.length_unit
 
 
-OTHER_SCALAR = {"float": ', or use emit.scalar = "double"', "fixed": ', or use emit.scalar = "float"', "double": ""}
-
-
 def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     """The task as arrays, with the room that a lattice needs, seen from its origin. Raises `NotCertified` when sets are too
     narrow to hold a tube at all."""
@@ -108,7 +105,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
                     f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
                         f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
-                        + OTHER_SCALAR[task.emit.scalar]
+                        + {"float": ', or use emit.scalar = "double"', "fixed": ', or use "float"'}.get(task.emit.scalar, "")
                         if width > least or width <= 6 * allowance
                         else f"lower tube.min_width to {below(width - 6 * allowance, 4):g} or widen the set"
                     )

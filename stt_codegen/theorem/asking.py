@@ -17,8 +17,8 @@ from typing import Any
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.lemmas.cache import folder
-from stt_codegen.theorem.reading import Facts, Unread, facts
-from stt_codegen.theorem.writing import written
+from stt_codegen.theorem.reading import Unread
+from stt_codegen.theorem.text import theorem_text
 
 PACKAGES = "coq libcoq-coquelicot libcoq-flocq"
 QUIET = ("-q", "-w", "-ambiguous-paths,-abstract-large-number")
@@ -143,15 +143,15 @@ def ask(task: Path, source: Path, certificate: Path) -> Answer:
     `BadInput` where no theorem is written about such a task, or a file is none; `MissingTool`."""
     coqc()
     try:
-        data = [path.read_bytes() for path in (task, source, certificate)]
+        data = [path.read_bytes() for path in (task, source.with_suffix(".h"), source, certificate)]
     except OSError as problem:
         raise BadInput(f"{problem.filename} cannot be read ({problem.strerror})") from problem
     try:
-        read: Facts = facts(*data)
+        text = theorem_text(*data)
     except Unread as problem:
         return Answer(source.stem, False, str(problem))
     refused = checker_refuses(task, source, certificate)
-    return Answer(read.name, False, refused) if refused else ask_coq(written(read), read.name)
+    return Answer(source.stem, False, refused) if refused else ask_coq(text, source.stem)
 
 
 def checker_refuses(task: Path, source: Path, certificate: Path) -> str:

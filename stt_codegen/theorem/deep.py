@@ -4,17 +4,17 @@ believed: P7's bound, the unit of the table, and numbers that bound logarithms a
 from __future__ import annotations
 
 import math
-import sys
+import textwrap
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
+from stt_codegen.decimals import below, decimal
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, steps
 from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational
+from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, sampled_claim
 
 GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
 SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
@@ -131,13 +131,49 @@ def example(n: int) -> Bounds:
     )
 
 
+def uncovered(found: Facts, source: bytes) -> str:
+    """What Coq does not read in the C, or for a task without a period why its example has no theorem; empty where it does."""
+    reasons = {
+        "control.u_max": found.u_max is not None,
+        "gains that differ": len({*found.gain}) > 1,
+        "times in ticks": found.ticks,
+        "logarithms written out": f"{found.name}_mantissa".encode() in source,
+        "texts beyond ASCII": not source.isascii(),
+    }
+    told = next((name for name, given in reasons.items() if given), "")
+    return told or ("tubes so narrow" if found.sampling is None and found_plant(found, example(found.n)) is None else "")
+
+
+def words(found: Facts) -> str:
+    """The closed loop in words, part of the comment that begins the file; decimals are rounded to the side that says less."""
+    clear, t_c = decimal(found.clearance), decimal(found.t_c)
+    kept = f"in the state space, {clear} away from every unsafe set, and from t = {t_c} s on in the target set"
+    end = f"{kept}, sets having the body added."
+    held = (
+        f"The closed loop. Inputs are held: each is what `{found.name}_control` stores for the time and the state of a sample. "
+        "The first is taken at 0 and acts from then on; "
+    )
+    if found.sampling is None:
+        b, numbers = example(found.n), _example(found)
+        rho = numbers.rho[0]
+        told = (
+            f"{held}none acts when it is older than {decimal(b.tau)} s. The task has no control.period, so the plant is an "
+            f"example: any xdot_i = f_i + u_i with |f_i| at most {decimal(b.force[0])}, x measured to {decimal(b.noise)}. "
+            f"Every trajectory from every start with |e| at most {decimal(Fraction(str(below((rho - 1) / (rho + 1)))))} is {end}"
+        )
+    else:
+        told = f"{held}{sampled_claim(found, found.sampling)}"
+    return textwrap.fill(told, 125, initial_indent="   ", subsequent_indent="   ")
+
+
 def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
-    if found.u_max is not None or len({*found.gain}) > 1:
-        raise BadInput("theorem: that of the C's whole text is not yet about control.u_max or gains that differ")
+    if reason := uncovered(found, source):
+        raise BadInput(f"theorem: that of the C's whole text is not yet about {reason}")
     return template("controller.v.j2").render(
         name=found.name,
+        loop=words(found),
         quoted_name=f"{quoted(found.name)}%string",
         toml=quoted(task.decode("ascii")),
         header=quoted(header.decode("ascii")),
@@ -175,8 +211,3 @@ def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
         "hints": ";\n  ".join(f"[{row}]" for row in rows),
         "cells": cells(found, s, bounds),
     }
-
-
-if __name__ == "__main__":
-    task, c, certificate, out = map(Path, sys.argv[1:5])
-    out.write_text(deep(task.read_bytes(), c.with_suffix(".h").read_bytes(), c.read_bytes(), certificate.read_bytes()))

@@ -86,15 +86,25 @@ def words(facts: Facts) -> str:
 
 def _sampled_words(facts: Facts, sampling: Sampling) -> str:
     """The third theorem; decimals are rounded to the side on which less is said."""
-    wrong = [Fraction(str(below(v - facts.error * facts.unit))) for v in sampling.shift]
-    reach = [Fraction(str(above((rho - 1) / (rho + 1)))) for rho in sampling.rho]
-    limits = "without limits" if facts.u_max is None else f"limited to {_each(facts.u_max)}"
-    cross = f"|g_ij| at most {_each(sampling.g_cross)}" if any(sampling.g_cross) else "g_ij = 0"
-    age, late, lost = sampling.period + sampling.latency, sampling.latency, Fraction(str(below(sampling.lost)))
+    lost, limits = (
+        Fraction(str(below(sampling.lost))),
+        "without limits" if facts.u_max is None else f"limited to {_each(facts.u_max)}",
+    )
     return (
         "3. The sampled loop. Inputs are held. Input p is made of a sample of x, and of the emitted edges at its time, by the "
         f"law (13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {decimal(lost)} in relative "
-        "terms and in the logarithm. The first sample is taken at 0 and acts from then on; an input acts at most "
+        f"terms and in the logarithm. The first sample is taken at 0 and acts from then on; {sampled_claim(facts, sampling)}"
+    )
+
+
+def sampled_claim(facts: Facts, sampling: Sampling) -> str:
+    """What is assumed of samples and plant, and what is shown of every trajectory."""
+    wrong = [Fraction(str(below(v - facts.error * facts.unit))) for v in sampling.shift]
+    reach = [Fraction(str(above((rho - 1) / (rho + 1)))) for rho in sampling.rho]
+    cross = f"|g_ij| at most {_each(sampling.g_cross)}" if any(sampling.g_cross) else "g_ij = 0"
+    age, late = sampling.period + sampling.latency, sampling.latency
+    return (
+        "an input acts at most "
         f"{decimal(late)} s after its sample for the first time, and never when that is older than {decimal(age)} s. What is "
         f"measured is wrong by at most {_each(wrong)}. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift "
         f"and disturbance) at most {_each(sampling.force)}, g_ii from {_each(sampling.g_min)} to {_each(sampling.g_max)}, "

@@ -1,0 +1,15 @@
+"""Which theorems are written about a controller: of its whole C where that is covered, else of its tube and law."""
+
+from __future__ import annotations
+
+from stt_codegen.theorem.deep import deep, uncovered
+from stt_codegen.theorem.reading import facts
+from stt_codegen.theorem.writing import written
+
+
+def theorem_text(task: bytes, header: bytes, source: bytes, certificate: bytes) -> bytes:
+    """The text of `<p>.v`. Raises as `reading.facts` does."""
+    found = facts(task, source, certificate)
+    if uncovered(found, source):
+        return written(found)
+    return deep(task, header, source, certificate).encode()
