@@ -863,7 +863,6 @@ def test_a_wrong_claim_about_integers_is_found(name: str, change: Callable, said
     ("old", "new", "said"),
     [
         ("tick_period = 0.001", "tick_period = 0.002", "other ticks"),
-        ("tick_period = 0.001", "tick_period = 0.002", "other ticks"),
         ("tick_period = 0.001", "tick_period = 0.0010001", "no whole number of its ticks"),
         ("prescribed_time = 4.0", "prescribed_time = 4.001", "other ticks"),
         ("period = 0.01 ", "period = 0.02 ", "P9|header|sampled"),
