@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 PEERS := $(VENV)/.peers
 PHYSICS := $(VENV)/.physics
-INTEGERS := tasks/crane.toml tasks/gantry.toml
+INTEGERS := $(sort $(shell grep -l '^scalar = "fixed"' tasks/*.toml))
 TASKS := $(filter-out $(INTEGERS),$(sort $(wildcard tasks/*.toml)))
 CASE_STUDY := tasks/omni_s1.toml tasks/omni_s2.toml tasks/omni_s3.toml
 
