@@ -50,7 +50,7 @@ def shipped() -> tuple[list[list[str]], bool]:
             read = facts(files[0], *files[2:])
         except BadInput:
             continue
-        text, about = theorem_text(*files), "tube" if uncovered(read, files[2]) else "controller"
+        text, about = theorem_text(*files), "tube" if uncovered(read, *files[:3]) else "controller"
         answer = asking.ask_coq(text, name)
         good = good and answer.holds and set(answer.axioms) == asking.AXIOMS
         period = "" if read.sampling is None else f"{decimal(read.sampling.period)} s"

@@ -1,5 +1,6 @@
 (* A reader of the C text that runs inside Coq: what the theorem says, it says of the program that this reader finds in the file.
-   It fails on whatever it does not know, so that no text can mean more to a compiler than it means here. *)
+   It fails on whatever it does not know. It is not C's reader in all: spliced lines, trigraphs, `//`, names that differ in case
+   alone, other functions and other macros of the header are left to the stand-alone checker, which refuses them. *)
 From Coq Require Import ZArith NArith List Bool String Ascii.
 From Stt Require Import Syntax.
 Import ListNotations.

@@ -7,10 +7,10 @@
    in the initial set at 0 and in the target set from t_c on.
 
    The closed loop. Inputs are held: each is what `omni_s1_control` stores for the time and the state of a sample. The first
-   is taken at 0 and acts from then on; none acts when it is older than 0.001 s. The task has no control.period, so the plant
-   is an example: any xdot_i = f_i + u_i with |f_i| at most 0.05, x measured to 9.5367431640625e-07. Every trajectory from
-   every start with |e| at most 0.95 is in the state space, 0.03 away from every unsafe set, and from t = 9 s on in the
-   target set, sets having the body added.
+   is taken at 0 and acts from then on; each acts at once, and for at most 0.001 s. The task has no control.period, so the
+   plant is an example: any xdot_i = f_i + u_i with |f_i| at most 0.05, x measured to 9.5367431640625e-07. For as long as
+   there are inputs, every trajectory from every start with |e| at most 0.95 is in the state space, 0.03 away from every
+   unsafe set, and from t = 9 s on in the target set, state space and unsafe sets having the body added.
 
    Assumed: IEEE 754 arithmetic without contraction, and a library whose logarithm is within 4 units in the last place. *)
 From Coq Require Import ZArith QArith Qreals Reals List String.

@@ -118,8 +118,13 @@ def ask_coq(text: bytes, name: str) -> Answer:
         seconds = processor() - begin
     if code:
         return Answer(name, False, _failing(text.decode(), failed), seconds)
-    axioms = tuple(sorted(set(re.findall(r"^(\S+)(?= :|$)", said, re.M)) - {"Axioms:"}))
+    before, _, listed = said.partition("Axioms:\n")
+    entries = re.findall(r"^(\S.*(?:\n .*)*)", listed, re.M)  # a name with its type, which is indented where it is long
+    axioms = tuple(sorted(entry.split()[0] for entry in entries))
     foreign = sorted(set(axioms) - AXIOMS)
+    if before.strip() or not axioms or len(axioms) != len(set(axioms)) or any(" assumed " in e for e in entries):
+        told = " ".join(said.split())[:200] or "it says nothing"
+        return Answer(name, False, f"coqc does not list axioms as it should: {told}", seconds)
     stated = re.findall(r"^Theorem (\w+)", text.decode(), re.M)
     told = f"it rests on {', '.join(foreign)}" if foreign else f"Coq accepts {', '.join(stated)}"
     return Answer(name, not foreign, told, seconds, axioms)

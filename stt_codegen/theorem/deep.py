@@ -118,8 +118,11 @@ def found_plant(found: Facts, bounds: Bounds) -> Plant | None:
     return None
 
 
-def example(n: int) -> Bounds:
-    """A plant for tasks that have none: xdot = u + w, |w| <= 1/20, sampled every millisecond."""
+def example(found: Facts) -> Bounds:
+    """A plant for tasks that have none: xdot = u + w, |w| <= 1/20, sampled every millisecond, x measured to 2^-20, or to the
+    scalar where that is coarser."""
+    n = found.n
+    farthest = max(abs(v) for edge in found.space for v in edge)
     return Bounds(
         [Fraction(1, 20)] * n,
         [Fraction(1)] * n,
@@ -127,39 +130,41 @@ def example(n: int) -> Bounds:
         [Fraction(0)] * n,
         Fraction(1, 1000),
         Fraction(0),
-        Fraction(1, 1 << 20),
+        max(Fraction(1, 1 << 20), farthest / (1 << FORMATS[found.scalar][1])),
     )
 
 
-def uncovered(found: Facts, source: bytes) -> str:
+def uncovered(found: Facts, *texts: bytes) -> str:
     """What Coq does not read in the C, or for a task without a period why its example has no theorem; empty where it does."""
     reasons = {
         "control.u_max": found.u_max is not None,
         "gains that differ": len({*found.gain}) > 1,
         "times in ticks": found.ticks,
-        "logarithms written out": f"{found.name}_mantissa".encode() in source,
-        "texts beyond ASCII": not source.isascii(),
+        "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
+        "texts beyond ASCII": not all(text.isascii() for text in texts),
+        "e_max by component": len({*found.e_max}) > 1,
     }
     told = next((name for name, given in reasons.items() if given), "")
-    return told or ("tubes so narrow" if found.sampling is None and found_plant(found, example(found.n)) is None else "")
+    return told or ("tubes so narrow" if found.sampling is None and found_plant(found, example(found)) is None else "")
 
 
 def words(found: Facts) -> str:
     """The closed loop in words, part of the comment that begins the file; decimals are rounded to the side that says less."""
     clear, t_c = decimal(found.clearance), decimal(found.t_c)
     kept = f"in the state space, {clear} away from every unsafe set, and from t = {t_c} s on in the target set"
-    end = f"{kept}, sets having the body added."
+    end = f"{kept}, state space and unsafe sets having the body added."
     held = (
         f"The closed loop. Inputs are held: each is what `{found.name}_control` stores for the time and the state of a sample. "
         "The first is taken at 0 and acts from then on; "
     )
     if found.sampling is None:
-        b, numbers = example(found.n), _example(found)
+        b, numbers = example(found), _example(found)
         rho = numbers.rho[0]
+        reach = Fraction(str(below((rho - 1) / (rho + 1))))
         told = (
-            f"{held}none acts when it is older than {decimal(b.tau)} s. The task has no control.period, so the plant is an "
+            f"{held}each acts at once, and for at most {decimal(b.tau)} s. The task has no control.period, so the plant is an "
             f"example: any xdot_i = f_i + u_i with |f_i| at most {decimal(b.force[0])}, x measured to {decimal(b.noise)}. "
-            f"Every trajectory from every start with |e| at most {decimal(Fraction(str(below((rho - 1) / (rho + 1)))))} is {end}"
+            f"For as long as there are inputs, every trajectory from every start with |e| at most {decimal(reach)} is {end}"
         )
     else:
         told = f"{held}{sampled_claim(found, found.sampling)}"
@@ -169,7 +174,7 @@ def words(found: Facts) -> str:
 def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
-    if reason := uncovered(found, source):
+    if reason := uncovered(found, task, header, source):
         raise BadInput(f"theorem: that of the C's whole text is not yet about {reason}")
     return template("controller.v.j2").render(
         name=found.name,
@@ -190,7 +195,7 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
 
 
 def _example(found: Facts) -> Plant:
-    numbers = found_plant(found, example(found.n))
+    numbers = found_plant(found, example(found))
     if numbers is None:
         raise BadInput("theorem: the example of a sampled loop, one millisecond, has no inner tube")
     return numbers
