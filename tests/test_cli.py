@@ -37,7 +37,7 @@ def test_help_imports_none_of_the_heavy_packages() -> None:
 
 def one_message(result: subprocess.CompletedProcess[str]) -> str:
     """The one line of a refusal; a word of patience may stand before it where a machine is slow."""
-    lines = [line for line in result.stderr.strip().splitlines() if not re.fullmatch(r"  \w+ .*: \d+ s \.\.\.", line)]
+    lines = [line for line in result.stderr.splitlines() if line and not re.fullmatch(r"  \w+ .*: \d+ s \.\.\.", line)]
     assert len(lines) == 1, result.stderr
     assert lines[0].startswith("stt-codegen: ")
     assert "Traceback" not in result.stderr
