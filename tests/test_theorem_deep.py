@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 from conftest import ROOT
 
@@ -11,10 +9,8 @@ from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
 from stt_codegen.theorem.deep import deep
 
-pytestmark = [
-    pytest.mark.xdist_group("coq"),
-    pytest.mark.skipif(shutil.which("coqc") is None, reason="coqc is not installed"),
-]
+pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
+
 MUTANTS = (
     ("u - base", "base - u", "text_read"),
     ("logf(v0)", "logf(v3)", "text_read"),
@@ -25,6 +21,11 @@ MUTANTS = (
     ("typedef float", "typedef double", "header_read"),
     ("upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
 )
+
+
+@pytest.fixture(autouse=True)
+def _coqc(tool) -> None:
+    tool("coqc")
 
 
 def text(name: str, scalar: str) -> str:
