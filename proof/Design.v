@@ -49,19 +49,25 @@ Fixpoint reals_chosen (l : list statement) (x : string) : decimal * decimal :=
   end.
 Fixpoint loop_count (l : list statement) : Z := match l with For _ n _ :: _ => n | _ :: r => loop_count r | [] => 0%Z end.
 
+Definition table_named (x : string) (s : option source) : list decimal :=
+  match s with Some s => match List.find (fun t => String.eqb (fst t) x) (tables s) with Some (_, t) => t | None => [] end | None => [] end.
 Definition constants_of (f : format) (s : option source) : constants :=
   let fs := match s with Some s => functions s | None => [] end in
   let segment := function_named "@segment" fs in
   let control := function_named "@control" fs in
   let gains := reals_chosen control "gain" in
-  Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains) (real_right control "least")
+  Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains)
+    (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least")
     (match f with Single => true | Double => false end).
-Definition coefficients_of (s : option source) : list decimal :=
-  match s with Some s => match tables s with [(_, t)] => t | _ => [] end | None => [] end.
+Definition coefficients_of : option source -> list decimal := table_named "@coefficients".
 
 Section Numbers.
   Variable f : format.
   Definition value_of (d : decimal) : Q := Qred (rational (decimal_float (precision f) (largest_exponent f) d)).
+  (* gains and limits by component *)
+  Definition gains_of (k : constants) : list Q :=
+    if several k then map value_of (gain_table k) else repeat (value_of (gain_lower k)) (Z.to_nat (dimensions k)).
+  Definition limits_of (k : constants) : list (option Q) := map (fun d => Some (value_of d)) (limit_table k).
   Definition dyadic_of (d : decimal) : Z * Z :=
     match decimal_float (precision f) (largest_exponent f) d with S754_finite s m e => (cond_Zopp s (Zpos m), e) | _ => (0, 0)%Z end.
   Definition scale_of (k : constants) : scale := let '(m, e) := dyadic_of (rate k) in let '(m', e') := dyadic_of (last k) in Scale m e m' e'.
