@@ -154,7 +154,22 @@ Section Callers.
   Hypothesis gains_there : several k = true -> forall i, (0 <= i < n)%Z -> arrays "@gain" i = Some (own A (gain_table k) i).
   Hypothesis limits_there : limited k = true -> forall i, (0 <= i < n)%Z -> arrays "@u_max" i = Some (own A (limit_table k) i).
 
-  Ltac evaluate := unfold kernels, places; reduce;
+  (* the variables of `control` before its loop *)
+  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
+
+  (* the variables of its loop once the edges are known, before anything that differs from text to text *)
+  Definition known (i : Z) (outside : bool) (z : F) (f : bool) : environment A :=
+    let at_ := (row + i * 2)%Z in
+    [("upper_edge", R_ (upper i)); ("upper_q3", R_ (q (at_ + (6 * n + 1)))); ("upper_3", I_ (at_ + (6 * n + 1))%Z);
+     ("upper_q2", R_ (q (at_ + (4 * n + 1)))); ("upper_2", I_ (at_ + (4 * n + 1))%Z); ("upper_q1", R_ (q (at_ + (2 * n + 1)))); ("upper_1", I_ (at_ + (2 * n + 1))%Z);
+     ("upper_q0", R_ (q (at_ + 1))); ("upper_0", I_ (at_ + 1)%Z);
+     ("lower_edge", R_ (lower i)); ("lower_q3", R_ (q (at_ + 6 * n))); ("lower_3", I_ (at_ + 6 * n)%Z);
+     ("lower_q2", R_ (q (at_ + 4 * n))); ("lower_2", I_ (at_ + 4 * n)%Z); ("lower_q1", R_ (q (at_ + 2 * n))); ("lower_1", I_ (at_ + 2 * n)%Z);
+     ("lower_q0", R_ (q at_)); ("at", I_ at_); ("pair", I_ (i * 2)%Z); ("i", I_ i); ("outside", B_ outside)] ++
+    places (checked z f).
+  (* in one pass, for every pass leaves a term in the proof *)
+  Ltac evaluate := cbv beta iota zeta delta
+    [kernels places known checked expression_value value_of values_of get binary select String.eqb Ascii.eqb Bool.eqb negb app];
     repeat first [ rewrite int32_ok by (unfold row, n in *; nia) | rewrite table by (unfold row, n in *; nia) | rewrite inputs by assumption
                  | rewrite gains_there by first [assumption | reflexivity] | rewrite limits_there by first [assumption | reflexivity]
                  | rewrite blend_does | rewrite law_does ]; reflexivity.
@@ -163,17 +178,8 @@ Section Callers.
     | eapply set_step; [evaluate|reflexivity|]
     | apply declare_step ].
   (* the same with a name for the value, so that terms stay small *)
-  Ltac named v := eapply (let_step _ _ _ _ _ _ v); [evaluate|reflexivity|].
+  Ltac named v := eapply (let_step _ _ _ _ _ _ v); [first [reflexivity | evaluate]|reflexivity|].
 
-  (* the variables of `control` before its loop *)
-  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
-
-  (* the variables of its loop once the edges are known, before anything that differs from text to text *)
-  Definition known (i : Z) (outside : bool) (z : F) (f : bool) : environment A :=
-    let at_ := (row + i * 2)%Z in
-    [("upper_edge", R_ (upper i)); ("upper_q3", R_ (q (at_ + (6 * n + 1)))); ("upper_3", I_ (at_ + (6 * n + 1))%Z); ("upper_q2", R_ (q (at_ + (4 * n + 1)))); ("upper_2", I_ (at_ + (4 * n + 1))%Z); ("upper_q1", R_ (q (at_ + (2 * n + 1)))); ("upper_1", I_ (at_ + (2 * n + 1))%Z); ("upper_q0", R_ (q (at_ + 1))); ("upper_0", I_ (at_ + 1)%Z);
-     ("lower_edge", R_ (lower i)); ("lower_q3", R_ (q (at_ + 6 * n))); ("lower_3", I_ (at_ + 6 * n)%Z); ("lower_q2", R_ (q (at_ + 4 * n))); ("lower_2", I_ (at_ + 4 * n)%Z); ("lower_q1", R_ (q (at_ + 2 * n))); ("lower_1", I_ (at_ + 2 * n)%Z); ("lower_q0", R_ (q at_)); ("at", I_ at_); ("pair", I_ (i * 2)%Z); ("i", I_ i); ("outside", B_ outside)] ++
-    places (checked z f).
   Lemma edges_run i outside z f rest out : (0 <= i < n)%Z ->
     run_block A (run A kernels arrays) (lower_statements k ++ upper_statements k ++ rest) (("i", I_ i) :: ("outside", B_ outside) :: places (checked z f)) out =
     run_block A (run A kernels arrays) rest (known i outside z f) out.
@@ -187,25 +193,25 @@ Section Callers.
       leave A (("outside", B_ outside) :: places (checked z f)) inner =
       ("outside", B_ (if is_within A (lower i) (upper i) (x i) then outside else true)) :: places (checked z f).
   Proof.
-    intro Hi. destruct (outputs i Hi) as [w Hw]. unfold control_body. rewrite edges_run by exact Hi. unfold known. cbv zeta.
+    intro Hi. destruct (outputs i Hi) as [w Hw]. unfold control_body. rewrite edges_run by exact Hi.
     set (L := lower i). set (U := upper i).
     unfold law_statements, gain_statements, limit_statements, held_statements, control_input, high_gain, low_gain.
     destruct (several k) eqn:Sv; destruct (limited k) eqn:Li;
       match goal with |- context [push A k ?h ?l] => set (high := h); set (low := l) end; (eexists; split;
-      [ cbv [app]; step;
+      [ cbn [app]; step;
         (* a table of gains *)
         try (named (R_ low); named (R_ high));
         do 3 step; named (@B_ A (upper_nearer A L U (x i))); named (R_ (nearest A L U (x i))); named (R_ (gain A high low L U (x i)));
         do 2 step; named (R_ (near A k L U (x i))); named (R_ (far A k L U (x i))); named (@B_ A (is_within A L U (x i))); step;
         try named (R_ (own A (limit_table k) i)); do 2 step;
         (eapply call_step with (rs := [R_ (epsilon A k L U (x i)); R_ (xi A k L U (x i))]);
-          [reflexivity|unfold places; reduce; reflexivity|apply transformed_error_does|unfold places; reduce; reflexivity|]);
+          [reflexivity|reflexivity|apply transformed_error_does|reflexivity|]);
         named (R_ (push A k high low L U (x i)));
         (* a table of limits *)
         try (do 4 step; named (R_ (saturated A (own A (limit_table k) i) (push A k high low L U (x i)))));
-        (eapply store_step; [unfold places; reduce; reflexivity|evaluate|exact Hw|]);
-        step; reflexivity
-      | unfold places, checked; reduce; reflexivity ]).
+        (eapply store_step; [reflexivity|evaluate|exact Hw|]);
+        (eapply set_step; [evaluate|reflexivity|]); reflexivity
+      | reflexivity ]).
   Qed.
 
   (* the test of the inputs: t and every x, times 0 and added up *)

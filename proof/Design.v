@@ -1,10 +1,19 @@
 (* The design that a C text holds: constants, table and all that helps the checks, found by Coq in the parsed text. Nothing here is believed; the checks decide. *)
-From Coq Require Import ZArith QArith Qabs Qminmax List Bool String SpecFloat.
+From Coq Require Import ZArith QArith Qabs Qminmax List Bool String Strings.Byte SpecFloat.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Import Tube Rounding EmittedTube Syntax Read Emission Semantics Edge.
 Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
+
+(* A file as it is. Its text is read into one constructor a character, where a string would have ten: Coq takes a third of the time. *)
+Inductive text := Text (l : list byte).
+Definition text_of (l : list byte) : text := Text l.
+Definition bytes_of (t : text) : list byte := let 'Text l := t in l.
+Definition string_of (t : text) : string := string_of_list_byte (bytes_of t).
+Declare Scope text_scope.
+Delimit Scope text_scope with text.
+String Notation text text_of bytes_of : text_scope.
 
 Definition suffix (f : format) : string := match f with Single => "F" | Double => "" end.
 

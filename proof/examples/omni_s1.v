@@ -22,7 +22,7 @@ Import ListNotations.
 Open Scope R_scope.
 
 (* The three files, as they are. *)
-Definition the_toml : string := "#:schema ../docs/task.schema.json
+Definition the_toml : string := string_of "#:schema ../docs/task.schema.json
 # The paper's case study, start S1: a robot in a room of 5 m by 5 m, from the upper left corner to the upper right, in 9 s.
 name = ""omni_s1""
 prescribed_time = 9.0
@@ -66,8 +66,8 @@ min_width = 0.05
 
 [control]
 gain = 0.5
-"%string.
-Definition the_header : string := "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+"%text.
+Definition the_header : string := string_of "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
@@ -134,8 +134,8 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
 #endif
 
 #endif
-"%string.
-Definition the_text : string := "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+"%text.
+Definition the_text : string := string_of "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
@@ -584,7 +584,7 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
         xi[i] = xi_out;
     }
 }
-"%string.
+"%text.
 
 (* The task that is read in the first. Sets have the body added; all numbers are exact. *)
 Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
