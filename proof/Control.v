@@ -35,8 +35,16 @@ Section Formulas.
   Definition ratio (L U x : F) : F := div A (far L U x) (near L U x).
   Definition epsilon (L U x : F) : F := opp A (logarithm A (ratio L U x)).
   Definition xi (L U x : F) : F := div A (add A (lit one) (ratio L U x)) (far L U x).
-  Definition gain (L U x : F) : F := if upper_nearer L U x then lit (gain_upper k) else lit (gain_lower k).
-  Definition push (L U x : F) : F := opp A (mul A (mul A (gain L U x) (xi L U x)) (epsilon L U x)).
+  (* the gain of a component where the upper edge is nearer, and where the lower one is *)
+  Definition own (table : list decimal) (i : Z) : F := lit (nth (Z.to_nat i) table zero).
+  Definition high_gain (i : Z) : F := if several k then opp A (own (gain_table k) i) else lit (gain_upper k).
+  Definition low_gain (i : Z) : F := if several k then own (gain_table k) i else lit (gain_lower k).
+  Definition gain (high low L U x : F) : F := if upper_nearer L U x then high else low.
+  Definition push (high low L U x : F) : F := opp A (mul A (mul A (gain high low L U x) (xi L U x)) (epsilon L U x)).
+  (* v held within a limit *)
+  Definition saturated (m v : F) : F := let raised := if less A (opp A m) v then v else opp A m in if less A m raised then m else raised.
+  Definition control_input (i : Z) (L U x : F) : F :=
+    if limited k then saturated (own (limit_table k) i) (push (high_gain i) (low_gain i) L U x) else push (high_gain i) (low_gain i) L U x.
   Definition is_within (L U x : F) : bool := less A (lit zero) (nearest L U x).
 End Formulas.
 
@@ -48,7 +56,7 @@ Ltac reduce := cbv beta iota zeta delta
   [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
    kernel_of enter bind of_type parameters code run run_block expression_value value_of values_of get put put_all binary select results_of leave
    String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
-   place_statements lower_statements upper_statements law_statements control_body tube_body inputs_body blended
+   place_statements lower_statements upper_statements law_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
    library log_name].
 
 (* ------------------------------------------------------------------ the kernels *)
@@ -143,33 +151,67 @@ Section Callers.
 
   Hypothesis inputs : forall i, (0 <= i < n)%Z -> arrays "x" i = Some (x i).
   Hypothesis outputs : forall i, (0 <= i < n)%Z -> exists w, arrays "u" i = Some w.
+  Hypothesis gains_there : several k = true -> forall i, (0 <= i < n)%Z -> arrays "@gain" i = Some (own A (gain_table k) i).
+  Hypothesis limits_there : limited k = true -> forall i, (0 <= i < n)%Z -> arrays "@u_max" i = Some (own A (limit_table k) i).
 
-  Ltac evaluate := unfold kernels, places; reduce;
+  (* the variables of `control` before its loop *)
+  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
+
+  (* the variables of its loop once the edges are known, before anything that differs from text to text *)
+  Definition known (i : Z) (outside : bool) (z : F) (f : bool) : environment A :=
+    let at_ := (row + i * 2)%Z in
+    [("upper_edge", R_ (upper i)); ("upper_q3", R_ (q (at_ + (6 * n + 1)))); ("upper_3", I_ (at_ + (6 * n + 1))%Z);
+     ("upper_q2", R_ (q (at_ + (4 * n + 1)))); ("upper_2", I_ (at_ + (4 * n + 1))%Z); ("upper_q1", R_ (q (at_ + (2 * n + 1)))); ("upper_1", I_ (at_ + (2 * n + 1))%Z);
+     ("upper_q0", R_ (q (at_ + 1))); ("upper_0", I_ (at_ + 1)%Z);
+     ("lower_edge", R_ (lower i)); ("lower_q3", R_ (q (at_ + 6 * n))); ("lower_3", I_ (at_ + 6 * n)%Z);
+     ("lower_q2", R_ (q (at_ + 4 * n))); ("lower_2", I_ (at_ + 4 * n)%Z); ("lower_q1", R_ (q (at_ + 2 * n))); ("lower_1", I_ (at_ + 2 * n)%Z);
+     ("lower_q0", R_ (q at_)); ("at", I_ at_); ("pair", I_ (i * 2)%Z); ("i", I_ i); ("outside", B_ outside)] ++
+    places (checked z f).
+  (* in one pass, for every pass leaves a term in the proof *)
+  Ltac evaluate := cbv beta iota zeta delta
+    [kernels places known checked expression_value value_of values_of get binary select String.eqb Ascii.eqb Bool.eqb negb app];
     repeat first [ rewrite int32_ok by (unfold row, n in *; nia) | rewrite table by (unfold row, n in *; nia) | rewrite inputs by assumption
+                 | rewrite gains_there by first [assumption | reflexivity] | rewrite limits_there by first [assumption | reflexivity]
                  | rewrite blend_does | rewrite law_does ]; reflexivity.
   Ltac step := first
     [ eapply let_step; [evaluate|reflexivity|]
     | eapply set_step; [evaluate|reflexivity|]
     | apply declare_step ].
+  (* the same with a name for the value, so that terms stay small *)
+  Ltac named v := eapply (let_step _ _ _ _ _ _ v); [first [reflexivity | evaluate]|reflexivity|].
 
-  (* the variables of `control` before its loop *)
-  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
+  Lemma edges_run i outside z f rest out : (0 <= i < n)%Z ->
+    run_block A (run A kernels arrays) (lower_statements k ++ upper_statements k ++ rest) (("i", I_ i) :: ("outside", B_ outside) :: places (checked z f)) out =
+    run_block A (run A kernels arrays) rest (known i outside z f) out.
+  Proof.
+    intro Hi. cbv [lower_statements upper_statements app blended]. do 9 step. named (R_ (lower i)). do 8 step. named (R_ (upper i)). reflexivity.
+  Qed.
 
   Lemma body_runs i outside z f out : (0 <= i < n)%Z ->
     exists inner, run_block A (run A kernels arrays) (control_body k) (("i", I_ i) :: ("outside", B_ outside) :: places (checked z f)) out =
-      Some (inner, ("u", i, push A k (lower i) (upper i) (x i)) :: out, None) /\
+      Some (inner, ("u", i, control_input A k i (lower i) (upper i) (x i)) :: out, None) /\
       leave A (("outside", B_ outside) :: places (checked z f)) inner =
       ("outside", B_ (if is_within A (lower i) (upper i) (x i) then outside else true)) :: places (checked z f).
   Proof.
-    intro Hi. destruct (outputs i Hi) as [w Hw]. eexists. split.
-    - cbv [control_body lower_statements upper_statements law_statements app blended].
-      do 34 step.
-      eapply call_step; [reflexivity|unfold places; reduce; reflexivity|apply transformed_error_does|unfold places; reduce; reflexivity|].
-      step.
-      eapply store_step; [unfold places; reduce; reflexivity|evaluate|exact Hw|].
-      step. cbn [run_block]. apply f_equal, f_equal2; [|reflexivity]. apply f_equal2; [reflexivity|]. apply f_equal2; [|reflexivity]. apply f_equal2; [reflexivity|].
-      unfold push. apply f_equal. apply f_equal2; [apply f_equal2|]; reflexivity.
-    - unfold places, checked. reduce. reflexivity.
+    intro Hi. destruct (outputs i Hi) as [w Hw]. unfold control_body. rewrite edges_run by exact Hi.
+    set (L := lower i). set (U := upper i).
+    unfold law_statements, gain_statements, limit_statements, held_statements, control_input, high_gain, low_gain.
+    destruct (several k) eqn:Sv; destruct (limited k) eqn:Li;
+      match goal with |- context [push A k ?h ?l] => set (high := h); set (low := l) end; (eexists; split;
+      [ cbn [app]; step;
+        (* a table of gains *)
+        try (named (R_ low); named (R_ high));
+        do 3 step; named (@B_ A (upper_nearer A L U (x i))); named (R_ (nearest A L U (x i))); named (R_ (gain A high low L U (x i)));
+        do 2 step; named (R_ (near A k L U (x i))); named (R_ (far A k L U (x i))); named (@B_ A (is_within A L U (x i))); step;
+        try named (R_ (own A (limit_table k) i)); do 2 step;
+        (eapply call_step with (rs := [R_ (epsilon A k L U (x i)); R_ (xi A k L U (x i))]);
+          [reflexivity|reflexivity|apply transformed_error_does|reflexivity|]);
+        named (R_ (push A k high low L U (x i)));
+        (* a table of limits *)
+        try (do 4 step; named (R_ (saturated A (own A (limit_table k) i) (push A k high low L U (x i)))));
+        (eapply store_step; [reflexivity|evaluate|exact Hw|]);
+        (eapply set_step; [evaluate|reflexivity|]); reflexivity
+      | reflexivity ]).
   Qed.
 
   (* the test of the inputs: t and every x, times 0 and added up *)
@@ -204,11 +246,11 @@ Section Callers.
   Lemma bodies_run z f : exists out env,
     run_loop A (run A kernels arrays) "i" (control_body k) (Z.to_nat n) 0 (("outside", B_ false) :: places (checked z f)) [] = Some (env, out, None) /\
     env = ("outside", B_ (outside_after number_of_dimensions)) :: places (checked z f) /\
-    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i)).
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (lower i) (upper i) (x i)).
   Proof.
     destruct (run_loop_keeps A kernels arrays "i" (control_body k)
       (fun j env out => env = ("outside", B_ (outside_after (Z.to_nat j))) :: places (checked z f) /\
-         forall i, (0 <= i < j)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i))) (Z.to_nat n) 0
+         forall i, (0 <= i < j)%Z -> stored (A := A) "u" i out = Some (control_input A k i (lower i) (upper i) (x i))) (Z.to_nat n) 0
       (("outside", B_ false) :: places (checked z f)) []) as (env & out & E & H1 & H2).
     - intros j env out Hj [-> St]. assert (Hi : (0 <= j < n)%Z) by (unfold n in *; lia).
       destruct (body_runs j (outside_after (Z.to_nat j)) z f out Hi) as (inner & E & Lv).
@@ -223,7 +265,7 @@ Section Callers.
 
   Theorem control_runs : exists out env,
     enter A kernels arrays (control_function k) [R_ t] = Some (env, out, Some (Some (I_ (if outside_after number_of_dimensions then 1 else 0)%Z))) /\
-    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (lower i) (upper i) (x i)).
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (lower i) (upper i) (x i)).
   Proof.
     destruct (bodies_run (zeros number_of_dimensions) true) as (out & env & E & -> & St).
     destruct inputs_run as (out0 & env0 & E0 & -> & ->).
@@ -253,11 +295,13 @@ Section Execute.
   Let n := dimensions k.
   Variables (t : F) (segment K : Z) (x : Z -> F).
   Variable lines : list string. (* directives, which the evaluator does not read *)
-  Let program := Source lines [("@coefficients", coefficients)] (emitted k).
+  Let program := Source lines (emitted_tables k coefficients) (emitted k).
   Hypothesis segment_ok : to_integer A (spline_time A k t) = Some segment.
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
   Hypothesis table_length : (Z.of_nat (List.length coefficients) = 2 * n * (K + 3))%Z.
+  Hypothesis gains_length : several k = true -> Z.of_nat (List.length (gain_table k)) = n.
+  Hypothesis limits_length : limited k = true -> Z.of_nat (List.length (limit_table k)) = n.
   Hypothesis finite_inputs : at_most A (zeros A t x (number_of_dimensions k)) (literal A zero) = true.
 
   Definition q (z : Z) : F := literal A (nth (Z.to_nat z) coefficients zero).
@@ -266,10 +310,26 @@ Section Execute.
   Let L i := lower A k t segment q i.
   Let U i := upper A k t segment q i.
 
+  Lemma get_coefficients : get "@coefficients" (tables program) = Some coefficients.
+  Proof. reflexivity. Qed.
+  Lemma get_gains : several k = true -> get "@gain" (tables program) = Some (gain_table k).
+  Proof. intro H. unfold program, emitted_tables. cbn [tables]. rewrite H. reflexivity. Qed.
+  Lemma get_limits : limited k = true -> get "@u_max" (tables program) = Some (limit_table k).
+  Proof. intro H. unfold program, emitted_tables. cbn [tables]. rewrite H. destruct (several k); reflexivity. Qed.
+  Lemma get_other y : String.eqb y "@coefficients" || String.eqb y "@gain" || String.eqb y "@u_max" = false -> get y (tables program) = None.
+  Proof.
+    rewrite !orb_false_iff. intros [[H1 H2] H3]. unfold program, emitted_tables, get. cbn [tables]. destruct (several k), (limited k); cbn [app]; now rewrite ?H1, ?H2, ?H3.
+  Qed.
+  Lemma table_entry (l : list decimal) z : (0 <= z < Z.of_nat (List.length l))%Z ->
+    (if (z <? 0)%Z then None else match nth_error l (Z.to_nat z) with Some v => Some (literal A v) | None => None end) = Some (literal A (nth (Z.to_nat z) l zero)).
+  Proof. intro H. replace (z <? 0)%Z with false by (symmetry; apply Z.ltb_ge; lia). rewrite (nth_error_nth' _ zero) by lia. reflexivity. Qed.
+  Lemma places_there y i : (0 <= i < n)%Z -> places_of y i = Some (x i).
+  Proof. intros [H1 H2]. unfold places_of. apply Z.leb_le in H1. apply Z.ltb_lt in H2. now rewrite H1, H2. Qed.
+
   Theorem control_executes : exists out,
     execute A (log_name k) program "@control" [R_ t] places_of =
       Some (out, Some (I_ (if outside_after A k t segment q x (number_of_dimensions k) then 1 else 0)%Z)) /\
-    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (push A k (L i) (U i) (x i)).
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
   Proof.
     unfold execute. cbn [List.find functions program].
     cbv [emitted segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
@@ -283,15 +343,11 @@ Section Execute.
     - intros; apply blend_runs.
     - intros; apply transformed_error_runs.
     - intros; apply law_runs.
-    - intros z Hz. unfold arrays, get. cbn [tables program]. rewrite String.eqb_refl.
-      replace (z <? 0)%Z with false by (symmetry; apply Z.ltb_ge; lia).
-      rewrite (nth_error_nth' _ zero) by lia. reflexivity.
-    - intros i Hi. unfold arrays, get. cbn [tables program]. unfold places_of.
-      change (String.eqb "x" "@coefficients") with false. cbv beta iota.
-      replace (0 <=? i)%Z with true by (symmetry; apply Z.leb_le; lia). replace (i <? n)%Z with true by (symmetry; apply Z.ltb_lt; unfold n in *; lia). reflexivity.
-    - intros i Hi. exists (x i). unfold arrays, get. cbn [tables program]. unfold places_of.
-      change (String.eqb "u" "@coefficients") with false. cbv beta iota.
-      replace (0 <=? i)%Z with true by (symmetry; apply Z.leb_le; lia). replace (i <? n)%Z with true by (symmetry; apply Z.ltb_lt; unfold n in *; lia). reflexivity.
+    - intros z Hz. unfold arrays. rewrite get_coefficients. apply table_entry; lia.
+    - intros i Hi. unfold arrays. rewrite get_other by reflexivity. now apply places_there.
+    - intros i Hi. exists (x i). unfold arrays. rewrite get_other by reflexivity. now apply places_there.
+    - intros Sv i Hi. unfold arrays. rewrite (get_gains Sv). apply table_entry; rewrite ?(gains_length Sv); lia.
+    - intros Li i Hi. unfold arrays. rewrite (get_limits Li). apply table_entry; rewrite ?(limits_length Li); lia.
     - exists out. split; [|exact St].
       match type of E with enter A ?l ?a ?f ?v = _ => change (enter A kernels arrays f v) with (enter A l a f v) end.
       rewrite E. reflexivity.

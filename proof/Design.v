@@ -1,10 +1,19 @@
 (* The design that a C text holds: constants, table and all that helps the checks, found by Coq in the parsed text. Nothing here is believed; the checks decide. *)
-From Coq Require Import ZArith QArith Qabs Qminmax List Bool String SpecFloat.
+From Coq Require Import ZArith QArith Qabs Qminmax List Bool String Strings.Byte SpecFloat.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Import Tube Rounding EmittedTube Syntax Read Emission Semantics Edge.
 Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
+
+(* A file as it is. Its text is read into one constructor a character, where a string would have ten: Coq takes a third of the time. *)
+Inductive text := Text (l : list byte).
+Definition text_of (l : list byte) : text := Text l.
+Definition bytes_of (t : text) : list byte := let 'Text l := t in l.
+Definition string_of (t : text) : string := string_of_list_byte (bytes_of t).
+Declare Scope text_scope.
+Delimit Scope text_scope with text.
+String Notation text text_of bytes_of : text_scope.
 
 Definition suffix (f : format) : string := match f with Single => "F" | Double => "" end.
 
@@ -49,19 +58,25 @@ Fixpoint reals_chosen (l : list statement) (x : string) : decimal * decimal :=
   end.
 Fixpoint loop_count (l : list statement) : Z := match l with For _ n _ :: _ => n | _ :: r => loop_count r | [] => 0%Z end.
 
+Definition table_named (x : string) (s : option source) : list decimal :=
+  match s with Some s => match List.find (fun t => String.eqb (fst t) x) (tables s) with Some (_, t) => t | None => [] end | None => [] end.
 Definition constants_of (f : format) (s : option source) : constants :=
   let fs := match s with Some s => functions s | None => [] end in
   let segment := function_named "@segment" fs in
   let control := function_named "@control" fs in
   let gains := reals_chosen control "gain" in
-  Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains) (real_right control "least")
+  Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains)
+    (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least")
     (match f with Single => true | Double => false end).
-Definition coefficients_of (s : option source) : list decimal :=
-  match s with Some s => match tables s with [(_, t)] => t | _ => [] end | None => [] end.
+Definition coefficients_of : option source -> list decimal := table_named "@coefficients".
 
 Section Numbers.
   Variable f : format.
   Definition value_of (d : decimal) : Q := Qred (rational (decimal_float (precision f) (largest_exponent f) d)).
+  (* gains and limits by component *)
+  Definition gains_of (k : constants) : list Q :=
+    if several k then map value_of (gain_table k) else repeat (value_of (gain_lower k)) (Z.to_nat (dimensions k)).
+  Definition limits_of (k : constants) : list (option Q) := map (fun d => Some (value_of d)) (limit_table k).
   Definition dyadic_of (d : decimal) : Z * Z :=
     match decimal_float (precision f) (largest_exponent f) d with S754_finite s m e => (cond_Zopp s (Zpos m), e) | _ => (0, 0)%Z end.
   Definition scale_of (k : constants) : scale := let '(m, e) := dyadic_of (rate k) in let '(m', e') := dyadic_of (last k) in Scale m e m' e'.

@@ -1,4 +1,5 @@
-(* The program that the generator prints for a refined tube of boxes, order 1, up to its constants: the reader's result is compared with it. *)
+(* The program that the generator prints for a refined tube of boxes, order 1, up to its constants: the reader's result is compared with it.
+   Gains that differ and limits of u are tables, by component; where there are none, so are the statements that use them. *)
 From Coq Require Import ZArith List String.
 From Stt Require Import Syntax.
 Import ListNotations.
@@ -11,9 +12,14 @@ Record constants := Constants {
   last : decimal;       (* the last spline time *)
   gain_upper : decimal; (* gain where the upper edge is nearer, and where the lower one is *)
   gain_lower : decimal;
+  gain_table : list decimal;  (* the gain by component where it differs; else empty *)
+  limit_table : list decimal; (* u_max by component where there is one; else empty *)
   clamp : decimal;      (* (1 - e_max) / 2 *)
   single : bool         (* binary32, else binary64 *)
 }.
+Definition any (l : list decimal) : bool := match l with [] => false | _ => true end.
+Definition several (k : constants) : bool := any (gain_table k).
+Definition limited (k : constants) : bool := any (limit_table k).
 Definition log_name (k : constants) : string := if single k then "logf" else "log".
 
 Definition zero := Decimal false 0 (-1).
@@ -124,24 +130,38 @@ Section Emission.
     Let TReal "zeros" (Binary Plus (Name "zero") (Name "x_zero"));
     Set_ "zero" (Atom (Name "zeros"))].
 
+  (* what is there only with a table of gains, and only with one of limits *)
+  Definition gain_statements := if several k then [
+    Let TReal "gain_i" (Load "@gain" (Name "i"));
+    Let TReal "gain_minus" (Negate (Name "gain_i"))] else [].
+  Definition limit_statements := if limited k then [
+    Let TReal "u_limit" (Load "@u_max" (Name "i"))] else [].
+  Definition held_statements := if limited k then [
+    Let TReal "u_min" (Negate (Name "u_limit"));
+    Let TBool "u_held_above" (Binary Less (Name "u_min") (Name "push"));
+    Let TReal "u_held_raised" (Select (Name "u_held_above") (Name "push") (Name "u_min"));
+    Let TBool "u_held_over" (Binary Less (Name "u_limit") (Name "u_held_raised"));
+    Let TReal "u_held" (Select (Name "u_held_over") (Name "u_limit") (Name "u_held_raised"))] else [].
+
   Definition law_statements := [
-    Let TReal "x_i" (Load "x" (Name "i"));
+    Let TReal "x_i" (Load "x" (Name "i"))] ++ gain_statements ++ [
     Let TReal "room" (Binary Minus (Name "upper_edge") (Name "lower_edge"));
     Let TReal "to_lower" (Binary Minus (Name "x_i") (Name "lower_edge"));
     Let TReal "to_upper" (Binary Minus (Name "upper_edge") (Name "x_i"));
     Let TBool "upper_nearer" (Binary Less (Name "to_upper") (Name "to_lower"));
     Let TReal "nearest" (Select (Name "upper_nearer") (Name "to_upper") (Name "to_lower"));
-    Let TReal "gain" (Select (Name "upper_nearer") (Real (gain_upper k)) (Real (gain_lower k)));
+    Let TReal "gain" (if several k then Select (Name "upper_nearer") (Name "gain_minus") (Name "gain_i")
+                      else Select (Name "upper_nearer") (Real (gain_upper k)) (Real (gain_lower k)));
     Let TReal "least" (Binary Times (Name "room") (Real (clamp k)));
     Let TBool "clear" (Binary Less (Name "least") (Name "nearest"));
     Let TReal "near" (Select (Name "clear") (Name "nearest") (Name "least"));
     Let TReal "far" (Binary Minus (Name "room") (Name "near"));
     Let TBool "within" (Binary Less (Real zero) (Name "nearest"));
-    Let TBool "outside_any" (Select (Name "within") (Name "outside") (Truth true));
+    Let TBool "outside_any" (Select (Name "within") (Name "outside") (Truth true))] ++ limit_statements ++ [
     Declare TReal "epsilon"; Declare TReal "xi";
     Call "@transformed_error" [Name "near"; Name "far"] ["epsilon"; "xi"];
-    Let TReal "push" (Apply "@law" [Name "gain"; Name "xi"; Name "epsilon"]);
-    Store "u" (Name "i") (Atom (Name "push"));
+    Let TReal "push" (Apply "@law" [Name "gain"; Name "xi"; Name "epsilon"])] ++ held_statements ++ [
+    Store "u" (Name "i") (Atom (Name (if limited k then "u_held" else "push")));
     Set_ "outside" (Atom (Name "outside_any"))].
 
   Definition control_body := lower_statements ++ upper_statements ++ law_statements.
@@ -159,6 +179,9 @@ Section Emission.
     Let TBool "outside" (Atom (Truth false));
     For "i" (dimensions k) control_body;
     Return (Some (Select (Name "outside") (Int 1) (Int 0)))]).
+
+  Definition emitted_tables (coefficients : list decimal) :=
+    [("@coefficients", coefficients)] ++ (if several k then [("@gain", gain_table k)] else []) ++ (if limited k then [("@u_max", limit_table k)] else []).
 
   (* the kernels and functions that the theorem is about; the file has others, which call nothing here and are called by nothing here *)
   Definition emitted := [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].

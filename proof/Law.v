@@ -183,8 +183,9 @@ Section Machine.
   Variable k : constants.
   Hypothesis prec_small : (prec <= 64)%Z.
   Variables gain_ c : R.
-  Hypothesis gain_lower_ok : value (decimal_number prec emax _ _ (gain_lower k)) = gain_ /\ is_finite (decimal_number prec emax _ _ (gain_lower k)) = true.
-  Hypothesis gain_upper_ok : value (decimal_number prec emax _ _ (gain_upper k)) = - gain_ /\ is_finite (decimal_number prec emax _ _ (gain_upper k)) = true.
+  Variables high low : number. (* the gain where the upper edge is nearer, and where the lower one is *)
+  Hypothesis gain_lower_ok : value low = gain_ /\ is_finite low = true.
+  Hypothesis gain_upper_ok : value high = - gain_ /\ is_finite high = true.
   Hypothesis clamp_ok : value (decimal_number prec emax _ _ (clamp k)) = c /\ is_finite (decimal_number prec emax _ _ (clamp k)) = true.
   Hypothesis gain_range : / 1073741824 <= gain_ <= 1073741824.
   Hypothesis c_range : / 1073741824 <= c <= / 4.
@@ -422,7 +423,7 @@ Section Machine.
     lra.
   Qed.
 
-  Lemma push_close : Rabs (value (push A k L U x) - side * (gain_ * X * E)) <= u * (gain_ * X) * (12 + 30 * E) /\ is_finite (push A k L U x) = true.
+  Lemma push_close : Rabs (value (push A k high low L U x) - side * (gain_ * X * E)) <= u * (gain_ * X) * (12 + 30 * E) /\ is_finite (push A k high low L U x) = true.
   Proof.
     destruct xi_ok as [X1 X2]. destruct log_close as [G1 G2]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
     destruct gain_lower_ok as [L1 L2]. destruct gain_upper_ok as [U1 U2].
@@ -431,10 +432,9 @@ Section Machine.
     assert (Kr : / 1152921504606846976 / 2 <= K <= 2475880078570760549798248448).
     { unfold K. split; [|assert (gain_ * X <= 1073741824 * 2305843009213693952) by (apply Rmult_le_compat; lra); lra].
       assert (/ 1073741824 * / 2147483648 <= gain_ * X) by (apply Rmult_le_compat; lra). lra. }
-    set (g := gain A k L U x).
+    set (g := gain A high low L U x).
     assert (Gv : value g = side * gain_ /\ is_finite g = true).
-    { unfold g, gain, side. destruct (upper_nearer A L U x); [change (literal A (gain_upper k)) with (decimal_number prec emax prec_gt_0_ prec_lt_emax_ (gain_upper k)); rewrite U1|
-      change (literal A (gain_lower k)) with (decimal_number prec emax prec_gt_0_ prec_lt_emax_ (gain_lower k)); rewrite L1]; split; auto; ring. }
+    { unfold g, gain, side. destruct (upper_nearer A L U x); [rewrite U1|rewrite L1]; split; auto; ring. }
     assert (Side : side = 1 \/ side = -1) by (unfold side; destruct upper_nearer; auto).
     assert (Sa : Rabs side = 1) by (destruct Side as [-> | ->]; [apply Rabs_R1|rewrite Rabs_left; lra]).
     assert (Odd : forall z, rnd (side * z) = side * rnd z).
@@ -468,7 +468,7 @@ Section Machine.
     destruct (mul_ok prec emax _ _ prec_large emax_large gx eps M2 ltac:(rewrite O2; exact G2)) as [T1 T2]; [now apply most_large|].
     set (product := Bmult mode_NE gx eps) in *.
     destruct (opp_ok prec emax product) as [W1 W2].
-    change (push A k L U x) with (Bopp product). rewrite W1, W2. split; [|exact T2].
+    change (push A k high low L U x) with (Bopp product). rewrite W1, W2. split; [|exact T2].
     rewrite T1, Ev. replace (- side * (v * e)) with (- (side * (v * e))) by ring. rewrite rnd_opp, Odd, Ropp_involutive.
     rewrite <- Rmult_minus_distr_l, Rabs_mult, Sa, Rmult_1_l.
     replace (rnd (v * e) - K * E) with ((rnd (v * e) - v * e) + (v * e - K * E)) by ring.
@@ -487,7 +487,7 @@ Section Machine.
   Qed.
 
   (* the emitted law is the law (13) with e clamped, up to 30 u in relative terms and in epsilon *)
-  Theorem law_ok : Rabs (value (push A k L U x) - clamped_law c gain_ a b) <= 30 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k L U x) = true.
+  Theorem law_ok : Rabs (value (push A k high low L U x) - clamped_law c gain_ a b) <= 30 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k high low L U x) = true.
   Proof.
     destruct push_close as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
     destruct nearer_ok as [N1 N2]. destruct sizes as (S1 & S2 & S3 & S4).
@@ -513,16 +513,16 @@ Section Machine.
       { unfold E. destruct Nm as [-> ->]. assert (D := close_ln u u_small 2 _ _ ltac:(lia) Cab). replace (INR 2) with 2 in D by (cbn; lra).
         assert (Q2 : ln (a / b) = ln a - ln b) by (unfold Rdiv; rewrite ln_mult, ln_Rinv by (try apply Rinv_0_lt_compat; lra); ring). rewrite Q2.
         apply Rabs_le_between in D. lra. }
-      replace (value (push A k L U x) - -1 * (gain_ * X * E)) with ((value (push A k L U x) - 1 * (gain_ * X * E)) + 2 * (gain_ * X * E)) by ring.
+      replace (value (push A k high low L U x) - -1 * (gain_ * X * E)) with ((value (push A k high low L U x) - 1 * (gain_ * X * E)) + 2 * (gain_ * X * E)) by ring.
       eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (2 * (gain_ * X * E))) by nra.
       assert (gain_ * X * E <= gain_ * X * (3 * u)) by (apply Rmult_le_compat_l; lra). nra.
   Qed.
 
   (* the same as an error of the factor and an error of the logarithm, as the certificate counts it *)
-  Theorem law_acts : HeldLaw.acts gain_ c (32 * u) None a b (value (push A k L U x)) /\ is_finite (push A k L U x) = true.
+  Theorem law_acts : HeldLaw.acts gain_ c (32 * u) None a b (value (push A k high low L U x)) /\ is_finite (push A k high low L U x) = true.
   Proof.
     destruct law_ok as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
-    set (w := value (push A k L U x)) in *. assert (Kp : 0 < gain_ * X) by nra.
+    set (w := value (push A k high low L U x)) in *. assert (Kp : 0 < gain_ * X) by nra.
     set (sign := if Rlt_dec b a then -1 else 1). assert (Sg : sign * sign = 1 /\ Rabs sign = 1).
     { unfold sign. destruct (Rlt_dec b a); split; try ring; [rewrite Rabs_left; lra|apply Rabs_R1]. }
     assert (Law : clamped_law c gain_ a b = sign * (gain_ * X * E)).
@@ -545,6 +545,32 @@ Section Machine.
     - unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ (1 + d))) by (left; apply Rinv_0_lt_compat; lra).
       apply (Rmult_le_reg_r (1 + d)); [lra|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. nra.
     - unfold HeldLaw.clamp. rewrite W. unfold HeldLaw.magnitude, HeldLaw.nearer. fold S. fold m. fold N. fold F. fold E. unfold HeldLaw.side, sign, X. destruct (Rlt_dec b a); ring.
+  Qed.
+
+  (* held within a limit it is the limited law: comparisons and a change of sign lose nothing *)
+  Lemma saturated_ok (limit v : number) : is_finite limit = true -> is_finite v = true -> 0 <= value limit ->
+    value (saturated A limit v) = HeldLaw.clamp (Some (value limit)) (value v) /\ is_finite (saturated A limit v) = true.
+  Proof.
+    intros Fm Fv m0. destruct (opp_ok prec emax limit) as [O1 O2]. rewrite Fm in O2.
+    assert (H1 := less_ok prec emax (Bopp limit) v O2 Fv). rewrite O1 in H1.
+    set (raised := if Bltb (Bopp limit) v then v else Bopp limit : number).
+    change (saturated A limit v) with (if Bltb limit raised then limit else raised : number).
+    assert (Ra : value raised = Rmax (- value limit) (value v) /\ is_finite raised = true).
+    { unfold raised. destruct (Bltb (Bopp limit) v).
+      - rewrite Rmax_right by (left; now apply H1). auto.
+      - rewrite O1, Rmax_left; [auto|]. apply Rnot_lt_le. intro C. apply H1 in C. discriminate. }
+    destruct Ra as [R1 R2]. assert (H2 := less_ok prec emax limit raised Fm R2). rewrite R1 in H2. cbn [HeldLaw.clamp].
+    destruct (Bltb limit raised).
+    - split; [|exact Fm]. assert (Q : value limit < Rmax (- value limit) (value v)) by now apply H2.
+      unfold Rmax, Rmin in *; repeat destruct Rle_dec; lra.
+    - split; [|exact R2]. rewrite R1. assert (Q : Rmax (- value limit) (value v) <= value limit) by (apply Rnot_lt_le; intro C; apply H2 in C; discriminate).
+      unfold Rmax, Rmin in *; repeat destruct Rle_dec; lra.
+  Qed.
+  Theorem saturated_acts (limit : number) : is_finite limit = true -> 0 <= value limit ->
+    HeldLaw.acts gain_ c (32 * u) (Some (value limit)) a b (value (saturated A limit (push A k high low L U x))) /\ is_finite (saturated A limit (push A k high low L U x)) = true.
+  Proof.
+    intros Fm m0. destruct law_acts as [(e1 & e2 & E1 & E2 & Eq) Fi]. destruct (saturated_ok limit _ Fm Fi m0) as [S1 S2].
+    split; [|exact S2]. exists e1, e2. split; [exact E1|split; [exact E2|]]. rewrite S1, Eq. reflexivity.
   Qed.
 
   (* and the machine knows whether the state is inside *)

@@ -8,9 +8,10 @@ Import ListNotations.
 Open Scope R_scope.
 
 (* the law of the certificate is the one that is read in the text, and loses no less than is proved *)
-Definition law_check (f : format) (task : Tube.task) (s : sampling) (gain c : Q) : bool :=
+Definition law_check (f : format) (task : Tube.task) (s : sampling) (gains : list Q) (c : Q) (limits : list (option Q)) : bool :=
   (Qle_bool (32 * half_ulp f) (lost s) &&
-   forallb (fun i => Qeq_bool (Period.gain (part s i)) gain && Qeq_bool (clamped (part s i)) c && match limit (part s i) with None => true | Some _ => false end) (seq 0 (n task)))%bool.
+   forallb (fun i => Qeq_bool (Period.gain (part s i)) (nth i gains 0%Q) && Qeq_bool (clamped (part s i)) c &&
+     match limit (part s i), nth i limits None with None, None => true | Some m, Some m' => Qeq_bool m m' | _, _ => false end) (seq 0 (n task)))%bool.
 
 Lemma acts_more k c r r' limit a b u : r <= r' -> acts k c r limit a b u -> acts k c r' limit a b u.
 Proof. intros H (e1 & e2 & A & B & E). exists e1, e2. split; [lra|split; [lra|exact E]]. Qed.
@@ -23,15 +24,15 @@ Section Sharp.
   Notation value := (@B2R prec emax).
 
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gain c : Q).
+  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
   Variables (s : sampling) (hints : list (list (Q * Q))) (cuts : nat).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs sc late = true.
-  Hypothesis constants_checked : constants_check f k coefficients unit task rows sc gain c = true.
+  Hypothesis constants_checked : constants_check f k coefficients unit task rows sc gains c limits = true.
   Hypothesis period_checked : period_check unit task rows s hints cuts err = true.
-  Hypothesis law_checked : law_check f task s gain c = true.
-  Let program := Source lines [("@coefficients"%string, coefficients)] (Emission.emitted k).
+  Hypothesis law_checked : law_check f task s gains c limits = true.
+  Let program := Source lines (emitted_tables k coefficients) (Emission.emitted k).
 
   Variable log_ : number -> number.
   Hypothesis log_accurate : accurate prec emax log_.
@@ -69,7 +70,7 @@ Section Sharp.
     - exact x_start.
     - intros p i Hi. apply (measures p i Hi).
     - intros p i Hi. destruct (clock_reads p) as [Fc Rc].
-      destruct (control_acts f k coefficients lines unit err depth task rows Vs sc late gain c tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+      destruct (control_acts f k coefficients lines unit err depth task rows Vs sc late gains c limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
         (clock p) (measured p) Fc (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) (taken p) Rc) as (out & status & E & _ & _ & St).
       destruct (St i Hi) as (v & V1 & _ & V3).
       assert (In : input p i = value v) by (unfold input, applied, program; rewrite E, V1; reflexivity).
@@ -77,7 +78,9 @@ Section Sharp.
       assert (Hc := H2 i ltac:(apply in_seq; lia)). rewrite !andb_true_iff in Hc. destruct Hc as [[C1 C2] C3].
       apply Qle_true in H1. rewrite Q2R_mult in H1. replace (Q2R 32) with 32 in H1 by (unfold Q2R; cbn; lra).
       apply Qeq_bool_iff, Qeq_eqR in C1, C2. rewrite C1, C2, In.
-      destruct (limit (part s i)) as [m|]; [discriminate|]. cbn [option_map].
+      assert (Lm : option_map Q2R (limit (part s i)) = option_map Q2R (nth i limits None)).
+      { destruct (limit (part s i)), (nth i limits None); try discriminate; cbn [option_map]; [|reflexivity]. f_equal. now apply Qeq_eqR, Qeq_bool_iff. }
+      rewrite Lm.
       eapply acts_more; [exact H1|exact V3].
     - exact plant.
   Qed.

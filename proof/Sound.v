@@ -24,13 +24,13 @@ Section Sound.
 
   (* the text, as read, and the checks *)
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gain c : Q) (P : plant).
+  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)) (P : plant).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
-  Hypothesis constants_checked : constants_check f k coefficients unit task rows s gain c = true.
-  Hypothesis plant_checked : plant_check unit err depth task rows Vs gain c (32 * half_ulp f) P = true.
-  Let program := Source lines [("@coefficients"%string, coefficients)] (Emission.emitted k).
+  Hypothesis constants_checked : constants_check f k coefficients unit task rows s gains c limits = true.
+  Hypothesis plant_checked : plant_check unit err depth task rows Vs gains c (32 * half_ulp f) limits P = true.
+  Let program := Source lines (emitted_tables k coefficients) (Emission.emitted k).
 
   (* the library's logarithm *)
   Variable log_ : number -> number.
@@ -60,10 +60,10 @@ Section Sound.
 
   Lemma law_of_control p i : (i < n task)%nat -> exists a b,
     Rabs (a - (x i (taken p) - L i (taken p))) <= Q2R (eta err P) /\ Rabs (b - (U i (taken p) - x i (taken p))) <= Q2R (eta err P) /\ 0 < a + b /\
-    acts (Q2R gain) (Q2R c) (Q2R (32 * half_ulp f)) None a b (input p i).
+    acts (Q2R (nth i gains 0%Q)) (Q2R c) (Q2R (32 * half_ulp f)) (option_map Q2R (nth i limits None)) a b (input p i).
   Proof.
     intro Hi. destruct (clock_reads p) as [Fc Rc].
-    destruct (control_acts f k coefficients lines unit err depth task rows Vs s late gain c tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+    destruct (control_acts f k coefficients lines unit err depth task rows Vs s late gains c limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
       (clock p) (measured p) Fc (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) (taken p) Rc) as (out & status & E & _ & _ & St).
     destruct (St i Hi) as (v & V1 & _ & V3).
     assert (In : input p i = value v) by (unfold input, applied, program; rewrite E, V1; reflexivity).
@@ -76,7 +76,7 @@ Section Sound.
     destruct (emitted_near f unit err depth task rows Vs s late tube_checked slopes_checked rounding_checked ck Cl i (taken p) Hi) as [Nl Nu].
     destruct (emitted_tube_sound f unit err depth task rows Vs s late tube_checked slopes_checked rounding_checked ck Cl) as (P1 & _).
     specialize (P1 i (taken p) Hi). cbv beta in Nl, Nu, P1. rewrite Et in Nl, Nu, P1.
-    assert (W := width_size _ _ _ _ _ _ _ _ _ (all_checked f k coefficients unit err depth task rows Vs s late gain c tube_checked rounding_checked constants_checked (clock p))).
+    assert (W := width_size _ _ _ _ _ _ _ _ _ _ (all_checked f k coefficients unit err depth task rows Vs s late gains c limits tube_checked rounding_checked constants_checked (clock p))).
 
     exists (value (measured p i) - EmittedTube.emitted f unit rows s fst i (value (clock p))), (EmittedTube.emitted f unit rows s snd i (value (clock p)) - value (measured p i)).
     apply Rabs_le_between in Ms, Nl, Nu. unfold eta. rewrite Q2R_plus. fold (L i (taken p)) in Nl. fold (U i (taken p)) in Nu.
@@ -92,13 +92,13 @@ Section Sound.
     (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
   Proof.
     intros p t Ht.
-    assert (K := held unit err depth task rows Vs gain c (32 * half_ulp f) P tube_checked slopes_checked plant_checked taken switch x y g input times x_cont start ode law_of_control p t Ht).
+    assert (K := held unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked slopes_checked plant_checked taken switch x y g input times x_cont start ode law_of_control p t Ht).
     pose proof tube_checked as Ck. unfold check in Ck. cbv zeta in Ck. rewrite !andb_true_iff in Ck. destruct Ck as [[[Up Tp] Rg] _].
     pose proof slopes_checked as Sl. unfold slopes in Sl. rewrite !andb_true_iff in Sl. destruct Sl as [[_ Er] _]. apply Qle_true in Er. rewrite Q2R_0 in Er.
     destruct (tube_sound unit err Up task rows depth tube_checked L U) as (P1 & P2 & P3 & P4 & P5).
     { intros i r _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
     assert (I : forall i, (i < n task)%nat -> L i t < x i t < U i t).
-    { intros i Hi. destruct (K i Hi) as [K1 K2]. destruct (widths_ok unit err depth task rows Vs gain c (32 * half_ulp f) P tube_checked plant_checked i t Hi) as [W _].
+    { intros i Hi. destruct (K i Hi) as [K1 K2]. destruct (widths_ok unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked plant_checked i t Hi) as [W _].
       pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [_ Cc]. rewrite forallb_forall in Cc.
       assert (Ci := Cc i ltac:(apply in_seq; lia)). unfold component_check in Ci. rewrite !andb_true_iff in Ci.
       assert (R1 : 1 <= Q2R (nth i (rho_ P) 0%Q)) by (rewrite <- Q2R_1; apply Qle_true; tauto).

@@ -36,20 +36,20 @@ Proof. induction n; cbn; [apply Q2R_0|]. rewrite Q2R_plus, IHn. destruct (Nat.eq
 
 Section Uniform.
   Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
-  Variables (gain c r : Q) (P : plant).
+  Variables (gains : list Q) (c r : Q) (limits : list (option Q)) (P : plant).
 
   Definition eta : Q := err + noise_ P.
   Definition z_ i : Q := 1 / (1 + of (rho_ P) i).
   Definition v_ i : Q := unit * (3 * inject_Z (nth i Vs 0%Z)) * (inject_Z (Z.of_nat (segments rows)) / T k).
   Definition N_ i : Q := Qred (of (narrowest P) i * z_ i - eta).
   Definition Y1 i : Q := Qred ((of (narrowest P) i * (1 - z_ i) + eta) / N_ i).
-  Definition most_ i : Q := Qred (gain * / N_ i * (1 + / Y1 i) * (1 + r) * (of (log_up P) i + r)).
+  Definition most_ i : Q := Qred (of gains i * / N_ i * (1 + / Y1 i) * (1 + r) * (of (log_up P) i + r)).
   Definition force_ i : Q := Qred (of (push_ P) i + of (cross_ P) i * others_Q (n k) i most_).
   Definition drift_ i : Q := Qred ((force_ i + v_ i) * tau_ P + of (gmax_ P) i * most_ i * latency_ P).
   Definition A_ i : Q := of (narrowest P) i * (1 - z_ i) - (drift_ i + eta).
   Definition B_ i : Q := of (narrowest P) i * z_ i + (drift_ i + eta).
   Definition Y2 i : Q := Qred (A_ i / B_ i).
-  Definition pull_ i : Q := of (gmin_ P) i * (gain * / (of (widest P) i * z_ i + (drift_ i + eta)) * (1 + / Y2 i) * (1 - r) * (of (log_down P) i - r)).
+  Definition pull_ i : Q := of (gmin_ P) i * (of gains i * / (of (widest P) i * z_ i + (drift_ i + eta)) * (1 + / Y2 i) * (1 - r) * (of (log_down P) i - r)).
 
   Definition narrow (i : nat) (v : Q) : atom := Atom i 1 (-1) (- below unit v).
   Definition widths : list requirement := flat_map (fun i => [[wide unit i (of (narrowest P) i)]; [narrow i (of (widest P) i)]]) (seq 0 (n k)).
@@ -60,9 +60,10 @@ Section Uniform.
      exp_at_least (of (log_up P) i) (Y1 i) && exp_at_most (of (log_down P) i) (Y2 i) && Qless 1 (Y2 i) && Qle_bool r (of (log_down P) i) && Qless 0 (B_ i) &&
      Qless (2 * eta + r * (of (widest P) i + 2 * eta))
            (of (narrowest P) i * ((of (rho_ P) i - 1) / (of (rho_ P) i + 1)) - 2 * ((force_ i + v_ i + of (gmax_ P) i * most_ i) * tau_ P)) &&
-     Qle_bool (force_ i + v_ i) (pull_ i))%bool.
+     Qle_bool (force_ i + v_ i) (pull_ i) && Qless 0 (of gains i) &&
+     match nth i limits None with Some m => Qle_bool 0 m && Qle_bool (force_ i + v_ i) (of (gmin_ P) i * m) | None => true end)%bool.
   Definition plant_check : bool :=
-    (Qless 0 gain && Qless 0 c && Qle_bool c (1 # 4) && Qle_bool 0 r && Qle_bool r (1 # 2) && Qle_bool 0 (noise_ P) && Qle_bool 0 (tau_ P) && Qle_bool 0 (latency_ P) &&
+    (Qless 0 c && Qle_bool c (1 # 4) && Qle_bool 0 r && Qle_bool r (1 # 2) && Qle_bool 0 (noise_ P) && Qle_bool 0 (tau_ P) && Qle_bool 0 (latency_ P) &&
      forallb (fun p => check_piece depth 1 p widths) (pieces rows) && forallb component_check (seq 0 (n k)))%bool.
 
   Hypothesis tube_checked : check unit err depth k rows = true.
@@ -85,7 +86,7 @@ Section Uniform.
   (* every input is the law's, on distances seen with errors *)
   Hypothesis law : forall p i, (i < n k)%nat -> exists a b,
     Rabs (a - (x i (taken p) - L i (taken p))) <= Q2R eta /\ Rabs (b - (U i (taken p) - x i (taken p))) <= Q2R eta /\ 0 < a + b /\
-    acts (Q2R gain) (Q2R c) (Q2R r) None a b (input p i).
+    acts (Q2R (of gains i)) (Q2R c) (Q2R r) (option_map Q2R (nth i limits None)) a b (input p i).
 
   Lemma widths_ok i t : (i < n k)%nat -> Q2R (of (narrowest P) i) <= U i t - L i t <= Q2R (of (widest P) i).
   Proof.
@@ -106,8 +107,8 @@ Section Uniform.
 
   Theorem held : forall p t, 0 <= t <= switch p -> keeps (n k) (fun i => Q2R (of (rho_ P) i)) L U x t.
   Proof.
-    pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [[[[[[[[[G1 G2] G3] G4] G5] G6] G7] G8] W] Cc].
-    apply Qless_ok in G1, G2. apply Qle_true in G3, G4, G5, G6, G7, G8. rewrite forallb_forall in Cc.
+    pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [[[[[[[[G2 G3] G4] G5] G6] G7] G8] W] Cc].
+    apply Qless_ok in G2. apply Qle_true in G3, G4, G5, G6, G7, G8. rewrite forallb_forall in Cc.
     pose proof tube_checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up).
     pose proof slopes_checked as Sl. unfold slopes in Sl. rewrite !andb_true_iff, forallb_forall in Sl. destruct Sl as [[Mw Er] St].
@@ -115,6 +116,11 @@ Section Uniform.
     assert (Q1 : Q2R (1 # 4) = 1 / 4) by (unfold Q2R; cbn; lra). assert (Qh : Q2R (1 # 2) = 1 / 2) by (unfold Q2R; cbn; lra).
     assert (Eta : 0 <= Q2R eta) by (unfold eta; rewrite Q2R_plus, Q2R_0 in *; lra).
     assert (Each : forall i, (i < n k)%nat -> component_check i = true) by (intros i Hi; apply Cc, in_seq; lia).
+    assert (Own : forall i, (i < n k)%nat -> 0 < Q2R (of gains i) /\ (forall m, option_map Q2R (nth i limits None) = Some m -> 0 <= m) /\
+      forall m, option_map Q2R (nth i limits None) = Some m -> Q2R (force_ i) + Q2R (v_ i) <= Q2R (of (gmin_ P) i) * m).
+    { intros i Hi. assert (E := Each i Hi). unfold component_check in E. rewrite !andb_true_iff in E. destruct E as [[_ E1] E2]. apply Qless_ok in E1. rewrite Q2R_0 in E1.
+      split; [exact E1|]. destruct (nth i limits None) as [q|]; cbn [option_map]; [|split; intros; discriminate].
+      rewrite andb_true_iff in E2. destruct E2 as [E2 E3]. apply Qle_true in E2, E3. rewrite Q2R_0 in E2. rewrite Q2R_plus, Q2R_mult in E3. split; intros m [= <-]; assumption. }
     (* the conditions of one component, in real numbers *)
     assert (Num : forall i, (i < n k)%nat ->
       let rho := Q2R (of (rho_ P) i) in let z := / (1 + rho) in let d0 := Q2R (of (narrowest P) i) in let d1 := Q2R (of (widest P) i) in
@@ -122,14 +128,14 @@ Section Uniform.
       1 <= rho /\ 0 < Q2R (of (gmin_ P) i) <= Q2R (of (gmax_ P) i) /\ 0 <= Q2R (of (push_ P) i) /\ 0 <= Q2R (of (cross_ P) i) /\ 0 < d0 /\ Q2R c <= z /\ 0 < d0 * z - Q2R eta /\
       0 <= most /\ 0 <= v /\ v = Q2R unit * (3 * IZR (nth i Vs 0%Z)) * (INR (segments rows) / Q2R (T k)) /\
       Q2R (Y1 i) = (d0 * (1 - z) + Q2R eta) / (d0 * z - Q2R eta) /\ ln (Q2R (Y1 i)) <= Q2R (of (log_up P) i) /\
-      most = Q2R gain * / (d0 * z - Q2R eta) * (1 + / Q2R (Y1 i)) * (1 + Q2R r) * (Q2R (of (log_up P) i) + Q2R r) /\
+      most = Q2R (of gains i) * / (d0 * z - Q2R eta) * (1 + / Q2R (Y1 i)) * (1 + Q2R r) * (Q2R (of (log_up P) i) + Q2R r) /\
       F = Q2R (of (push_ P) i) + Q2R (of (cross_ P) i) * others (n k) i (fun j => Q2R (most_ j)) /\
       dr = (F + v) * Q2R (tau_ P) + Q2R (of (gmax_ P) i) * most * Q2R (latency_ P) /\
       2 * Q2R eta + Q2R r * (d1 + 2 * Q2R eta) < d0 * ((rho - 1) / (rho + 1)) - 2 * ((F + v + Q2R (of (gmax_ P) i) * most) * Q2R (tau_ P)) /\
       Q2R (Y2 i) = (d0 * (1 - z) - (dr + Q2R eta)) / (d0 * z + (dr + Q2R eta)) /\ 1 < Q2R (Y2 i) /\ Q2R (of (log_down P) i) <= ln (Q2R (Y2 i)) /\ Q2R r <= Q2R (of (log_down P) i) /\
-      F + v <= Q2R (of (gmin_ P) i) * (Q2R gain * / (d1 * z + (dr + Q2R eta)) * (1 + / Q2R (Y2 i)) * (1 - Q2R r) * (Q2R (of (log_down P) i) - Q2R r))).
+      F + v <= Q2R (of (gmin_ P) i) * (Q2R (of gains i) * / (d1 * z + (dr + Q2R eta)) * (1 + / Q2R (Y2 i)) * (1 - Q2R r) * (Q2R (of (log_down P) i) - Q2R r))).
     { intros i Hi. cbv zeta. assert (E := Each i Hi). unfold component_check in E. rewrite !andb_true_iff in E.
-      destruct E as [[[[[[[[[[[[[[[[E1 E2] E3] E4] E5] E6] E7] E8] E9] E10] E11] E12] E13] E14] E15] E16] E17].
+      destruct E as [[[[[[[[[[[[[[[[[[E1 E2] E3] E4] E5] E6] E7] E8] E9] E10] E11] E12] E13] E14] E15] E16] E17] _] _].
       apply Qless_ok in E2, E6, E8, E13, E15, E16. apply Qle_true in E1, E3, E4, E5, E7, E9, E10, E14, E17.
       rewrite ?Q2R_0, ?Q2R_1 in *.
       assert (Z : Q2R (z_ i) = / (1 + Q2R (of (rho_ P) i))) by (unfold z_; reals; rewrite Q2R_1; ring).
@@ -137,7 +143,7 @@ Section Uniform.
       { unfold N_. rewrite (Qeq_eqR _ _ (Qred_correct _)). reals. now rewrite Z. }
       assert (Yy1 : Q2R (Y1 i) = (Q2R (of (narrowest P) i) * (1 - / (1 + Q2R (of (rho_ P) i))) + Q2R eta) / (Q2R (of (narrowest P) i) * / (1 + Q2R (of (rho_ P) i)) - Q2R eta)).
       { unfold Y1. rewrite (Qeq_eqR _ _ (Qred_correct _)). reals. rewrite Z, Nn, Q2R_1. reflexivity. }
-      assert (Mm : Q2R (most_ i) = Q2R gain * / (Q2R (of (narrowest P) i) * / (1 + Q2R (of (rho_ P) i)) - Q2R eta) * (1 + / Q2R (Y1 i)) * (1 + Q2R r) * (Q2R (of (log_up P) i) + Q2R r)).
+      assert (Mm : Q2R (most_ i) = Q2R (of gains i) * / (Q2R (of (narrowest P) i) * / (1 + Q2R (of (rho_ P) i)) - Q2R eta) * (1 + / Q2R (Y1 i)) * (1 + Q2R r) * (Q2R (of (log_up P) i) + Q2R r)).
       { unfold most_. rewrite (Qeq_eqR _ _ (Qred_correct _)). reals. rewrite Nn, Q2R_1. reflexivity. }
       assert (Ff : Q2R (force_ i) = Q2R (of (push_ P) i) + Q2R (of (cross_ P) i) * others (n k) i (fun j => Q2R (most_ j))).
       { unfold force_. rewrite (Qeq_eqR _ _ (Qred_correct _)). reals. now rewrite others_Q_ok. }
@@ -176,34 +182,34 @@ Section Uniform.
     - exact start.
     - exact ode.
     - intros p m i Hi Kp _ _. destruct (Num i Hi) as (r1 & g1 & p1 & c1 & d0 & cz & N0 & m0 & v0 & _ & Hy & Hl & Hm & _).
-      destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (Kp i Hi) as [K1 K2]. destruct (widths_ok i (taken p) Hi) as [W1 W2].
+      destruct (Own i Hi) as (gp & Lp & Lm). destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (Kp i Hi) as [K1 K2]. destruct (widths_ok i (taken p) Hi) as [W1 W2].
       assert (z0 : 0 < / (1 + Q2R (of (rho_ P) i)) <= 1 / 2).
       { split; [apply Rinv_0_lt_compat; lra|]. replace (1 / 2) with (/ 2) by lra. apply Rinv_le_contravar; lra. }
-      assert (Nb : 0 < Q2R gain /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
+      assert (Nb : 0 < Q2R (of gains i) /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
         by (rewrite Q2R_0 in *; repeat split; lra).
-      rewrite Hm. apply (acts_most (Q2R gain) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) None Nb ltac:(intros; discriminate)
+      rewrite Hm. apply (acts_most (Q2R (of gains i)) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) (option_map Q2R (nth i limits None)) Nb Lp
         (x i (taken p) - L i (taken p)) (U i (taken p) - x i (taken p)) a b (input p i) (Q2R (of (narrowest P) i)) (Q2R (Y1 i)) (Q2R (of (log_up P) i)) Act Ha Hb); auto; try lra.
     - intros p m i Hi Kp Hm. destruct (Num i Hi) as (r1 & g1 & p1 & c1 & d0 & cz & N0 & m0 & v0 & _ & Hy & Hl & Hmo & Hf & Hd & Hside & _).
-      destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (widths_ok i (taken p) Hi) as [W1 W2]. destruct (widths_ok i m Hi) as [W3 W4].
+      destruct (Own i Hi) as (gp & Lp & Lm). destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (widths_ok i (taken p) Hi) as [W1 W2]. destruct (widths_ok i m Hi) as [W3 W4].
       assert (z0 : 0 < / (1 + Q2R (of (rho_ P) i)) <= 1 / 2).
       { split; [apply Rinv_0_lt_compat; lra|]. replace (1 / 2) with (/ 2) by lra. apply Rinv_le_contravar; lra. }
-      assert (Nb : 0 < Q2R gain /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
+      assert (Nb : 0 < Q2R (of gains i) /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
         by (rewrite Q2R_0 in *; repeat split; lra).
       assert (Wm : Q2R (of (narrowest P) i) * ((Q2R (of (rho_ P) i) - 1) / (Q2R (of (rho_ P) i) + 1)) <= (U i m - L i m) * ((Q2R (of (rho_ P) i) - 1) / (Q2R (of (rho_ P) i) + 1))).
       { apply Rmult_le_compat_r; [|exact W3]. apply Rmult_le_pos; [lra|left; apply Rinv_0_lt_compat; lra]. }
       assert (Fo : Held.force (n k) (fun i => Q2R (of (push_ P) i)) (fun i => Q2R (of (cross_ P) i)) (fun i _ => Q2R (most_ i)) i m = Q2R (force_ i)) by (unfold force; symmetry; exact Hf).
       rewrite Fo. cbv beta. split; intro Q.
-      + apply (acts_side (Q2R gain) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) None Nb ltac:(intros; discriminate)
+      + apply (acts_side (Q2R (of gains i)) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) (option_map Q2R (nth i limits None)) Nb Lp
           (x i (taken p) - L i (taken p)) (U i (taken p) - x i (taken p)) a b (input p i) (Q2R (of (widest P) i)) Act Ha Hb Hs); lra.
-      + apply acts_opp in Act; [|intros; discriminate|lra|exact Hs].
+      + apply acts_opp in Act; [|exact Lp|lra|exact Hs].
         assert (- input p i <= 0); [|lra].
-        apply (acts_side (Q2R gain) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) None Nb ltac:(intros; discriminate)
+        apply (acts_side (Q2R (of gains i)) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) (option_map Q2R (nth i limits None)) Nb Lp
           (U i (taken p) - x i (taken p)) (x i (taken p) - L i (taken p)) b a (- input p i) (Q2R (of (widest P) i)) Act Hb Ha); lra.
     - intros p m i Hi Kp Hm Hw. destruct (Num i Hi) as (r1 & g1 & p1 & c1 & d0 & cz & N0 & m0 & v0 & _ & Hy & Hl & Hmo & Hf & Hd & Hside & Hy2 & Hy3 & Hl2 & Hr2 & Hp).
-      destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (widths_ok i (taken p) Hi) as [W1 W2]. destruct (widths_ok i m Hi) as [W3 W4].
+      destruct (Own i Hi) as (gp & Lp & Lm). destruct (law p i Hi) as (a & b & Ha & Hb & Hs & Act). destruct (widths_ok i (taken p) Hi) as [W1 W2]. destruct (widths_ok i m Hi) as [W3 W4].
       assert (z0 : 0 < / (1 + Q2R (of (rho_ P) i)) <= 1 / 2).
       { split; [apply Rinv_0_lt_compat; lra|]. replace (1 / 2) with (/ 2) by lra. apply Rinv_le_contravar; lra. }
-      assert (Nb : 0 < Q2R gain /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
+      assert (Nb : 0 < Q2R (of gains i) /\ 0 < Q2R c <= / (1 + Q2R (of (rho_ P) i)) /\ / (1 + Q2R (of (rho_ P) i)) <= 1 / 2 /\ 0 <= Q2R r <= 1 / 2 /\ Q2R c <= 1 / 4 /\ 0 <= Q2R eta)
         by (rewrite Q2R_0 in *; repeat split; lra).
       assert (Fo : forall m, Held.force (n k) (fun i => Q2R (of (push_ P) i)) (fun i => Q2R (of (cross_ P) i)) (fun i _ => Q2R (most_ i)) i m = Q2R (force_ i)) by (intro; unfold force; symmetry; exact Hf).
       assert (Dr : Held.drift (n k) (fun i => Q2R (of (gmax_ P) i)) (fun i => Q2R (of (push_ P) i)) (fun i => Q2R (of (cross_ P) i)) (Q2R (tau_ P)) (Q2R (latency_ P))
@@ -217,14 +223,14 @@ Section Uniform.
       { rewrite Hd. assert (0 <= Q2R (v_ i) * Q2R (tau_ P)) by (apply Rmult_le_pos; lra). assert (0 <= Q2R (force_ i) * Q2R (tau_ P)) by (apply Rmult_le_pos; lra).
         assert (0 <= Q2R (of (gmax_ P) i) * Q2R (most_ i) * Q2R (latency_ P)) by (apply Rmult_le_pos; [apply Rmult_le_pos|]; lra). lra. }
       split; intros Q3 Q4.
-      + apply (acts_pull (Q2R gain) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) None Nb ltac:(intros; discriminate)
+      + apply (acts_pull (Q2R (of gains i)) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) (option_map Q2R (nth i limits None)) Nb Lp
           (x i (taken p) - L i (taken p)) (U i (taken p) - x i (taken p)) a b (input p i) (U i m - L i m) (Q2R (of (narrowest P) i)) (Q2R (of (widest P) i)) (Q2R (drift_ i))
           (Q2R (v_ i) * Q2R (tau_ P)) _ _ (Q2R (Y2 i)) (Q2R (of (log_down P) i)) (Q2R (of (gmin_ P) i)) (Q2R (force_ i) + Q2R (v_ i)) Act Ha Hb Hs ltac:(lra) d0 Vt ltac:(lra) Q3 Q4 eq_refl eq_refl Hy2 Hy3 Hl2 Hr2);
-          [lra|exact Hp|intros; discriminate].
-      + replace (input p i) with (- - input p i) by ring. apply acts_opp in Act; [|intros; discriminate|lra|exact Hs].
-        apply (acts_pull (Q2R gain) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) None Nb ltac:(intros; discriminate)
+          [lra|exact Hp|exact Lm].
+      + replace (input p i) with (- - input p i) by ring. apply acts_opp in Act; [|exact Lp|lra|exact Hs].
+        apply (acts_pull (Q2R (of gains i)) (Q2R c) (Q2R r) (Q2R eta) (/ (1 + Q2R (of (rho_ P) i))) (option_map Q2R (nth i limits None)) Nb Lp
           (U i (taken p) - x i (taken p)) (x i (taken p) - L i (taken p)) b a (- input p i) (U i m - L i m) (Q2R (of (narrowest P) i)) (Q2R (of (widest P) i)) (Q2R (drift_ i))
           (Q2R (v_ i) * Q2R (tau_ P)) _ _ (Q2R (Y2 i)) (Q2R (of (log_down P) i)) (Q2R (of (gmin_ P) i)) (Q2R (force_ i) + Q2R (v_ i)) Act Hb Ha ltac:(lra) ltac:(lra) d0 Vt ltac:(lra) Q3 Q4 eq_refl eq_refl Hy2 Hy3 Hl2 Hr2);
-          [lra|exact Hp|intros; discriminate].
+          [lra|exact Hp|exact Lm].
   Qed.
 End Uniform.

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from conftest import ROOT
+from test_cli import run
 
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
@@ -12,40 +16,78 @@ from stt_codegen.theorem.deep import deep
 pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
 
 MUTANTS = (
-    ("u - base", "base - u", "text_read"),
-    ("logf(v0)", "logf(v3)", "text_read"),
-    ("(-0.5F) : 0.5F", "0.5F : (-0.5F)", "constants_checked"),
-    ("0.23894978F", "0.23894979F", "tube_checked"),
-    ("#include <math.h>", "#include <tgmath.h>", "text_read"),
-    ("0.5F;", "0.5;", "text_read"),
-    ("typedef float", "typedef double", "header_read"),
-    ("upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
+    ("omni_s1", "u - base", "base - u", "text_read"),
+    ("omni_s1", "logf(v0)", "logf(v3)", "text_read"),
+    ("omni_s1", "(-0.5F) : 0.5F", "0.5F : (-0.5F)", "constants_checked"),
+    ("omni_s1", "0.23894978F", "0.23894979F", "tube_checked"),
+    ("omni_s1", "#include <math.h>", "#include <tgmath.h>", "text_read"),
+    ("omni_s1", "0.5F;", "0.5;", "text_read"),
+    ("omni_s1", "typedef float", "typedef double", "header_read"),
+    ("omni_s1", "upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
+    # gains by component: a table, and where it is read
+    ("trolley", "0.178F, 0.168F", "0.001F, 0.168F", "period_checked"),
+    ("trolley", "0.178F, 0.168F", "-0.178F, 0.168F", "constants_checked"),
+    ("trolley", "trolley_gain[2] = {\n    0.178F, 0.168F", "trolley_gain[1] = {\n    0.178F", "constants_checked"),
+    ("trolley", "= trolley_gain[i]", "= trolley_u_max[i]", "text_read"),
+    ("trolley", "= trolley_gain[i]", "= trolley_gain[at]", "text_read"),
+    ("trolley", "= -gain_i", "= gain_i", "text_read"),
+    ("trolley", "upper_nearer ? gain_minus : gain_i", "upper_nearer ? gain_i : gain_minus", "text_read"),
+    # limits: a table, and the statements that hold u within them
+    ("trolley", "2.0F, 2.0F", "0.3F, 2.0F", "period_checked"),
+    ("trolley", "2.0F, 2.0F", "2.0F, -2.0F", "constants_checked"),
+    ("trolley", "trolley_u_max[2] = {\n    2.0F, 2.0F", "trolley_u_max[1] = {\n    2.0F", "constants_checked"),
+    ("trolley", "= trolley_u_max[i]", "= trolley_gain[i]", "text_read"),
+    ("trolley", "= -u_limit", "= u_limit", "text_read"),
+    ("trolley", "u_min < push", "push < u_min", "text_read"),
+    ("trolley", "u_held_above ? push : u_min", "u_held_above ? u_min : push", "text_read"),
+    ("trolley", "u_limit < u_held_raised", "u_held_raised < u_limit", "text_read"),
+    ("trolley", "u_held_over ? u_limit : u_held_raised", "u_held_over ? u_held_raised : u_limit", "text_read"),
+    ("trolley", "u[i] = u_held;", "u[i] = push;", "text_read"),
+    ("trolley", "u[i] = u_held;", "u[i] = u_held_raised;", "text_read"),
 )
 
 
-@pytest.fixture(autouse=True)
-def _coqc(tool) -> None:
-    tool("coqc")
+def deep_of(task: Path, folder: Path) -> str:
+    parts = (folder / f"{task.stem}{end}" for end in (".h", ".c", ".certificate.json"))
+    return deep(task.read_bytes(), *(path.read_bytes() for path in parts))
 
 
 def text(name: str, scalar: str) -> str:
-    folder = ROOT / "generated" / name / "refined" / scalar
-    parts = (folder / f"{name}{end}" for end in (".h", ".c", ".certificate.json"))
-    return deep((ROOT / "tasks" / f"{name}.toml").read_bytes(), *(path.read_bytes() for path in parts))
+    return deep_of(ROOT / "tasks" / f"{name}.toml", ROOT / "generated" / name / "refined" / scalar)
 
 
+@pytest.mark.parametrize("name", ["omni_s1", "trolley"])
 @pytest.mark.parametrize("scalar", ["float", "double"])
-def test_shipped_controllers_have_it(scalar: str) -> None:
-    answer = asking.ask_coq(text("omni_s1", scalar).encode(), "omni_s1")
+def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
+    answer = asking.ask_coq(text(name, scalar).encode(), name)
     assert answer.holds, answer.what
     assert set(answer.axioms) <= asking.AXIOMS
 
 
-@pytest.mark.parametrize(("old", "new", "lemma"), MUTANTS)
-def test_changed_texts_have_none(old: str, new: str, lemma: str) -> None:
-    whole = text("omni_s1", "float")
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("omni_s1", "gain = 0.5", "gain = [0.5, 0.7]"),  # gains alone, without a period
+        ("omni_s1", "gain = 0.5", "gain = 0.5\nu_max = [3.1, 40.0]"),  # limits alone
+        ("crawler", r"\[emit\].*", ""),  # gains alone, with a period: a crawler in seconds, on a machine with a library
+    ],
+)
+def test_gains_and_limits_have_it_one_without_the_other(name: str, old: str, new: str, tmp_path: Path) -> None:
+    task = tmp_path / f"{name}.toml"
+    before = (ROOT / "tasks" / f"{name}.toml").read_text()
+    task.write_text(re.sub(old, new, before, flags=re.S))
+    assert task.read_text() != before
+    done = run("generate", str(task), "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    answer = asking.ask_coq(deep_of(task, tmp_path).encode(), name)
+    assert answer.holds, answer.what
+
+
+@pytest.mark.parametrize(("name", "old", "new", "lemma"), MUTANTS)
+def test_changed_texts_have_none(name: str, old: str, new: str, lemma: str) -> None:
+    whole = text(name, "float")
     assert old in whole
-    answer = asking.ask_coq(whole.replace(old, new, 1).encode(), "omni_s1")
+    answer = asking.ask_coq(whole.replace(old, new, 1).encode(), name)
     assert not answer.holds
     assert answer.what.startswith(lemma), answer.what
 
@@ -54,6 +96,6 @@ def test_the_example_is_the_one_that_is_written() -> None:
     assert (ROOT / "proof" / "examples" / "omni_s1.v").read_text() == text("omni_s1", "float")
 
 
-def test_limits_are_not_covered() -> None:
-    with pytest.raises(BadInput, match="u_max"):
-        text("trolley", "float")
+def test_ticks_are_not_covered() -> None:
+    with pytest.raises(BadInput, match="times in ticks"):
+        text("omni_board", "float")

@@ -22,7 +22,7 @@ Import ListNotations.
 Open Scope R_scope.
 
 (* The three files, as they are. *)
-Definition the_toml : string := "#:schema ../docs/task.schema.json
+Definition the_toml : string := string_of "#:schema ../docs/task.schema.json
 # The paper's case study, start S1: a robot in a room of 5 m by 5 m, from the upper left corner to the upper right, in 9 s.
 name = ""omni_s1""
 prescribed_time = 9.0
@@ -66,8 +66,8 @@ min_width = 0.05
 
 [control]
 gain = 0.5
-"%string.
-Definition the_header : string := "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+"%text.
+Definition the_header : string := string_of "/* omni_s1.h: prescribed-time reach-avoid-stay controller, refined tube, single precision.
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
@@ -134,8 +134,8 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
 #endif
 
 #endif
-"%string.
-Definition the_text : string := "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
+"%text.
+Definition the_text : string := string_of "/* omni_s1.c: prescribed-time reach-avoid-stay controller, refined tube, single precision.
  *
  * Certified (omni_s1.certificate.json): for every t the tube keeps 0.03 from every
  * unsafe set, stays in the state space, is at least 0.05 wide, and ends in the target set.
@@ -584,7 +584,7 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
         xi[i] = xi_out;
     }
 }
-"%string.
+"%text.
 
 (* The task that is read in the first. Sets have the body added; all numbers are exact. *)
 Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
@@ -611,13 +611,14 @@ Definition the_constants : constants := Eval vm_compute in constants_of Single t
 Definition the_coefficients : list decimal := Eval vm_compute in coefficients_of the_source.
 Definition the_table : Tube.table := Eval vm_compute in rows_of Single the_unit the_constants the_coefficients.
 Definition the_scale : scale := Eval vm_compute in scale_of Single the_constants.
-Definition the_gain : Q := Eval vm_compute in value_of Single (gain_lower the_constants).
+Definition the_gains : list Q := Eval vm_compute in gains_of Single the_constants.
+Definition the_limits : list (option Q) := Eval vm_compute in limits_of Single the_constants.
 Definition the_clamp : Q := Eval vm_compute in value_of Single (Emission.clamp the_constants).
 Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
 Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
-Definition the_program : source := Source (preamble Single "omni_s1"%string) [("@coefficients"%string, the_coefficients)] (Emission.emitted the_constants).
+Definition the_program : source := Source (preamble Single "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
 
-(* The text is this program: the table, and the functions that `tube` and `control` are made of. *)
+(* The text is this program: the tables, and the functions that `tube` and `control` are made of. *)
 Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
 Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
 
@@ -630,7 +631,7 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_steps the_scale the_late = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* The constants and the table of the text are these numbers, and of ordinary size. *)
-Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gain the_clamp = true.
+Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamp the_limits = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 Notation number := (binary_float (precision Single) (largest_exponent Single)).
@@ -649,11 +650,11 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
     execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R the_gain) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) None (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
   destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gain the_clamp tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
+    the_gains the_clamp the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
@@ -665,7 +666,7 @@ Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_
 Definition the_plant : plant := (Plant [(39 # 1); (39 # 1)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(1 # 20); (1 # 20)] [(0 # 1); (0 # 1)]
   (1 # 1000) (0 # 1) (1 # 1048576)
   [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61481973 # 16777216); (61481973 # 16777216)] [(60528189 # 16777216); (60437729 # 16777216)])%Q.
-Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gain the_clamp (32 * half_ulp Single) the_plant = true.
+Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gains the_clamp (32 * half_ulp Single) the_limits the_plant = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
@@ -701,7 +702,7 @@ Proof.
   intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
   rewrite text_read in Text. injection Text as <-.
   exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gain the_clamp the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
+    the_gains the_clamp the_limits the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
     Times Continuous Start Ode Clock Sensors).
 Qed.
 

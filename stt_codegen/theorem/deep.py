@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import math
 import textwrap
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from stt_codegen.certify import checker
 from stt_codegen.decimals import below, decimal
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
@@ -103,6 +104,8 @@ def plant(found: Facts, bounds: Bounds, rho: Fraction) -> Plant | None:
         log_down.append(Fraction(math.floor(math.log(y) * GRID) - SLACK, GRID))
         side = narrowest[i] * (rho - 1) / (rho + 1) - 2 * (force + v + bounds.g_max[i] * most[i]) * bounds.tau
         pull = bounds.g_min[i] * found.gain[i] / (widest[i] * z + drift + eta) * (1 + 1 / y) * (1 - r) * (log_down[i] - r)
+        if found.u_max is not None and force + v > bounds.g_min[i] * found.u_max[i]:
+            return None
         if 2 * eta + r * (widest[i] + 2 * eta) >= side or force + v > pull or log_down[i] < r:
             return None
     return Plant(bounds, [rho] * found.n, narrowest, widest, log_up, log_down)
@@ -137,15 +140,20 @@ def example(found: Facts) -> Bounds:
 def uncovered(found: Facts, *texts: bytes) -> str:
     """What Coq does not read in the C, or for a task without a period why its example has no theorem; empty where it does."""
     reasons = {
-        "control.u_max": found.u_max is not None,
-        "gains that differ": len({*found.gain}) > 1,
+        "values of e_max that differ": len({*found.e_max}) > 1,
         "times in ticks": found.ticks,
         "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
-        "e_max by component": len({*found.e_max}) > 1,
     }
     told = next((name for name, given in reasons.items() if given), "")
-    return told or ("tubes so narrow" if found.sampling is None and found_plant(found, example(found)) is None else "")
+    if told or found.sampling is not None or found_plant(rounded(found), example(found)) is not None:
+        return told
+    return "tubes so narrow" if found.u_max is None else "tubes so narrow, or limits so low"
+
+
+def rounded(found: Facts) -> Facts:
+    """With gains as Coq reads them in the C: numbers of the format, near the certificate's, whose limits are such numbers."""
+    return replace(found, gain=tuple(checker.rounded(v, FORMATS[found.scalar][1]) for v in found.gain))
 
 
 def words(found: Facts) -> str:
@@ -173,12 +181,13 @@ def words(found: Facts) -> str:
 
 def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
     """The text of `<p>.v` for Coq. Raises as `reading.facts` does."""
-    found = facts(task, source, certificate)
+    found = rounded(facts(task, source, certificate))
     if reason := uncovered(found, task, header, source):
         raise BadInput(f"theorem: that of the C's whole text is not yet about {reason}")
     return template("controller.v.j2").render(
         name=found.name,
         loop=words(found),
+        limited="" if found.u_max is None else " and u held within u_max",
         quoted_name=f"{quoted(found.name)}%string",
         toml=quoted(task.decode("ascii")),
         header=quoted(header.decode("ascii")),
@@ -202,9 +211,10 @@ def _example(found: Facts) -> Plant:
 
 
 def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
-    """The record `sampling` of proof/Period.v, with gain and clamp as the C has them."""
+    """The record `sampling` of proof/Period.v, with gain, clamp and limit as the C has them."""
     rest = (s.rho, s.force, s.g_min, s.g_max, s.g_cross, s.shift)
-    parts = [f"Component the_gain the_clamp None {' '.join(rational(v[i]) for v in rest)}" for i in range(found.n)]
+    law = [f"(nth {i} the_gains 0) the_clamp (nth {i} the_limits None)" for i in range(found.n)]
+    parts = [f"Component {law[i]} {' '.join(rational(v[i]) for v in rest)}" for i in range(found.n)]
     bounds = hints(found, s)
     rows = ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in bounds]
     return {
