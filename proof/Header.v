@@ -16,6 +16,16 @@ Definition eat_line (w : string) (l : list token) : option (list token) :=
   match l with Line v :: r => if String.eqb w v then Some r else None | _ => None end.
 Definition eat_prefix (w : string) (l : list token) : option (list token) :=
   match l with Line v :: r => match without w v with Some _ => if one_line v then Some r else None | None => None end | _ => None end.
+(* a directive that defines this number *)
+Definition eat_count (w : string) (n : Z) (l : list token) : option (list token) :=
+  match l with
+  | Line v :: r => let* s := without w v in
+                   match number s 0 0 with
+                   | (z, _, EmptyString) | (z, _, String " " _) => if (z =? n)%Z then eat_prefix w l else None
+                   | _ => None
+                   end
+  | _ => None
+  end.
 Fixpoint eat_words (ws : list string) (l : list token) : option (list token) := (* words, or one character each *)
   match ws with
   | [] => Some l
@@ -37,13 +47,14 @@ Fixpoint prototypes (fuel : nat) (l : list token) : option (list token) :=
 Fixpoint definitions (fuel : nat) (big : string) (n : Z) (l : list token) : option (list token) :=
   match fuel with
   | S f => (let* r := (eat_prefix (String.append "#define " (String.append big "T_C ")) l) or (eat_prefix (String.append "#define " (String.append big "DESIGN_HASH ")) l) or
-                      (eat_prefix (String.append "#define " (String.append big "N ")) l) or
+                      (eat_count (String.append "#define " (String.append big "N ")) n l) or
                       (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) in definitions f big n r) or (Some l)
   | O => None
   end.
 
 Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool :=
   let big := String.append (map_string upper task) "_" in
+  if negb (plain text) then false else
   match (
     let* l := tokens text Between [] in
     let l := map (local task) l in

@@ -1,6 +1,6 @@
 (* A reader of the C text that runs inside Coq: what the theorem says, it says of the program that this reader finds in the file.
-   It fails on whatever it does not know. It is not C's reader in all: spliced lines, trigraphs, `//`, names that differ in case
-   alone, other functions and other macros of the header are left to the stand-alone checker, which refuses them. *)
+   It fails on whatever it does not know, and on what C reads before tokens. What functions that the theorem is not about do, it
+   leaves to the stand-alone checker. *)
 From Coq Require Import ZArith NArith List Bool String Ascii.
 From Stt Require Import Syntax.
 Import ListNotations.
@@ -15,6 +15,29 @@ Definition is_lower (c : ascii) : bool := within 97 122 (N_of_ascii c).
 Definition is_letter (c : ascii) : bool := is_upper c || is_lower c || (N_of_ascii c =? 95)%N.
 Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N || (n =? 10)%N.
 Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
+
+(* What C reads before tokens is not in the text: a line that goes on, a trigraph, a comment to the end of its line, one that its own
+   star would close. And no two signs with blanks between them that C has as one without: each is a token here. *)
+Fixpoint joins (c : ascii) (s : string) : bool :=
+  match s with
+  | String d r => if is_blank d then joins c r else
+      if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "="
+  | EmptyString => false
+  end.
+Fixpoint plain (s : string) : bool :=
+  match s with
+  | EmptyString => true
+  | String c r =>
+      if Ascii.eqb c "\" then false else
+      match r with
+      | String d t =>
+          if Ascii.eqb c "?" && Ascii.eqb d "?" then false else
+          if Ascii.eqb c "/" && Ascii.eqb d "/" then false else
+          if Ascii.eqb c "/" && Ascii.eqb d "*" && (match t with String e _ => Ascii.eqb e "/" | _ => false end) then false else
+          if is_blank d && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins c t then false else plain r
+      | EmptyString => true
+      end
+  end.
 
 Inductive token := Word (w : string) | Number (w : string) | Sign (c : ascii) | Line (w : string).
 
@@ -61,7 +84,7 @@ Fixpoint tokens (s : string) (st : state) (acc : list token) : option (list toke
       end
   end.
 
-(* names that begin with the task's get an @ in its place: no name of the text has one *)
+(* names that begin with the task's get an @ in its place: no name of the text has one; in capitals all of it is, else it begins small *)
 Definition upper (c : ascii) : ascii := if is_lower c then ascii_of_N (N_of_ascii c - 32) else c.
 Fixpoint map_string (f : ascii -> ascii) (s : string) : string := match s with EmptyString => "" | String c r => String (f c) (map_string f r) end.
 Fixpoint without (prefix s : string) : option string :=
@@ -70,10 +93,16 @@ Fixpoint without (prefix s : string) : option string :=
   | String p ps, String c r => if Ascii.eqb p c then without ps r else None
   | _, EmptyString => None
   end.
+Fixpoint each (p : ascii -> bool) (s : string) : bool := match s with EmptyString => true | String c r => if p c then each p r else false end.
+Definition begins_small (s : string) : bool := match s with String c _ => negb (is_upper c) | EmptyString => false end.
 Definition local (task : string) : token -> token :=
   let small := task ++ "_" in let big := map_string upper small in
   fun t => match t with
-  | Word w => match without small w with Some r => Word ("@" ++ r) | None => match without big w with Some r => Word ("@" ++ r) | None => t end end
+  | Word w =>
+      match without small w with
+      | Some r => if begins_small r then Word ("@" ++ r) else t
+      | None => match without big w with Some r => if each (fun c => negb (is_lower c)) r then Word ("@" ++ r) else t | None => t end
+      end
   | _ => t
   end.
 
@@ -268,17 +297,22 @@ Section Parse.
     | _ => None
     end.
 
+  (* directives come first, and what is defined has the task's name before its own: it is no function of a library *)
+  Definition own (x : string) : bool := match x with String c _ => Ascii.eqb c "@" | EmptyString => false end.
+  Definition after (x : string) (s : source) (whole : source) : option source :=
+    match directives s with [] => if own x then Some whole else None | _ => None end.
   Fixpoint file (fuel : nat) (l : list token) : option source :=
     match fuel, l with
     | O, _ => None
     | _, [] => Some (Source [] [] [])
     | S f, Line w :: r => let* s := file f r in Some (Source (w :: directives s) (tables s) (functions s))
     | S f, _ =>
-        (let* (x, vs, r) := table_ fuel l in let* s := file f r in Some (Source (directives s) ((x, vs) :: tables s) (functions s))) or
-        (let* (g, r) := function_ fuel l in let* s := file f r in Some (Source (directives s) (tables s) (g :: functions s)))
+        (let* (x, vs, r) := table_ fuel l in let* s := file f r in after x s (Source [] ((x, vs) :: tables s) (functions s))) or
+        (let* (g, r) := function_ fuel l in let* s := file f r in after (title g) s (Source [] (tables s) (g :: functions s)))
     end.
 
   Definition read (task text : string) : option source :=
+    if negb (plain text) then None else
     let* l := tokens text Between [] in
     let l := map (local task) l in
     file (S (List.length l)) l.

@@ -15,6 +15,7 @@ from test_cli import run
 
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
+from stt_codegen.theorem.deep import KEYS
 from stt_codegen.theorem.reading import Facts, Unread, facts
 from stt_codegen.theorem.text import theorem_text
 from stt_codegen.theorem.writing import written
@@ -87,6 +88,42 @@ def test_generate_writes_what_the_command_asks(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     data = [ROOT / "tasks/trolley.toml", *(tmp_path / f"trolley{end}" for end in (".h", ".c", ".certificate.json"))]
     assert (tmp_path / "trolley.v").read_bytes() == theorem_text(*(p.read_bytes() for p in data))
+
+
+def text_of(name: str, task: bytes | None = None) -> bytes:
+    """What is written about a shipped controller in float, or about one of another text of its task."""
+    own, source, certificate = files_of(name, "float")
+    header = (ROOT / "generated" / name / "refined" / "float" / f"{name}.h").read_bytes()
+    return theorem_text(own if task is None else task, header, source, certificate)
+
+
+def test_the_example_is_the_one_that_is_written() -> None:
+    assert (ROOT / "proof" / "examples" / "omni_s1.v").read_bytes() == text_of("omni_s1")
+
+
+def test_keys_of_a_task_are_those_that_coq_reads() -> None:
+    listed = (ROOT / "proof" / "Toml.v").read_text().partition("sections_known")[2].partition("].")[0]
+    found = re.findall(r'\("(\w*)", \[(.*?)\]\)', listed, re.S)
+    assert {head: keys.replace('"', "").replace(";", "") for head, keys in found} == KEYS
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"[tube]", "# 5 \u00b5m\n[tube]".encode()),  # beyond ASCII
+        (b'name = "omni_s1"', b"name = 'omni_s1'"),
+        (b"prescribed_time = 9.0", b"prescribed_time = +9.0"),
+        (b"prescribed_time = 9.0", b"prescribed_time = 9.0\nstart_delay = 0.0"),
+        (b"[tube]", b"[plant]\norder = 1\n\n[tube]"),
+        (b'name = "O1"', b'name = "O1"\naxes = ["x1", "x2"]'),
+    ],
+)
+def test_a_task_that_coq_does_not_read_has_the_theorem_about_the_tube(old: bytes, new: bytes) -> None:
+    task = files_of("omni_s1", "float")[0]
+    assert old in task
+    assert text_of("omni_s1").startswith(b"(* omni_s1.v: theorems about the controller")
+    about = text_of("omni_s1", task.replace(old, new, 1))
+    assert about.startswith(b"(* omni_s1.v: theorems about the tube")
 
 
 def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:

@@ -4,13 +4,16 @@ believed: P7's bound, the unit of the table, and numbers that bound logarithms a
 from __future__ import annotations
 
 import math
+import re
 import textwrap
+import tomllib
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
 from stt_codegen.certify import checker
-from stt_codegen.decimals import below, decimal
+from stt_codegen.decimals import below
+from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, steps
@@ -137,15 +140,51 @@ def example(found: Facts) -> Bounds:
     )
 
 
+# What the task's text may have, for proof/Toml.v to read it; the key is a table's name.
+KEYS = {
+    "": "name axes units prescribed_time initial_state body",
+    "state_space": "lower upper",
+    "initial_set": "lower upper share",
+    "target_set": "lower upper",
+    "unsafe": "name lower upper",
+    "tube": "clearance min_width design prefer max_speed max_acceleration segments seed",
+    "control": "gain e_max u_max period latency outside saturate",
+    "emit": "scalar math tick_period selftest rust",
+    "plant": "f_max w_max g_min g_max g_cross noise",
+}
+SPELT = re.compile(r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+")  # in the task, what proof/Toml.v does not read
+BEFORE = re.compile(rb"\\|\?\?|//|/\*/|([+&|-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+
+
+def _foreign(task: bytes) -> str:
+    """What of the task's text proof/Toml.v does not read; empty where it reads all."""
+    text = "\n".join(line.partition("#")[0] for line in task.decode().splitlines())
+    if SPELT.search(text):
+        return "a task that is spelt so"
+    given = tomllib.loads(task.decode())
+    top = {k: v for k, v in given.items() if not isinstance(v, dict) and k != "unsafe"}
+    tables = [
+        ("", top),
+        *((k, v) for k, v in given.items() if isinstance(v, dict)),
+        *(("unsafe", v) for v in given.get("unsafe", [])),
+    ]
+    return next((f"{h}.{k}".lstrip(".") for h, table in tables for k in table if k not in KEYS.get(h, "").split()), "")
+
+
 def uncovered(found: Facts, *texts: bytes) -> str:
-    """What Coq does not read in the C, or for a task without a period why its example has no theorem; empty where it does."""
+    """What of task, header or C Coq does not read, or for a task without a period why its example has no theorem; empty where
+    it does."""
+    task, *code = texts
     reasons = {
         "values of e_max that differ": len({*found.e_max}) > 1,
         "times in ticks": found.ticks,
         "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
+        "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
+        "a guard": any(f"{found.name}_guard".encode() in text for text in code),
+        "a task whose name begins a variable": any(re.search(rf" {found.name}_\w+ = ".encode(), text) for text in code),
     }
-    told = next((name for name, given in reasons.items() if given), "")
+    told = next((name for name, given in reasons.items() if given), "") or _foreign(task)
     if told or found.sampling is not None or found_plant(rounded(found), example(found)) is not None:
         return told
     return "tubes so narrow" if found.u_max is None else "tubes so narrow, or limits so low"
@@ -158,7 +197,7 @@ def rounded(found: Facts) -> Facts:
 
 def words(found: Facts) -> str:
     """The closed loop in words, part of the comment that begins the file; decimals are rounded to the side that says less."""
-    clear, t_c = decimal(found.clearance), decimal(found.t_c)
+    clear, t_c = exact(found.clearance), exact(found.t_c)
     kept = f"in the state space, {clear} away from every unsafe set, and from t = {t_c} s on in the target set"
     end = f"{kept}, state space and unsafe sets having the body added."
     held = (
@@ -170,9 +209,9 @@ def words(found: Facts) -> str:
         rho = numbers.rho[0]
         reach = Fraction(str(below((rho - 1) / (rho + 1))))
         told = (
-            f"{held}each acts at once, and for at most {decimal(b.tau)} s. The task has no control.period, so the plant is an "
-            f"example: any xdot_i = f_i + u_i with |f_i| at most {decimal(b.force[0])}, x measured to {decimal(b.noise)}. "
-            f"For as long as there are inputs, every trajectory from every start with |e| at most {decimal(reach)} is {end}"
+            f"{held}each acts at once, and for at most {exact(b.tau)} s. The task has no control.period, so the plant is an "
+            f"example: any xdot_i = f_i + u_i with |f_i| at most {exact(b.force[0])}, x measured to {exact(b.noise)}. "
+            f"For as long as there are inputs, every trajectory from every start with |e| at most {exact(reach)} is {end}"
         )
     else:
         told = f"{held}{sampled_claim(found, found.sampling)}"

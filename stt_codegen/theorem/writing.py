@@ -9,7 +9,8 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.decimals import above, below, decimal
+from stt_codegen.decimals import above, below
+from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.theorem.hints import cells, hints, steps
 from stt_codegen.theorem.reading import Edges, Facts, Sampling, Statement
@@ -56,11 +57,11 @@ def statement(said: Statement) -> str:
 
 def words(facts: Facts) -> str:
     """The theorems in words, as the comment that begins the file."""
-    t_c, clear = decimal(facts.t_c), decimal(facts.clearance)
+    t_c, clear = exact(facts.t_c), exact(facts.clearance)
     told = [
         f"1. The emitted tube. Let L and U be the edges that `{facts.name}_tube` computes in {facts.scalar} arithmetic (round to "
         f"nearest even) at a time t in seconds, t exact or rounded once to {facts.scalar}. Then for every t: U is at least "
-        f"{decimal(facts.min_width)} above L; L and U are in the state space; of every unsafe set they keep {clear} away in some "
+        f"{exact(facts.min_width)} above L; L and U are in the state space; of every unsafe set they keep {clear} away in some "
         "dimension. At t = 0 they are in the initial set, and the initial state is between them. From t = "
         f"{t_c} s on they are in the target set.",
         "2. The closed loop in continuous time. Take any plant xdot_i = f_i + g_i u_i, i = 1 .. n, whose |f_i| (drift and "
@@ -92,7 +93,7 @@ def _sampled_words(facts: Facts, sampling: Sampling) -> str:
     )
     return (
         "3. The sampled loop. Inputs are held. Input p is made of a sample of x, and of the emitted edges at its time, by the "
-        f"law (13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {decimal(lost)} in relative "
+        f"law (13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {exact(lost)} in relative "
         f"terms and in the logarithm. The first sample is taken at 0 and acts from then on; {sampled_claim(facts, sampling)}"
     )
 
@@ -105,19 +106,19 @@ def sampled_claim(facts: Facts, sampling: Sampling) -> str:
     age, late = sampling.period + sampling.latency, sampling.latency
     return (
         "an input acts at most "
-        f"{decimal(late)} s after its sample for the first time, and never when that is older than {decimal(age)} s. What is "
+        f"{exact(late)} s after its sample for the first time, and never when that is older than {exact(age)} s. What is "
         f"measured is wrong by at most {_each(wrong)}. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift "
         f"and disturbance) at most {_each(sampling.force)}, g_ii from {_each(sampling.g_min)} to {_each(sampling.g_max)}, "
-        f"{cross} for other j. Then every trajectory from every start with |e| at most {decimal(sampling.share)} keeps |e| at "
+        f"{cross} for other j. Then every trajectory from every start with |e| at most {exact(sampling.share)} keeps |e| at "
         f"most {_each(reach)} for as long as there are inputs, e being that of the exact tube; it is in the state space and the "
-        f"clearance away from every unsafe set, and from t = {decimal(facts.t_c)} s on in the target set."
+        f"clearance away from every unsafe set, and from t = {exact(facts.t_c)} s on in the target set."
     )
 
 
 def _each(values: Sequence[Fraction]) -> str:
     """Of every component, once where all are the same."""
-    said = list(dict.fromkeys(decimal(v) for v in values))
-    return said[0] if len(said) == 1 else f"({', '.join(decimal(v) for v in values)})"
+    said = list(dict.fromkeys(exact(v) for v in values))
+    return said[0] if len(said) == 1 else f"({', '.join(exact(v) for v in values)})"
 
 
 def _plain(name: str) -> str:
