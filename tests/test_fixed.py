@@ -24,7 +24,7 @@ from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.compare.integers import ticks_and_states
 from stt_codegen.compare.toolchain import STRICT
 from stt_codegen.controller.integers import curves, errors
-from stt_codegen.controller.integers.kernels import HALF_WORD, clock_of, rates_kernel, segment_kernel, weights_kernel
+from stt_codegen.controller.integers.kernels import HALF_WORD, clock_of, rate_of, rates_kernel, segment_kernel, weights_kernel
 from stt_codegen.controller.integers.law import law_of
 from stt_codegen.controller.integers.program import fixed_program
 from stt_codegen.designs import RefinedDesign
@@ -32,6 +32,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller, build, build_program, build_task, design_tube
 from stt_codegen.program import Assign, Const, Kernel, Op, Program, Select, integer
 from stt_codegen.program.ranges import OutOfRange, Span, ranges
+from stt_codegen.sampling.setting import law_of as law_of_setting
 from stt_codegen.task import Task, load_task
 
 EXAMPLES = ("gantry", "crane")
@@ -243,6 +244,23 @@ def test_a_page_about_integers(name: str, tmp_path) -> None:
 
 
 # ------------------------------------------------------------------------------------------------ right
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_p9_counts_that_a_state_is_measured_to_its_unit(name: str) -> None:
+    """x is wrong by half a unit, for which `shift` has eps times the largest coordinate; v by half a unit a second, for which the
+    error of the rates has two more."""
+    task, design = made(name).task, design_of(name)
+    errors_ = errors.edge_error(design, made(name).program.tick or Fraction(1))
+    shift = law_of_setting(task, errors_).shift
+    assert all(s >= 2 * float(e) + float(design.unit) / 2 for s, e in zip(shift, errors_, strict=True))
+    if design.filter:
+        per_second = Fraction(design.segments) / design.prescribed_time
+        tick = made(name).program.tick or Fraction(1)
+        step = abs(design.integers()[1:] - design.integers()[:-1]).max(axis=(0, 2))
+        own = errors.rate_weight_error(rate_of(design), per_second)
+        cut = [r / design.unit - int(d) * own for r, d in zip(errors.rate_error(design, tick), step, strict=True)]
+        assert min(cut) >= 4  # of two sums that are rounded down, v, and lambda times x
 
 
 @pytest.mark.parametrize("name", SHAPES)
