@@ -237,7 +237,7 @@ def made_here(name: str = "gantry") -> stt.Controller:
     return stt.build(stt.load(ROOT / "tasks" / f"{name}.toml"))
 
 
-@pytest.mark.parametrize("name", EXAMPLES)
+@pytest.mark.parametrize("name", ["crane", pytest.param("gantry", marks=pytest.mark.slow)])
 def test_a_page_about_integers(name: str, tmp_path) -> None:
     page = made_here(name).report(tmp_path / "page.html", show=False)
     assert "at ticks" in Path(page).read_text()

@@ -73,7 +73,7 @@ def test_cmake_takes_it_as_a_subdirectory_and_installed(tool, tmp_path) -> None:
     assert found == "0"
 
 
-@pytest.mark.parametrize("name", ["omni_s2", "gantry", "crane"])
+@pytest.mark.parametrize("name", ["omni_s2", "crane", pytest.param("gantry", marks=pytest.mark.slow)])
 def test_the_arduino_library_and_its_sketch_compile_for_an_uno(name: str, tool, tmp_path) -> None:
     compiler, linker = tool("avr-gcc"), tool("avr-g++")
     if not AVR_CORE.is_dir():
