@@ -103,8 +103,14 @@ def test_eva_does_find_an_index_out_of_its_table(tool, tmp_path) -> None:
 
 @pytest.mark.parametrize(
     "folder",
-    ["omni_s2/refined/float", "omni_board/refined/float", "omni_s2/adaptive/float", "spacecraft/refined/double"]
-    + ["crane/refined/fixed", pytest.param("gantry/refined/fixed", marks=pytest.mark.slow)],
+    [
+        "omni_s2/refined/float",
+        "omni_board/refined/float",
+        "omni_s2/adaptive/float",
+        "spacecraft/refined/double",
+        "crane/refined/fixed",
+        pytest.param("gantry/refined/fixed", marks=pytest.mark.slow),
+    ],
 )
 def test_a_million_random_inputs_pass_the_sanitizers(folder: str, tool, tmp_path) -> None:
     name = folder.split("/", maxsplit=1)[0]
