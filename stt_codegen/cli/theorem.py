@@ -15,13 +15,11 @@ def theorem(
     source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file; its certificate lies beside it")],
     json: Json = False,
 ) -> None:
-    """Write the theorems of a refined tube anew from task, C and certificate, and ask coqc whether they hold. Exit code 1 when
+    """Write the theorems of a refined tube anew from task, header, C and certificate, and ask coqc whether they hold. Exit code 1 when
     one does not, 4 without Coq."""
-    from stt_codegen.theorem.asking import ask, library
+    from stt_codegen.theorem.asking import ask
 
-    with patience("compiling the library for Coq"):
-        library()
-    with patience(f"theorems of {source}"):
+    with patience(f"theorems of {source} (and once the library, which takes two minutes)"):
         answer = ask(task, source, source.with_suffix(".certificate.json"))
     if json:
         print_json(answer.document())

@@ -65,7 +65,7 @@ def coqc() -> str:
 
 
 def library() -> Path:
-    """The compiled library, of these sources and this Coq; made where it is not there yet, in under a minute. Raises
+    """The compiled library, of these sources and this Coq; made where it is not there yet, in two minutes. Raises
     `MissingTool`."""
     compiler, source = coqc(), library_folder()
     digest = hashlib.sha256(subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout)
@@ -138,7 +138,7 @@ def _failing(text: str, failed: str) -> str:
     lines = text.splitlines()[: int(place[1])]
     at = next((k for k in reversed(range(len(lines))) if re.match(r"(Lemma|Theorem|Definition) \w+", lines[k])), 0)
     name = lines[at].split()[1] if lines else "?"
-    above = lines[at - 1].strip("(* )") if at else ""
+    above = next((line.strip("(* )") for line in reversed(lines[:at]) if line.startswith("(*")), "")
     said = "" if "eq_refl" in place[2] or "true" in place[2] else f": {' '.join(place[2].split())[:200]}"
     return f"{name} does not hold ({above}){said}"
 

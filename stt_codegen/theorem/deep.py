@@ -16,7 +16,7 @@ from stt_codegen.decimals import below
 from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem.hints import cells, hints, steps
+from stt_codegen.theorem.hints import cells, hints, steps, widths
 from stt_codegen.theorem.reading import Facts, Sampling, facts
 from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, sampled_claim
 
@@ -70,24 +70,12 @@ class Plant:
         return f"(Plant {' '.join(map(listed, rows))}\n  {scalars}\n  {' '.join(map(listed, rest))})%Q"
 
 
-def _widths(found: Facts) -> tuple[list[Fraction], list[Fraction]]:
-    """The least and greatest Bezier coefficient of the width, by component."""
-    narrowest, widest = [], []
-    for i in range(found.n):
-        hull = []
-        for k in range(found.segments):
-            a, b, c, d = (found.table[k + j][i][1] - found.table[k + j][i][0] for j in range(4))
-            hull += [a + 4 * b + c, 4 * b + 2 * c, 2 * b + 4 * c, b + 4 * c + d]
-        narrowest.append(min(hull) * found.unit)
-        widest.append(max(hull) * found.unit)
-    return narrowest, widest
-
-
 def plant(found: Facts, bounds: Bounds, rho: Fraction) -> Plant | None:
     """Numbers with which `plant_check` holds for this rho, or None: the same formulas as in proof/Uniform.v."""
     r = 32 * Fraction(1, 1 << FORMATS[found.scalar][1])
     eta = found.error * found.unit + bounds.noise
-    narrowest, widest = _widths(found)
+    spans = [widths(found, i) for i in range(found.n)]
+    narrowest, widest = ([pick(v[k] for v in own) for own in spans] for k, pick in enumerate((min, max)))
     z = 1 / (1 + rho)
     most, log_up, log_down = [], [], []
     for i in range(found.n):
