@@ -15,8 +15,8 @@ def theorem(
     source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file; its certificate lies beside it")],
     json: Json = False,
 ) -> None:
-    """Write the theorems of a refined tube anew from task, header, C and certificate, and ask coqc whether they hold. Exit code 1 when
-    one does not, 4 without Coq."""
+    """Write the theorems of a refined tube anew from task, header, C and certificate, and ask coqc whether they hold. Exit code
+    1 when one does not, 4 without Coq."""
     from stt_codegen.theorem.asking import ask
 
     with patience(f"theorems of {source} (and once the library, which takes two minutes)"):
