@@ -5,6 +5,11 @@ Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
 
+(* The constants that component i goes by: where clamps differ, its own. *)
+Definition of_component (k : constants) (i : Z) : constants :=
+  Constants (dimensions k) (rate k) (last k) (gain_upper k) (gain_lower k) (gain_table k) (limit_table k)
+    (if clamps_differ k then nth (Z.to_nat i) (clamp_table k) zero else clamp k) (clamp_table k) (single k).
+
 Section Formulas.
   Variable A : arithmetic.
   Variable k : constants.
@@ -43,10 +48,10 @@ Section Formulas.
   Definition push (high low L U x : F) : F := opp A (mul A (mul A (gain high low L U x) (xi L U x)) (epsilon L U x)).
   (* v held within a limit *)
   Definition saturated (m v : F) : F := let raised := if less A (opp A m) v then v else opp A m in if less A m raised then m else raised.
-  Definition control_input (i : Z) (L U x : F) : F :=
-    if limited k then saturated (own (limit_table k) i) (push (high_gain i) (low_gain i) L U x) else push (high_gain i) (low_gain i) L U x.
   Definition is_within (L U x : F) : bool := less A (lit zero) (nearest L U x).
 End Formulas.
+Definition control_input (A : arithmetic) (k : constants) (i : Z) (L U x : float A) : float A :=
+  let v := push A (of_component k i) (high_gain A k i) (low_gain A k i) L U x in if limited k then saturated A (own A (limit_table k) i) v else v.
 
 (* what an array holds at the end: the newest store *)
 Fixpoint stored {A} (x : string) (i : Z) (out : stores A) : option (float A) :=
@@ -56,7 +61,7 @@ Ltac reduce := cbv beta iota zeta delta
   [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
    kernel_of enter bind of_type parameters code run run_block expression_value value_of values_of get put put_all binary select results_of leave
    String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
-   place_statements lower_statements upper_statements law_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
+   place_statements lower_statements upper_statements law_statements clamp_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
    library log_name].
 
 (* ------------------------------------------------------------------ the kernels *)
@@ -152,6 +157,7 @@ Section Callers.
   Hypothesis inputs : forall i, (0 <= i < n)%Z -> arrays "x" i = Some (x i).
   Hypothesis outputs : forall i, (0 <= i < n)%Z -> exists w, arrays "u" i = Some w.
   Hypothesis gains_there : several k = true -> forall i, (0 <= i < n)%Z -> arrays "@gain" i = Some (own A (gain_table k) i).
+  Hypothesis clamps_there : clamps_differ k = true -> forall i, (0 <= i < n)%Z -> arrays "@least_share" i = Some (own A (clamp_table k) i).
   Hypothesis limits_there : limited k = true -> forall i, (0 <= i < n)%Z -> arrays "@u_max" i = Some (own A (limit_table k) i).
 
   (* the variables of `control` before its loop *)
@@ -171,7 +177,7 @@ Section Callers.
   Ltac evaluate := cbv beta iota zeta delta
     [kernels places known checked expression_value value_of values_of get binary select String.eqb Ascii.eqb Bool.eqb negb app];
     repeat first [ rewrite int32_ok by (unfold row, n in *; nia) | rewrite table by (unfold row, n in *; nia) | rewrite inputs by assumption
-                 | rewrite gains_there by first [assumption | reflexivity] | rewrite limits_there by first [assumption | reflexivity]
+                 | rewrite gains_there by first [assumption | reflexivity] | rewrite clamps_there by first [assumption | reflexivity] | rewrite limits_there by first [assumption | reflexivity]
                  | rewrite blend_does | rewrite law_does ]; reflexivity.
   Ltac step := first
     [ eapply let_step; [evaluate|reflexivity|]
@@ -195,20 +201,22 @@ Section Callers.
   Proof.
     intro Hi. destruct (outputs i Hi) as [w Hw]. unfold control_body. rewrite edges_run by exact Hi.
     set (L := lower i). set (U := upper i).
-    unfold law_statements, gain_statements, limit_statements, held_statements, control_input, high_gain, low_gain.
-    destruct (several k) eqn:Sv; destruct (limited k) eqn:Li;
-      match goal with |- context [push A k ?h ?l] => set (high := h); set (low := l) end; (eexists; split;
+    unfold law_statements, clamp_statements, gain_statements, limit_statements, held_statements, control_input, high_gain, low_gain. cbv zeta.
+    unfold of_component. destruct (several k) eqn:Sv; destruct (limited k) eqn:Li; destruct (clamps_differ k) eqn:Cd;
+      match goal with |- context [push A ?o ?h ?l] => set (own_k := o); set (high := h); set (low := l) end; (eexists; split;
       [ cbn [app]; step;
-        (* a table of gains *)
+        (* a table of clamps *)
+        try named (R_ (own A (clamp_table k) i));
+        (* one of gains *)
         try (named (R_ low); named (R_ high));
         do 3 step; named (@B_ A (upper_nearer A L U (x i))); named (R_ (nearest A L U (x i))); named (R_ (gain A high low L U (x i)));
-        do 2 step; named (R_ (near A k L U (x i))); named (R_ (far A k L U (x i))); named (@B_ A (is_within A L U (x i))); step;
+        do 2 step; named (R_ (near A own_k L U (x i))); named (R_ (far A own_k L U (x i))); named (@B_ A (is_within A L U (x i))); step;
         try named (R_ (own A (limit_table k) i)); do 2 step;
-        (eapply call_step with (rs := [R_ (epsilon A k L U (x i)); R_ (xi A k L U (x i))]);
+        (eapply call_step with (rs := [R_ (epsilon A own_k L U (x i)); R_ (xi A own_k L U (x i))]);
           [reflexivity|reflexivity|apply transformed_error_does|reflexivity|]);
-        named (R_ (push A k high low L U (x i)));
-        (* a table of limits *)
-        try (do 4 step; named (R_ (saturated A (own A (limit_table k) i) (push A k high low L U (x i)))));
+        named (R_ (push A own_k high low L U (x i)));
+        (* one of limits *)
+        try (do 4 step; named (R_ (saturated A (own A (limit_table k) i) (push A own_k high low L U (x i)))));
         (eapply store_step; [reflexivity|evaluate|exact Hw|]);
         (eapply set_step; [evaluate|reflexivity|]); reflexivity
       | reflexivity ]).
@@ -301,6 +309,7 @@ Section Execute.
   Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
   Hypothesis table_length : (Z.of_nat (List.length coefficients) = 2 * n * (K + 3))%Z.
   Hypothesis gains_length : several k = true -> Z.of_nat (List.length (gain_table k)) = n.
+  Hypothesis clamps_length : clamps_differ k = true -> Z.of_nat (List.length (clamp_table k)) = n.
   Hypothesis limits_length : limited k = true -> Z.of_nat (List.length (limit_table k)) = n.
   Hypothesis finite_inputs : at_most A (zeros A t x (number_of_dimensions k)) (literal A zero) = true.
 
@@ -314,11 +323,14 @@ Section Execute.
   Proof. reflexivity. Qed.
   Lemma get_gains : several k = true -> get "@gain" (tables program) = Some (gain_table k).
   Proof. intro H. unfold program, emitted_tables. cbn [tables]. rewrite H. reflexivity. Qed.
-  Lemma get_limits : limited k = true -> get "@u_max" (tables program) = Some (limit_table k).
+  Lemma get_clamps : clamps_differ k = true -> get "@least_share" (tables program) = Some (clamp_table k).
   Proof. intro H. unfold program, emitted_tables. cbn [tables]. rewrite H. destruct (several k); reflexivity. Qed.
-  Lemma get_other y : String.eqb y "@coefficients" || String.eqb y "@gain" || String.eqb y "@u_max" = false -> get y (tables program) = None.
+  Lemma get_limits : limited k = true -> get "@u_max" (tables program) = Some (limit_table k).
+  Proof. intro H. unfold program, emitted_tables. cbn [tables]. rewrite H. destruct (several k), (clamps_differ k); reflexivity. Qed.
+  Lemma get_other y : existsb (String.eqb y) kept_tables = false -> get y (tables program) = None.
   Proof.
-    rewrite !orb_false_iff. intros [[H1 H2] H3]. unfold program, emitted_tables, get. cbn [tables]. destruct (several k), (limited k); cbn [app]; now rewrite ?H1, ?H2, ?H3.
+    cbn [existsb kept_tables]. rewrite !orb_false_iff. intros (H1 & H2 & H3 & H4 & _). unfold program, emitted_tables, get. cbn [tables].
+    destruct (several k), (clamps_differ k), (limited k); cbn [app]; now rewrite ?H1, ?H2, ?H3, ?H4.
   Qed.
   Lemma table_entry (l : list decimal) z : (0 <= z < Z.of_nat (List.length l))%Z ->
     (if (z <? 0)%Z then None else match nth_error l (Z.to_nat z) with Some v => Some (literal A v) | None => None end) = Some (literal A (nth (Z.to_nat z) l zero)).
@@ -347,6 +359,7 @@ Section Execute.
     - intros i Hi. unfold arrays. rewrite get_other by reflexivity. now apply places_there.
     - intros i Hi. exists (x i). unfold arrays. rewrite get_other by reflexivity. now apply places_there.
     - intros Sv i Hi. unfold arrays. rewrite (get_gains Sv). apply table_entry; rewrite ?(gains_length Sv); lia.
+    - intros Cd i Hi. unfold arrays. rewrite (get_clamps Cd). apply table_entry; rewrite ?(clamps_length Cd); lia.
     - intros Li i Hi. unfold arrays. rewrite (get_limits Li). apply table_entry; rewrite ?(limits_length Li); lia.
     - exists out. split; [|exact St].
       match type of E with enter A ?l ?a ?f ?v = _ => change (enter A kernels arrays f v) with (enter A l a f v) end.

@@ -71,17 +71,20 @@ Section Controller.
 
   Definition small (v : Q) : bool := Qle_bool (Qabs v) (inject_Z 1073741824).
 
-  (* of component i: its gain, with both signs, and its limit *)
-  Definition component_constants (k : constants) (gains : list Q) (limits : list (option Q)) (i : nat) : bool :=
-    let gain := nth i gains 0%Q in
-    ((if several k then is_number prec emax (nth i (gain_table k) zero) gain else is_number prec emax (gain_lower k) gain && is_number prec emax (gain_upper k) (- gain)) &&
+  (* of component i: its gain, with both signs, its clamp, and its limit *)
+  Definition component_constants (k : constants) (gains clamps : list Q) (limits : list (option Q)) (i : nat) : bool :=
+    let gain := nth i gains 0%Q in let c := nth i clamps 0%Q in
+    (is_number prec emax (clamp (of_component k (Z.of_nat i))) c && Qle_bool (1 # 1073741824) c && Qle_bool c (1 # 4) &&
+     (if several k then is_number prec emax (nth i (gain_table k) zero) gain else is_number prec emax (gain_lower k) gain && is_number prec emax (gain_upper k) (- gain)) &&
      Qle_bool (1 # 1073741824) gain && Qle_bool gain (inject_Z 1073741824) &&
      match nth i limits None with
      | Some m => if limited k then is_number prec emax (nth i (limit_table k) zero) m && Qle_bool 0 m else false
      | None => negb (limited k)
      end)%bool.
-  Lemma component_constants_ok k gains limits i : component_constants k gains limits i = true -> forall log_,
+  Lemma component_constants_ok k gains clamps limits i : component_constants k gains clamps limits i = true -> forall log_,
     let A := machine prec emax pos_ below_ log_ in
+    ((value (lit (clamp (of_component k (Z.of_nat i)))) = Q2R (nth i clamps 0%Q) /\ is_finite (lit (clamp (of_component k (Z.of_nat i)))) = true) /\
+     / 1073741824 <= Q2R (nth i clamps 0%Q) <= / 4) /\
     (@B2R prec emax (low_gain A k (Z.of_nat i)) = Q2R (nth i gains 0%Q) /\ is_finite (low_gain A k (Z.of_nat i) : number) = true) /\
     (@B2R prec emax (high_gain A k (Z.of_nat i)) = - Q2R (nth i gains 0%Q) /\ is_finite (high_gain A k (Z.of_nat i) : number) = true) /\
     / 1073741824 <= Q2R (nth i gains 0%Q) <= 1073741824 /\
@@ -90,11 +93,12 @@ Section Controller.
     | None => limited k = false
     end.
   Proof.
-    intros H log_ A. unfold component_constants in H. cbv zeta in H. rewrite !andb_true_iff in H. destruct H as [[[H1 H2] H3] H4].
-    apply Qle_bool_R in H2, H3. rewrite Q2R_Z in H3. assert (Zi : Q2R (1 # 1073741824) = / 1073741824) by (unfold Q2R; cbn; lra). rewrite Zi in H2.
+    intros H log_ A. unfold component_constants in H. cbv zeta in H. rewrite !andb_true_iff in H. destruct H as [[[[[[C1 C2] C3] H1] H2] H3] H4].
+    apply Qle_bool_R in H2, H3, C2, C3. rewrite Q2R_Z in H3. assert (Zi : Q2R (1 # 1073741824) = / 1073741824) by (unfold Q2R; cbn; lra).
+    assert (Zq : Q2R (1 # 4) = / 4) by (unfold Q2R; cbn; lra). rewrite Zi in H2, C2. rewrite Zq in C3.
     unfold low_gain, high_gain, own. rewrite Nat2Z.id. change (literal A) with (decimal_number prec emax pos_ below_).
     assert (G : forall d v, is_number prec emax d v = true -> value (lit d) = Q2R v /\ is_finite (lit d) = true) by (intros; now apply is_number_ok).
-    split; [|split; [|split; [lra|]]].
+    split; [split; [apply G, C1|lra]|]. split; [|split; [|split; [lra|]]].
     - destruct (several k); [|rewrite andb_true_iff in H1; destruct H1 as [H1 _]]; apply G, H1.
     - destruct (several k).
       + destruct (opp_ok prec emax (lit (nth i (gain_table k) zero))) as [O1 O2]. change (opp A) with (@Bopp prec emax). rewrite O1, O2. apply G in H1. destruct H1 as [-> ->]. auto.
@@ -105,24 +109,24 @@ Section Controller.
       + destruct (limited k); [discriminate|reflexivity].
   Qed.
 
-  Definition constants_check (k : constants) (coefficients : list decimal) (unit : Q) (task : Tube.task) (rows : Tube.table) (s : scale) (gains : list Q) (c : Q)
+  Definition constants_check (k : constants) (coefficients : list decimal) (unit : Q) (task : Tube.task) (rows : Tube.table) (s : scale) (gains clamps : list Q)
     (limits : list (option Q)) : bool :=
     let n := Z.of_nat (n task) in
     let K := Z.of_nat (segments rows) in
     ((dimensions k =? n)%Z && (0 <? n)%Z && (K <=? 2 ^ 24)%Z && (2 * n * (K + 3) <=? 2147483647)%Z &&
      is_number prec emax (rate k) (dyadic (rate_m s) (rate_e s)) && is_number prec emax (last k) (dyadic (last_m s) (last_e s)) &&
      (if several k then (Z.of_nat (List.length (gain_table k)) =? n)%Z else true) && (if limited k then (Z.of_nat (List.length (limit_table k)) =? n)%Z else true) &&
-     is_number prec emax (clamp k) c && forallb (component_constants k gains limits) (seq 0 (Tube.n task)) && Qle_bool (1 # 1073741824) c && Qle_bool c (1 # 4) &&
+     (if clamps_differ k then (Z.of_nat (List.length (clamp_table k)) =? n)%Z else true) && forallb (component_constants k gains clamps limits) (seq 0 (Tube.n task)) &&
      small (dyadic (rate_m s) (rate_e s)) && small (largest_of unit rows) && Qle_bool (1 # 1073741824) (min_width task) &&
      forallb (fun i => small (nth i (lo (space task)) 0%Q) && small (nth i (hi (space task)) 0%Q)) (seq 0 (Tube.n task)) &&
      matches unit coefficients (flat_table rows))%bool.
 
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
+  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
-  Hypothesis constants_checked : constants_check k coefficients unit task rows s gains c limits = true.
+  Hypothesis constants_checked : constants_check k coefficients unit task rows s gains clamps limits = true.
 
   Variable log_ : number -> number.
   Hypothesis log_accurate : accurate prec emax log_.
@@ -177,9 +181,8 @@ Section Controller.
     last_value : value (lit (last k)) = ls /\ is_finite (lit (last k)) = true;
     gains_many : several k = true -> Z.of_nat (List.length (gain_table k)) = dimensions k;
     limits_many : limited k = true -> Z.of_nat (List.length (limit_table k)) = dimensions k;
-    clamp_value : value (lit (clamp k)) = Q2R c /\ is_finite (lit (clamp k)) = true;
-    own_constants : forall i, (i < n task)%nat -> component_constants k gains limits i = true;
-    clamp_size : / 1073741824 <= Q2R c <= / 4;
+    clamps_many : clamps_differ k = true -> Z.of_nat (List.length (clamp_table k)) = dimensions k;
+    own_constants : forall i, (i < n task)%nat -> component_constants k gains clamps limits i = true;
     rate_size : 0 <= cs <= 1073741824;
     last_size : 0 <= ls < INR K;
     table_size : forall side i j, side = fst \/ side = snd -> Rabs (Q2R unit * IZR (nth j (column side i rows) 0%Z)) <= 1073741824;
@@ -192,17 +195,17 @@ Section Controller.
   Lemma all_checked : checked.
   Proof.
     pose proof constants_checked as H. unfold constants_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
-    destruct H as [[[[[[[[[[[[[[[[H1 H2] H3] H4] H5] H6] H7] H8] H9] H10] H12] H13] H14] H15] H16] H17] H18].
+    destruct H as [[[[[[[[[[[[[[H1 H2] H3] H4] H5] H6] H7] H8] H9] H10] H14] H15] H16] H17] H18].
     pose proof rounding_checked as G. unfold rounding_check in G. cbv zeta in G. rewrite !andb_true_iff in G.
     destruct G as [[[[[[[[[Cz Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
     pose proof tube_checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
     apply Z.eqb_eq in H1. apply Z.ltb_lt in H2. apply Z.leb_le in H3, H4.
-    apply is_number_ok with (prec_gt_0_ := pos_) (prec_lt_emax_ := below_) in H5, H6, H9.
+    apply is_number_ok with (prec_gt_0_ := pos_) (prec_lt_emax_ := below_) in H5, H6.
     rewrite forallb_forall in H10.
-    apply Qle_bool_R in H12, H13, H16, Cz, Lz, Bz. apply positive_ok in LK.
+    apply Qle_bool_R in H16, Cz, Lz, Bz. apply positive_ok in LK.
     assert (Z0 : Q2R 0 = 0) by (unfold Q2R; cbn; lra).
-    assert (Zi : Q2R (1 # 1073741824) = / 1073741824) by (unfold Q2R; cbn; lra). assert (Zq : Q2R (1 # 4) = / 4) by (unfold Q2R; cbn; lra).
-    rewrite Zi, ?Zq, ?Q2R_Z in *. rewrite !dyadic_ok in *. rewrite Z0 in *.
+    assert (Zi : Q2R (1 # 1073741824) = / 1073741824) by (unfold Q2R; cbn; lra).
+    rewrite Zi, ?Q2R_Z in *. rewrite !dyadic_ok in *. rewrite Z0 in *.
     assert (KR : Q2R (inject_Z (Z.of_nat (segments rows))) = INR (segments rows)) by (now rewrite Q2R_Z, <- INR_IZR_INZ).
     rewrite Q2R_minus, KR, dyadic_ok in LK.
     apply small_ok in H14, H15. rewrite dyadic_ok in H14. apply Rabs_le_between in H14, H15.
@@ -211,6 +214,7 @@ Section Controller.
     - rewrite H1. exact H4.
     - intro Sv. rewrite Sv in H7. apply Z.eqb_eq in H7. now rewrite H1.
     - intro Li. rewrite Li in H8. apply Z.eqb_eq in H8. now rewrite H1.
+    - intro Cd. rewrite Cd in H9. apply Z.eqb_eq in H9. now rewrite H1.
     - intros i Hi. apply H10, in_seq. lia.
     - intros side i j Sd. assert (S0 : side (0, 0)%Z = 0%Z) by (destruct Sd as [->| ->]; reflexivity).
       rewrite column_nth by exact S0.
@@ -232,7 +236,7 @@ Section Controller.
       Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\
     is_finite (q A coefficients (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))) = true.
   Proof.
-    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr]. intros Hi Hj Hs.
+    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr]. intros Hi Hj Hs.
     destruct (matches_ok _ _ _ Tm) as [Ml Mv]. rewrite (flat_table_length _ _ Tr) in Ml.
     destruct (segment_range f rows cs ls Rs Ls t) as [S1 S2]. fold seg in S1, S2. fold K in S2.
     destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
@@ -251,7 +255,7 @@ Section Controller.
 
   Lemma edges_ok i : (i < n task)%nat -> (value (Lf i) = L i /\ is_finite (Lf i) = true) /\ (value (Uf i) = U i /\ is_finite (Uf i) = true).
   Proof.
-    intro Hi. destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr].
+    intro Hi. destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr].
     assert (G : forall side j z, (j <= 3)%nat -> (side = 0 \/ side = 1)%Z -> z = (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))%Z ->
       value (q A coefficients z) = Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\ is_finite (q A coefficients z) = true).
     { intros side j z Hj Hs ->. now apply coefficient_ok. }
@@ -289,9 +293,9 @@ Section Controller.
     execute A (log_name k) (Source lines (emitted_tables k coefficients) (Emission.emitted k)) "@control" [@R_ A t] (places_of A k xs) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < n task)%nat -> L i < value (x i) < U i) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < n task)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R c) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i)) (value v).
+      HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i)) (value v).
   Proof.
-    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cv Gs Cs Rs Ls Ts Ws Ss Tm Tr].
+    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr].
     destruct (matches_ok _ _ _ Tm) as [Ml _]. rewrite (flat_table_length _ _ Tr) in Ml.
     destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
     assert (Nd : number_of_dimensions k = n task) by (unfold number_of_dimensions; rewrite D; apply Nat2Z.id).
@@ -301,12 +305,13 @@ Section Controller.
     - rewrite D in *. lia.
     - rewrite D, Ml, Kl. nia.
     - exact Gm.
+    - exact Cm.
     - exact Lm.
     - rewrite Nd. destruct (zeros_ok (n task) ltac:(lia)) as [Z1 Z2].
       apply (at_most_ok prec emax (zeros A t xs (n task)) (lit zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
     - assert (Ulp : 32 * unit_roundoff prec = 32 * Q2R (half_ulp f)) by (rewrite half_ulp_value; reflexivity).
       assert (Acts : forall i, (i < n task)%nat ->
-        (HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R c) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i))
+        (HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i))
            (value (control_input A k (Z.of_nat i) (Lf i) (Uf i) (x i))) /\
          is_finite (control_input A k (Z.of_nat i) (Lf i) (Uf i) (x i) : number) = true) /\
         (is_within A (Lf i) (Uf i) (x i) = true <-> L i < value (x i) < U i)).
@@ -315,15 +320,15 @@ Section Controller.
         assert (ZL : Rabs (value (Lf i)) <= 1073741824) by (rewrite L1; apply Rabs_le; lra).
         assert (ZU : Rabs (value (Uf i)) <= 1073741824) by (rewrite U1; apply Rabs_le; lra).
         split.
-        - destruct (component_constants_ok k gains limits i (Gs i Hi) log_) as (Lg & Ug & Gr & Lk). fold A in Lg, Ug, Lk. unfold control_input.
+        - destruct (component_constants_ok k gains clamps limits i (Gs i Hi) log_) as ([Cv Cs] & Lg & Ug & Gr & Lk). fold A in Lg, Ug, Lk. unfold control_input. cbv zeta.
           destruct (nth i limits None) as [m|].
           + destruct Lk as (-> & [M1 M2] & M3).
-            assert (G := saturated_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate k (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R c)
+            assert (G := saturated_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate (of_component k (Z.of_nat i)) (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
               (high_gain A k (Z.of_nat i)) (low_gain A k (Z.of_nat i)) Lg Ug Cv Gr Cs
               (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl (own A (limit_table k) (Z.of_nat i)) M2 ltac:(rewrite M1; exact M3)).
             rewrite L1, U1, Ulp, M1 in G. exact G.
           + rewrite Lk.
-            assert (G := law_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate k (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R c)
+            assert (G := law_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate (of_component k (Z.of_nat i)) (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
               (high_gain A k (Z.of_nat i)) (low_gain A k (Z.of_nat i)) Lg Ug Cv Gr Cs
               (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl). rewrite L1, U1, Ulp in G. exact G.
         - assert (G := within_ok prec emax pos_ below_ prec_large emax_large log_ (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi)).

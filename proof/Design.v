@@ -66,16 +66,18 @@ Definition constants_of (f : format) (s : option source) : constants :=
   let control := function_named "@control" fs in
   let gains := reals_chosen control "gain" in
   Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains)
-    (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least")
+    (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least") (table_named "@least_share" s)
     (match f with Single => true | Double => false end).
 Definition coefficients_of : option source -> list decimal := table_named "@coefficients".
 
 Section Numbers.
   Variable f : format.
   Definition value_of (d : decimal) : Q := Qred (rational (decimal_float (precision f) (largest_exponent f) d)).
-  (* gains and limits by component *)
+  (* gains, clamps and limits by component *)
   Definition gains_of (k : constants) : list Q :=
     if several k then map value_of (gain_table k) else repeat (value_of (gain_lower k)) (Z.to_nat (dimensions k)).
+  Definition clamps_of (k : constants) : list Q :=
+    if clamps_differ k then map value_of (clamp_table k) else repeat (value_of (clamp k)) (Z.to_nat (dimensions k)).
   Definition limits_of (k : constants) : list (option Q) := map (fun d => Some (value_of d)) (limit_table k).
   Definition dyadic_of (d : decimal) : Z * Z :=
     match decimal_float (precision f) (largest_exponent f) d with S754_finite s m e => (cond_Zopp s (Zpos m), e) | _ => (0, 0)%Z end.

@@ -15,11 +15,13 @@ Record constants := Constants {
   gain_table : list decimal;  (* the gain by component where it differs; else empty *)
   limit_table : list decimal; (* u_max by component where there is one; else empty *)
   clamp : decimal;      (* (1 - e_max) / 2 *)
+  clamp_table : list decimal; (* the same by component where it differs; else empty *)
   single : bool         (* binary32, else binary64 *)
 }.
 Definition any (l : list decimal) : bool := match l with [] => false | _ => true end.
 Definition several (k : constants) : bool := any (gain_table k).
 Definition limited (k : constants) : bool := any (limit_table k).
+Definition clamps_differ (k : constants) : bool := any (clamp_table k).
 Definition log_name (k : constants) : string := if single k then "logf" else "log".
 
 Definition zero := Decimal false 0 (-1).
@@ -130,7 +132,9 @@ Section Emission.
     Let TReal "zeros" (Binary Plus (Name "zero") (Name "x_zero"));
     Set_ "zero" (Atom (Name "zeros"))].
 
-  (* what is there only with a table of gains, and only with one of limits *)
+  (* what is there only with a table of clamps, only with one of gains, and only with one of limits *)
+  Definition clamp_statements := if clamps_differ k then [
+    Let TReal "least_share_i" (Load "@least_share" (Name "i"))] else [].
   Definition gain_statements := if several k then [
     Let TReal "gain_i" (Load "@gain" (Name "i"));
     Let TReal "gain_minus" (Negate (Name "gain_i"))] else [].
@@ -144,7 +148,7 @@ Section Emission.
     Let TReal "u_held" (Select (Name "u_held_over") (Name "u_limit") (Name "u_held_raised"))] else [].
 
   Definition law_statements := [
-    Let TReal "x_i" (Load "x" (Name "i"))] ++ gain_statements ++ [
+    Let TReal "x_i" (Load "x" (Name "i"))] ++ clamp_statements ++ gain_statements ++ [
     Let TReal "room" (Binary Minus (Name "upper_edge") (Name "lower_edge"));
     Let TReal "to_lower" (Binary Minus (Name "x_i") (Name "lower_edge"));
     Let TReal "to_upper" (Binary Minus (Name "upper_edge") (Name "x_i"));
@@ -152,7 +156,7 @@ Section Emission.
     Let TReal "nearest" (Select (Name "upper_nearer") (Name "to_upper") (Name "to_lower"));
     Let TReal "gain" (if several k then Select (Name "upper_nearer") (Name "gain_minus") (Name "gain_i")
                       else Select (Name "upper_nearer") (Real (gain_upper k)) (Real (gain_lower k)));
-    Let TReal "least" (Binary Times (Name "room") (Real (clamp k)));
+    Let TReal "least" (Binary Times (Name "room") (if clamps_differ k then Name "least_share_i" else Real (clamp k)));
     Let TBool "clear" (Binary Less (Name "least") (Name "nearest"));
     Let TReal "near" (Select (Name "clear") (Name "nearest") (Name "least"));
     Let TReal "far" (Binary Minus (Name "room") (Name "near"));
@@ -181,12 +185,15 @@ Section Emission.
     Return (Some (Select (Name "outside") (Int 1) (Int 0)))]).
 
   Definition emitted_tables (coefficients : list decimal) :=
-    [("@coefficients", coefficients)] ++ (if several k then [("@gain", gain_table k)] else []) ++ (if limited k then [("@u_max", limit_table k)] else []).
+    [("@coefficients", coefficients)] ++ (if several k then [("@gain", gain_table k)] else []) ++
+    (if clamps_differ k then [("@least_share", clamp_table k)] else []) ++ (if limited k then [("@u_max", limit_table k)] else []).
 
   (* the kernels and functions that the theorem is about; the file has others, which call nothing here and are called by nothing here *)
   Definition emitted := [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].
 End Emission.
 
 Definition kept : list string := ["@segment"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"].
+(* and what they read; of e_max by component there is a table that only `transform` reads *)
+Definition kept_tables : list string := ["@coefficients"; "@gain"; "@least_share"; "@u_max"].
 Definition keep (s : source) : source :=
-  Source (directives s) (tables s) (filter (fun f => List.existsb (String.eqb (title f)) kept) (functions s)).
+  Source (directives s) (filter (fun t => List.existsb (String.eqb (fst t)) kept_tables) (tables s)) (filter (fun f => List.existsb (String.eqb (title f)) kept) (functions s)).

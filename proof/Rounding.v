@@ -1,6 +1,6 @@
 (* P7 for straight-line code: every statement rounds once, and a forward analysis in rationals bounds what that adds up to. It is
    proved for any rounding with a relative and an absolute error, and used for IEEE single and double precision as Flocq has them. *)
-From Coq Require Import ZArith QArith Qreals Qminmax Qabs Reals List Bool Lia Lra Psatz.
+From Coq Require Import ZArith QArith Qreals Qminmax Qabs Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core Relative.
 From Coquelicot Require Import Coquelicot.
 From Stt Require Import Tube Loop Speed.
@@ -24,11 +24,22 @@ Record known := Known { low : Q; high : Q; error : Q }.
 Definition size (a : known) : Q := Qmax (Qabs (low a)) (Qabs (high a)).
 Definition q0_ := 0%Q.
 
+(* A little more, so that errors of errors do not make fractions long. *)
+Definition coarser (q : Q) : Q := Qceiling (q * inject_Z (2 ^ 120)) # (2 ^ 120).
+Lemma coarser_ok q : Q2R q <= Q2R (coarser q).
+Proof.
+  assert (C := Qle_ceiling (q * inject_Z (2 ^ 120))). apply Qle_Rle in C. rewrite Q2R_mult in C.
+  assert (P : 0 < IZR (2 ^ 120)) by now apply IZR_lt. assert (Z2 : Q2R (inject_Z (2 ^ 120)) = IZR (2 ^ 120)) by (unfold Q2R, inject_Z; cbn [Qnum Qden]; field). rewrite Z2 in C.
+  unfold coarser. unfold Q2R at 2. cbn [Qnum Qden]. change (IZR (Zpos (2 ^ 120))) with (IZR (2 ^ 120)).
+  apply (Rmult_le_reg_r (IZR (2 ^ 120))); [exact P|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. eapply Rle_trans; [exact C|].
+  right. unfold Q2R, inject_Z; cbn [Qnum Qden]. field.
+Qed.
+
 Section Analysis.
   Variables ulp tiny : Q.
   Definition rounded (l h e : Q) : known :=
     let l := Qred l in let h := Qred h in
-    Known l h (Qred (e + (Qmax (Qabs l) (Qabs h) + e) * ulp + tiny)).
+    Known l h (coarser (e + (Qmax (Qabs l) (Qabs h) + e) * ulp + tiny)).
   Definition get_known (env : list known) (o : operand) : option known :=
     match o with V i => nth_error env i | C c => Some (Known (inject_Z c) (inject_Z c) 0) end.
   Definition step (o : op) (a b : known) : known :=
@@ -83,7 +94,7 @@ Section Analysis.
     means (rounded l h e) exact (rnd value).
   Proof.
     intros H E. unfold means, rounded; cbn [low high error]. rewrite !Q2R_red. split; [exact H|].
-    rewrite !Q2R_plus, Q2R_mult, Q2R_plus, Q2R_max, !Q2R_abs, !Q2R_red.
+    eapply Rle_trans; [|apply coarser_ok]. rewrite !Q2R_plus, Q2R_mult, Q2R_plus, Q2R_max, !Q2R_abs, !Q2R_red.
     replace (rnd value - exact) with ((rnd value - value) + (value - exact)) by ring.
     eapply Rle_trans; [apply Rabs_triang|]. pose proof (rnd_ok value).
     assert (Rabs value <= Rmax (Rabs (Q2R l)) (Rabs (Q2R h)) + Q2R e).

@@ -1,6 +1,6 @@
-(* The task's numbers from the text of its TOML file: boxes, times and margins. It fails on keys that it does not know where they could change a set. *)
+(* The task's numbers from the text of its TOML file: boxes, times and margins; and what it states of samples and plant. It fails on keys that it does not know. *)
 From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii.
-From Stt Require Import Tube Read.
+From Stt Require Import Tube Read Sound.
 Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
@@ -115,7 +115,7 @@ Definition box_of (n : nat) (shrink : list Q) (e : entries) : option box :=
   | _, _ => None
   end.
 
-(* keys that leave the sets alone; the tube, the law and the plant are checked by themselves *)
+(* Keys that are read, or that leave what is read alone: the tube and the law are checked by themselves. *)
 Definition sections_known : list (string * list string) := [
   ("", ["name"; "axes"; "units"; "prescribed_time"; "initial_state"; "body"]);
   ("state_space", ["lower"; "upper"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"]);
@@ -125,24 +125,30 @@ Definition sections_known : list (string * list string) := [
   ("emit", ["scalar"; "math"; "tick_period"; "selftest"; "rust"]);
   ("plant", ["f_max"; "w_max"; "g_min"; "g_max"; "g_cross"; "noise"])].
 
-Definition task_in (text : string) : option (string * task) :=
+(* The sections of a text whose keys are all known, each once. *)
+Definition sections_in (text : string) : option (list section) :=
   let* l := tokens text Between [] in
   let* ss := document (S (List.length l)) l (Section_ false "" []) [] in
   let known := forallb (fun s => match find (head s) sections_known with
     | Some ks => if only ks (body s) then if once (body s) then Bool.eqb (many s) (String.eqb (head s) "unsafe") else false else false
     | None => false end) ss in
   let singles := map (fun s => (head s, VTruth true)) (filter (fun s => negb (many s)) ss) in
-  if negb known then None else if negb (once singles) then None else
-  let part h := match List.find (fun s => String.eqb (head s) h) ss with Some s => body s | None => [] end in
+  if negb known then None else if negb (once singles) then None else Some ss.
+Definition part_of (h : string) (ss : list section) : entries := match List.find (fun s => String.eqb (head s) h) ss with Some s => body s | None => [] end.
+
+(* A number for each of n components, or one for all. *)
+Definition each (n : nat) (v : value) : option (list Q) :=
+  match v with VNumber q => Some (repeat q n) | _ => let* l := numbers v in if Nat.eqb (List.length l) n then Some l else None end.
+Definition each_or (n : nat) (d : Q) (k : string) (e : entries) : option (list Q) := match find k e with None => Some (repeat d n) | Some v => each n v end.
+
+Definition task_in (text : string) : option (string * task) :=
+  let* ss := sections_in text in
+  let part h := part_of h ss in
   let top := part "" in
   let* T := the_number "prescribed_time" top in
   let* x := the_numbers "initial_state" top in
   let n := List.length x in
-  let* h := match find "body" top with
-            | None => Some (repeat 0%Q n)
-            | Some (VNumber q) => Some (repeat q n)
-            | Some v => match numbers v with Some l => if Nat.eqb (List.length l) n then Some l else None | None => None end
-            end in
+  let* h := each_or n 0%Q "body" top in
   let none := repeat 0%Q n in
   let* space := box_of n h (part "state_space") in
   let* start := box_of n none (part "initial_set") in
@@ -153,3 +159,21 @@ Definition task_in (text : string) : option (string * task) :=
   let* width := number_or (1 # 20) "min_width" (part "tube") in
   let* name := match find "name" top with Some (VText w) => Some w | _ => None end in
   Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576))).
+
+(* The conditions that a task with a period states. Where one bound of g is missing it is 1, or the other one where 1 contradicts that. *)
+Definition conditions_in (text : string) : option conditions :=
+  let* ss := sections_in text in
+  let control := part_of "control" ss in let plant := part_of "plant" ss in
+  let* x := the_numbers "initial_state" (part_of "" ss) in
+  let n := List.length x in
+  let* period := the_number "period" control in
+  let* latency := number_or 0 "latency" control in
+  let* share := number_or (9 # 10) "share" (part_of "initial_set" ss) in
+  let* noise := number_or 0 "noise" plant in
+  let* drift := each_or n 0%Q "f_max" plant in
+  let* wind := each_or n 0%Q "w_max" plant in
+  let* cross := each_or n 0%Q "g_cross" plant in
+  let* high := each_or n 1%Q "g_max" plant in
+  let* low := match find "g_min" plant with Some v => each n v | None => Some (map (Qmin 1) high) end in
+  let high := match find "g_max" plant with Some _ => high | None => map (Qmax 1) low end in
+  Some (Conditions period latency share noise (map (fun p => Qred (fst p + snd p)) (combine drift wind)) low high cross).

@@ -37,6 +37,18 @@ MUTANTS = (
     ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 /*/", "header_read"),
     ("omni_s1", "} omni_s1_status;", "} omni_s1_status; /* *\\\n/\n#define OMNI_S1_OUTSIDE_TUBE OMNI_S1_OK /* */", "header_read"),
     ("omni_s1", "upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
+    # what the task states of samples and plant
+    ("trolley", "period = 0.02 ", "period = 0.021 ", "conditions_read"),
+    ("trolley", "latency = 0.002", "latency = 0.0021", "conditions_read"),
+    ("trolley", "share = 0.9 ", "share = 0.91 ", "conditions_read"),
+    ("trolley", "f_max = 0.05", "f_max = 0.051", "conditions_read"),
+    ("trolley", "w_max = 0.1\n", "w_max = [0.1, 0.11]\n", "conditions_read"),
+    ("trolley", "g_min = 0.9\n", "", "conditions_read"),
+    ("trolley", "g_max = 1.1", "g_max = 1.2", "conditions_read"),
+    ("trolley", "g_cross = 0.05", "g_cross = 0.06", "conditions_read"),
+    ("trolley", "noise = 0.002", "noise = 0.003", "conditions_read"),
+    ("trolley", "the_shifts : list Q := [(", "the_shifts : list Q := [(1 # 1000); (", "sensors_checked"),
+    ("trolley", "the_rhos : list Q := [(", "the_rhos : list Q := [(9 # 1); (", "period_checked"),
     # gains by component: a table, and where it is read
     ("trolley", "0.178F, 0.168F", "0.001F, 0.168F", "period_checked"),
     ("trolley", "0.178F, 0.168F", "-0.178F, 0.168F", "constants_checked"),
@@ -82,6 +94,8 @@ def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
     [
         ("omni_s1", "gain = 0.5", "gain = [0.5, 0.7]"),  # gains alone, without a period
         ("omni_s1", "gain = 0.5", "gain = 0.5\nu_max = [3.1, 40.0]"),  # limits alone
+        ("omni_s1", "gain = 0.5", "gain = 0.5\ne_max = [0.99, 0.98]"),  # clamps alone
+        ("trolley", 'gain = "auto"', 'gain = "auto"\ne_max = [0.99, 0.98]'),  # all three
         ("crawler", r"\[emit\].*", ""),  # gains alone, with a period: a crawler in seconds, on a machine with a library
     ],
 )

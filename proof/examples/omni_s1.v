@@ -6,18 +6,20 @@
    For every time, L and U are those of the tube theorem: as wide as demanded, within the state space, clear of every unsafe set,
    in the initial set at 0 and in the target set from t_c on.
 
-   The closed loop. Inputs are held: each is what `omni_s1_control` stores for the time and the state of a sample. The first
-   is taken at 0 and acts from then on; each acts at once, and for at most 0.001 s. The task has no control.period, so the
-   plant is an example: any xdot_i = f_i + u_i with |f_i| at most 0.05, x measured to 9.5367431640625e-07. For as long as
-   there are inputs, every trajectory from every start with |e| at most 0.95 is in the state space, 0.03 away from every
-   unsafe set, and from t = 9 s on in the target set, state space and unsafe sets having the body added.
+   The closed loop, by example: the task has no control.period, and these numbers are not its own. Inputs are held: each is
+   what `omni_s1_control` stores for the time and the state of a sample. The first is taken at 0 and acts from then on; an
+   input acts at most 0 s after its sample for the first time, and never when that is older than 0.001 s. What is measured is
+   wrong by at most 1.25169e-06. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift and disturbance) at
+   most 0.05, g_ii from 1 to 1, g_ij = 0 for other j. Then every trajectory from every start with |e| at most 0.95 keeps |e|
+   at most 0.95 for as long as there are inputs, e being that of the exact tube; it is in the state space and the clearance
+   away from every unsafe set, and from t = 9 s on in the target set. State space and unsafe sets have the body added.
 
    Assumed: IEEE 754 arithmetic without contraction, and a library whose logarithm is within 4 units in the last place. *)
 From Coq Require Import ZArith QArith Qreals Reals List String.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import IEEE754.BinarySingleNaN.
 From Stt Require Held HeldLaw.
-From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Windows Period Design Uniform Sound Sharp Toml Header.
+From Stt Require Import Tube Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Controller Windows Period Design Sound Toml Header.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -613,7 +615,7 @@ Definition the_table : Tube.table := Eval vm_compute in rows_of Single the_unit 
 Definition the_scale : scale := Eval vm_compute in scale_of Single the_constants.
 Definition the_gains : list Q := Eval vm_compute in gains_of Single the_constants.
 Definition the_limits : list (option Q) := Eval vm_compute in limits_of Single the_constants.
-Definition the_clamp : Q := Eval vm_compute in value_of Single (Emission.clamp the_constants).
+Definition the_clamps : list Q := Eval vm_compute in clamps_of Single the_constants.
 Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
 Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
 Definition the_program : source := Source (preamble Single "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
@@ -631,7 +633,7 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 Lemma rounding_checked : rounding_check Single the_unit the_error the_task the_table the_steps the_scale the_late = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 (* The constants and the table of the text are these numbers, and of ordinary size. *)
-Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamp the_limits = true.
+Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamps the_limits = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 Notation number := (binary_float (precision Single) (largest_exponent Single)).
@@ -650,11 +652,11 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
     execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamps 0%Q)) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
   destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gains the_clamp the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
+    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
@@ -662,48 +664,89 @@ Qed.
 Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
 
 
-(* The plant: bounds by component, and numbers that help Coq. *)
-Definition the_plant : plant := (Plant [(39 # 1); (39 # 1)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(1 # 20); (1 # 20)] [(0 # 1); (0 # 1)]
-  (1 # 1000) (0 # 1) (1 # 1048576)
-  [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61481973 # 16777216); (61481973 # 16777216)] [(60528189 # 16777216); (60437729 # 16777216)])%Q.
-Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gains the_clamp (32 * half_ulp Single) the_limits the_plant = true.
+(* What is said of samples, sensors and plant: an example, for the task has no period: period, latency, share, noise; then by component the most |f|, the least and the most g_ii, the most |g_ij|. *)
+Definition the_conditions : conditions := (Conditions (1 # 1000) (0 # 1) (19 # 20) (1 # 1048576) [(1 # 20); (1 # 20)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(0 # 1); (0 # 1)])%Q.
+(* Chosen, and checked: |e| stays at most (rho - 1)/(rho + 1); what a distance that the law sees is wrong by. *)
+Definition the_rhos : list Q := [(39 # 1); (39 # 1)]%Q.
+Definition the_shifts : list Q := [(149 # 16777216); (149 # 16777216)]%Q.
+(* P9's numbers, of all of these. *)
+Definition the_sampling : sampling := sampled_by 2 the_conditions (32 * half_ulp Single) the_gains the_clamps the_limits the_rhos the_shifts.
+(* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
+Definition the_hints : list (list (Q * Q)) := [
+  [((1294644935 # 8388608), (3842323 # 1048576)); ((642610395 # 4194304), (61477077 # 16777216))];
+  [((1328746523 # 8388608), (30738749 # 8388608)); ((1309043197 # 8388608), (15369327 # 4194304))];
+  [((2729386485 # 16777216), (61477847 # 16777216)); ((2667536171 # 16777216), (61477547 # 16777216))];
+  [((2805277901 # 16777216), (30739107 # 8388608)); ((2718906707 # 16777216), (15369449 # 4194304))];
+  [((2871821123 # 16777216), (7684817 # 2097152)); ((2772277175 # 16777216), (30739027 # 8388608))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((353471599 # 2097152), (61478323 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((1437862667 # 8388608), (61478555 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))];
+  [((2885510437 # 16777216), (61478603 # 16777216)); ((2885510437 # 16777216), (61478603 # 16777216))]]%Q.
+Lemma period_checked : period_check the_unit the_task the_table the_sampling the_hints 1 the_error = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+(* What a measured state is wrong by is counted. *)
+Lemma sensors_checked : at_most_each (sensed Single the_task the_conditions + the_error) (map shift (components the_sampling)) = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
-   to `switch (p + 1)`. The derivative of x i is y + g u, with y all but its own input. *)
+   to `switch (p + 1)`. *)
 Theorem closed_loop : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
-  forall (taken switch : nat -> R) (x : nat -> R -> R) (y g : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
+  forall (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
   option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program ->
   let L i t := Tube.lower the_unit the_task the_table i t in
   let U i t := Tube.upper the_unit the_task the_table i t in
   let input p i := applied Single log_ the_constants program (clock p) (measured p) i in
-  (* times: the first input acts from 0 on; no acting sample is older than tau, none begins to act later than the latency *)
+  (* times: the first input acts from 0 on; no acting sample is older than period + latency, none begins to act later than the latency *)
   (switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
-    switch (S p) - taken p <= Q2R (tau_ the_plant) /\ switch p - taken p <= Q2R (latency_ the_plant)) ->
+    switch (S p) - taken p <= Q2R (period the_conditions) + Q2R (latency the_conditions) /\ switch p - taken p <= Q2R (latency the_conditions)) ->
   (forall p, is_finite (clock p) = true /\ reads Single (B2R (clock p)) (taken p)) ->
-  (* sensors *)
+  (* sensors: the noise, and one rounding of the largest coordinate *)
   (forall p i, (i < 2)%nat -> is_finite (measured p i) = true /\ Rabs (B2R (measured p i)) <= 1073741824 /\
-    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (noise_ the_plant)) ->
-  (* the start: |e| <= (rho - 1)/(rho + 1) *)
-  (forall i, (i < 2)%nat -> (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= x i 0 - L i 0 /\
-    (U i 0 - L i 0) * / (1 + Q2R (nth i (rho_ the_plant) 0%Q)) <= U i 0 - x i 0) ->
-  (* the plant *)
+    Rabs (B2R (measured p i) - x i (taken p)) <= Q2R (sensed Single the_task the_conditions)) ->
   (forall i t, (i < 2)%nat -> continuity_pt (x i) t) ->
+  (* the start: |e| <= share *)
+  (forall i, (i < 2)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share the_conditions) * (U i 0 - L i 0)) ->
+  (* the plant *)
   (forall p t, switch p < t < switch (S p) -> (forall i, (i < 2)%nat -> L i t < x i t < U i t) -> forall i, (i < 2)%nat ->
-    is_derive (x i) t (y i p t + g i p t * input p i) /\
-    Rabs (y i p t) <= Q2R (nth i (push_ the_plant) 0%Q) + Q2R (nth i (cross_ the_plant) 0%Q) * Held.others 2 i (fun j => Rabs (input p j)) /\
-    Q2R (nth i (gmin_ the_plant) 0%Q) <= g i p t <= Q2R (nth i (gmax_ the_plant) 0%Q)) ->
+    is_derive (x i) t (push i t + total 2 (fun j => G i j t * input p j)) /\
+    Rabs (push i t) <= at_ (forces the_conditions) i /\ at_ (least_gains the_conditions) i <= G i i t <= at_ (most_gains the_conditions) i /\
+    forall j, (j < 2)%nat -> j <> i -> Rabs (G i j t) <= at_ (cross_gains the_conditions) i) ->
   forall p t, 0 <= t <= switch p ->
+    (forall i, (i < 2)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ the_rhos i - 1) / (at_ the_rhos i + 1) * (U i t - L i t)) /\
     (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
     (forall o, In o (unsafe the_task) -> exists i, (i < 2)%nat /\
       (x i t < at_ (lo o) i - Q2R (clearance the_task) \/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\
     (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
 Proof.
-  intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
+  intros log_ accurate taken switch x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
   rewrite text_read in Text. injection Text as <-.
   exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gains the_clamp the_limits the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
-    Times Continuous Start Ode Clock Sensors).
+    the_gains the_clamps the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
+    log_ accurate taken switch x push G clock measured Times Clock Sensors Continuous Start Plant).
 Qed.
 
 Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).

@@ -7,21 +7,16 @@ import math
 import re
 import textwrap
 import tomllib
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
 from stt_codegen.certify import checker
-from stt_codegen.decimals import below
-from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem.hints import cells, hints, steps, widths
+from stt_codegen.theorem.hints import cells, hints, holds
 from stt_codegen.theorem.reading import Facts, Sampling, facts
 from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, sampled_claim
-
-GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
-SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
 
 
 def quoted(text: str) -> str:
@@ -38,94 +33,30 @@ def the_task(found: Facts) -> str:
     )
 
 
-@dataclass(frozen=True)
-class Bounds:
-    """What is known of the plant, by component: force is drift and disturbance, cross what other inputs pull, a share of each."""
-
-    force: list[Fraction]
-    g_min: list[Fraction]
-    g_max: list[Fraction]
-    cross: list[Fraction]
-    tau: Fraction  # no acting sample is older
-    latency: Fraction
-    noise: Fraction
-
-
-@dataclass(frozen=True)
-class Plant:
-    """The record `plant` of proof/Uniform.v."""
-
-    bounds: Bounds
-    rho: list[Fraction]
-    narrowest: list[Fraction]
-    widest: list[Fraction]
-    log_up: list[Fraction]
-    log_down: list[Fraction]
-
-    def __str__(self) -> str:
-        b = self.bounds
-        rows = [self.rho, b.g_min, b.g_max, b.force, b.cross]
-        scalars = " ".join(map(rational, (b.tau, b.latency, b.noise)))
-        rest = [self.narrowest, self.widest, self.log_up, self.log_down]
-        return f"(Plant {' '.join(map(listed, rows))}\n  {scalars}\n  {' '.join(map(listed, rest))})%Q"
-
-
-def plant(found: Facts, bounds: Bounds, rho: Fraction) -> Plant | None:
-    """Numbers with which `plant_check` holds for this rho, or None: the same formulas as in proof/Uniform.v."""
-    r = 32 * Fraction(1, 1 << FORMATS[found.scalar][1])
-    eta = found.error * found.unit + bounds.noise
-    spans = [widths(found, i) for i in range(found.n)]
-    narrowest, widest = ([pick(v[k] for v in own) for own in spans] for k, pick in enumerate((min, max)))
-    z = 1 / (1 + rho)
-    most, log_up, log_down = [], [], []
-    for i in range(found.n):
-        least = narrowest[i] * z - eta
-        if least <= 0:
-            return None
-        y = (narrowest[i] * (1 - z) + eta) / least
-        log_up.append(Fraction(math.ceil(math.log(y) * GRID) + SLACK, GRID))
-        most.append(found.gain[i] / least * (1 + 1 / y) * (1 + r) * (log_up[i] + r))
-    for i in range(found.n):
-        v = found.unit * 3 * steps(found)[i] * Fraction(found.segments) / found.t_c
-        force = bounds.force[i] + bounds.cross[i] * sum(most[j] for j in range(found.n) if j != i)
-        drift = (force + v) * bounds.tau + bounds.g_max[i] * most[i] * bounds.latency
-        y = (narrowest[i] * (1 - z) - drift - eta) / (narrowest[i] * z + drift + eta)
-        if y <= 1:
-            return None
-        log_down.append(Fraction(math.floor(math.log(y) * GRID) - SLACK, GRID))
-        side = narrowest[i] * (rho - 1) / (rho + 1) - 2 * (force + v + bounds.g_max[i] * most[i]) * bounds.tau
-        pull = bounds.g_min[i] * found.gain[i] / (widest[i] * z + drift + eta) * (1 + 1 / y) * (1 - r) * (log_down[i] - r)
-        if found.u_max is not None and force + v > bounds.g_min[i] * found.u_max[i]:
-            return None
-        if 2 * eta + r * (widest[i] + 2 * eta) >= side or force + v > pull or log_down[i] < r:
-            return None
-    return Plant(bounds, [rho] * found.n, narrowest, widest, log_up, log_down)
-
-
-def found_plant(found: Facts, bounds: Bounds) -> Plant | None:
-    """The greatest rho of a grid with which the check holds: |e| stays below (rho - 1)/(rho + 1) from every start there."""
+def example(found: Facts) -> Sampling | None:
+    """For tasks that have no period: one millisecond, inputs that act at once, xdot = u + w, |w| <= 1/20, x measured to 2^-20,
+    rounding apart; from the largest share of a grid that is proved, or None."""
+    n, noise = found.n, Fraction(1, 1 << 20)
+    one, none, wind = (Fraction(1),) * n, (Fraction(0),) * n, (Fraction(1, 20),) * n
+    shift = (short(found.error * found.unit + sensed(found, noise)),) * n
     for k in range(98, 0, -1):
-        rho = (1 + Fraction(k, 100)) / (1 - Fraction(k, 100))
-        numbers = plant(found, bounds, rho)
-        if numbers is not None:
+        share = Fraction(k, 100)
+        rho = ((1 + share) / (1 - share),) * n
+        lost = Fraction(32, 1 << FORMATS[found.scalar][1])
+        numbers = Sampling(Fraction(1, 1000), Fraction(0), share, wind, one, one, none, rho, shift, lost, noise)
+        if holds(found, numbers):
             return numbers
     return None
 
 
-def example(found: Facts) -> Bounds:
-    """A plant for tasks that have none: xdot = u + w, |w| <= 1/20, sampled every millisecond, x measured to 2^-20, or to the
-    scalar where that is coarser."""
-    n = found.n
-    farthest = max(abs(v) for edge in found.space for v in edge)
-    return Bounds(
-        [Fraction(1, 20)] * n,
-        [Fraction(1)] * n,
-        [Fraction(1)] * n,
-        [Fraction(0)] * n,
-        Fraction(1, 1000),
-        Fraction(0),
-        max(Fraction(1, 1 << 20), farthest / (1 << FORMATS[found.scalar][1])),
-    )
+def short(value: Fraction) -> Fraction:
+    """A little more than the value, so that fractions in Coq stay short."""
+    return Fraction(math.ceil(value * (1 << 32)), 1 << 32)
+
+
+def sensed(found: Facts, noise: Fraction) -> Fraction:
+    """What a measured state is wrong by at most: the noise, and one rounding."""
+    return noise + max(abs(v) for edge in found.space for v in edge) / (1 << FORMATS[found.scalar][1])
 
 
 # What the task's text may have, for proof/Toml.v to read it; the key is a table's name.
@@ -164,7 +95,6 @@ def uncovered(found: Facts, *texts: bytes) -> str:
     it does."""
     task, *code = texts
     reasons = {
-        "values of e_max that differ": len({*found.e_max}) > 1,
         "times in ticks": found.ticks,
         "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
@@ -173,7 +103,7 @@ def uncovered(found: Facts, *texts: bytes) -> str:
         "a task whose name begins a variable": any(re.search(rf" {found.name}_\w+ = ".encode(), text) for text in code),
     }
     told = next((name for name, given in reasons.items() if given), "") or _foreign(task)
-    if told or found.sampling is not None or found_plant(rounded(found), example(found)) is not None:
+    if told or found.sampling is not None or example(rounded(found)) is not None:
         return told
     return "tubes so narrow" if found.u_max is None else "tubes so narrow, or limits so low"
 
@@ -185,24 +115,15 @@ def rounded(found: Facts) -> Facts:
 
 def words(found: Facts) -> str:
     """The closed loop in words, part of the comment that begins the file; decimals are rounded to the side that says less."""
-    clear, t_c = exact(found.clearance), exact(found.t_c)
-    kept = f"in the state space, {clear} away from every unsafe set, and from t = {t_c} s on in the target set"
-    end = f"{kept}, state space and unsafe sets having the body added."
-    held = (
-        f"The closed loop. Inputs are held: each is what `{found.name}_control` stores for the time and the state of a sample. "
-        "The first is taken at 0 and acts from then on; "
+    numbers, whose = found.sampling, ""
+    if numbers is None:
+        numbers, whose = _example(found), ", by example: the task has no control.period, and these numbers are not its own"
+    claim = sampled_claim(found, numbers, (sensed(found, numbers.noise),) * found.n)
+    told = (
+        f"The closed loop{whose}. Inputs are held: each is what `{found.name}_control` stores for the time and the state of a "
+        "sample. The first is taken at 0 and acts from then on; "
+        f"{claim} State space and unsafe sets have the body added."
     )
-    if found.sampling is None:
-        b, numbers = example(found), _example(found)
-        rho = numbers.rho[0]
-        reach = Fraction(str(below((rho - 1) / (rho + 1))))
-        told = (
-            f"{held}each acts at once, and for at most {exact(b.tau)} s. The task has no control.period, so the plant is an "
-            f"example: any xdot_i = f_i + u_i with |f_i| at most {exact(b.force[0])}, x measured to {exact(b.noise)}. "
-            f"For as long as there are inputs, every trajectory from every start with |e| at most {exact(reach)} is {end}"
-        )
-    else:
-        told = f"{held}{sampled_claim(found, found.sampling)}"
     return textwrap.fill(told, 125, initial_indent="   ", subsequent_indent="   ")
 
 
@@ -225,31 +146,29 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         format=FORMATS[found.scalar][0],
         depth=DEPTH,
         n=found.n,
-        sampled=None if found.sampling is None else _sampled(found, found.sampling),
-        plant=_example(found) if found.sampling is None else "",
+        stated=found.sampling is not None,
+        sampled=_sampled(found, found.sampling or _example(found)),
     )
 
 
-def _example(found: Facts) -> Plant:
-    numbers = found_plant(found, example(found))
+def _example(found: Facts) -> Sampling:
+    numbers = example(found)
     if numbers is None:
-        raise BadInput("theorem: the example of a sampled loop, one millisecond, has no inner tube")
+        raise BadInput(
+            "theorem: the example of a sampled loop, one millisecond, is not shown of so narrow a tube or so low limits"
+        )
     return numbers
 
 
 def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
-    """The record `sampling` of proof/Period.v, with gain, clamp and limit as the C has them."""
-    rest = (s.rho, s.force, s.g_min, s.g_max, s.g_cross, s.shift)
-    law = [f"(nth {i} the_gains 0) the_clamp (nth {i} the_limits None)" for i in range(found.n)]
-    parts = [f"Component {law[i]} {' '.join(rational(v[i]) for v in rest)}" for i in range(found.n)]
+    """The record `conditions` of proof/Sound.v, and the numbers of the certificate."""
     bounds = hints(found, s)
     rows = ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in bounds]
+    scalars = (s.period, s.latency, s.share, s.noise)
     return {
-        "tau": rational(s.period + s.latency),
-        "latency": rational(s.latency),
-        "share": rational(s.share),
-        "lost": rational(s.lost),
-        "components": ";\n  ".join(parts),
+        "conditions": " ".join([*map(rational, scalars), *map(listed, (s.force, s.g_min, s.g_max, s.g_cross))]),
+        "rho": listed(s.rho),
+        "shift": listed(map(short, s.shift)),
         "hints": ";\n  ".join(f"[{row}]" for row in rows),
         "cells": cells(found, s, bounds),
     }

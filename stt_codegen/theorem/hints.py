@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 
 from stt_codegen.theorem.reading import Facts, Sampling
@@ -74,16 +75,45 @@ def cells(facts: Facts, sampling: Sampling, rows: list[list[Hint]]) -> int:
     return next((m for m in CELLS if all(_pushes_back(facts, sampling, rows, i, m) for i in range(facts.n))), CELLS[-1])
 
 
+def holds(facts: Facts, sampling: Sampling) -> bool:
+    """Whether `period_check` of proof/Period.v would say yes, in floating point and so with some room: the law turns in time and
+    pushes back enough, within its limits."""
+    rows = hints(facts, sampling)
+    if any((1 - e) / 2 * (1 + rho) > 1 for e, rho in zip(facts.e_max, sampling.rho, strict=True)):
+        return False
+    own = all(_turns(facts, sampling, rows, i) for i in range(facts.n))
+    return own and any(all(_pushes_back(facts, sampling, rows, i, m) for i in range(facts.n)) for m in CELLS)
+
+
+def _pushed(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int) -> Iterator[tuple[float, float, float, float]]:
+    """Of one component by window: the least and the largest width, what pushes towards an edge, the largest |u|."""
+    for (least, largest), speed, row in zip(widths(facts, i), speeds(facts, i), rows, strict=True):
+        others = sum((u for j, (u, _) in enumerate(row) if j != i), Fraction(0))
+        yield float(least), float(largest), float(sampling.force[i] + sampling.g_cross[i] * others + speed), float(row[i][0])
+
+
+def _turns(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int) -> bool:
+    """An input that was right when it was made is not yet wrong when the next one acts; what pushes is within the limit on u."""
+    rho, shift, lost = float(sampling.rho[i]), float(sampling.shift[i]), float(sampling.lost)
+    before, tau, limit = 0.0, float(sampling.period + sampling.latency), None if facts.u_max is None else facts.u_max[i]
+    for least, largest, push, most in _pushed(facts, sampling, rows, i):
+        broadest, before = max(before, largest), largest
+        moved = 2 * (push + float(sampling.g_max[i]) * most) * tau
+        if 2 * shift + lost * (broadest + 2 * shift) + ROUGH * least >= least * (rho - 1) / (rho + 1) - moved:
+            return False
+        if limit is not None and push * (1 + ROUGH) > sampling.g_min[i] * limit:
+            return False
+    return True
+
+
 def _pushes_back(facts: Facts, sampling: Sampling, rows: list[list[Hint]], i: int, m: int) -> bool:
     """Of one component in every window and cell, as proof/Period.v has it, in floating point and so with some room."""
     rho, shift, lost = float(sampling.rho[i]), float(sampling.shift[i]), float(sampling.lost)
     late, pull = float(sampling.latency), float(sampling.g_min[i] * facts.gain[i]) * (1 - lost)
-    for (least, largest), speed, row in zip(widths(facts, i), speeds(facts, i), rows, strict=True):
-        others = sum((u for j, (u, _) in enumerate(row) if j != i), Fraction(0))
-        push = float(sampling.force[i] + sampling.g_cross[i] * others + speed)
-        drift = push * (float(sampling.period) + late) + float(sampling.g_max[i] * row[i][0]) * late + shift
+    for least, largest, push, most in _pushed(facts, sampling, rows, i):
+        drift = push * (float(sampling.period) + late) + float(sampling.g_max[i]) * most * late + shift
         for k in range(m):
-            d, to = (float(least + (largest - least) * j / m) for j in (k, k + 1))
+            d, to = (least + (largest - least) * j / m for j in (k, k + 1))
             far, near, nearest = d * rho / (1 + rho) - drift, d / (1 + rho) + drift, to / (1 + rho) + drift
             if far <= near or pull / nearest * (1 + near / far) * (math.log(far / near) - lost - ROUGH) <= push:
                 return False

@@ -39,7 +39,7 @@ class Unread(Exception):
 @dataclass(frozen=True)
 class Sampling:
     """What the task says of samples and of the plant, by component, and the certificate's rho and shift. lost: by the arithmetic
-    of the law."""
+    of the law. noise: of a measured x, besides its rounding."""
 
     period: Fraction
     latency: Fraction
@@ -51,6 +51,7 @@ class Sampling:
     rho: tuple[Fraction, ...]
     shift: tuple[Fraction, ...]
     lost: Fraction
+    noise: Fraction
 
 
 Operand = tuple[str, int]  # ("V", number of a value) or ("C", a whole constant)
@@ -189,7 +190,7 @@ def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any],
     noise, eps = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
     least = error + noise + eps * task.farthest  # the certificate's error is of whole units, its shift is not
     shift = tuple(max(v, least) for v in shift)
-    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost)
+    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost, noise)
 
 
 def _body(source: checker.Source, name: str) -> checker.Tree:

@@ -91,16 +91,17 @@ def _sampled_words(facts: Facts, sampling: Sampling) -> str:
         Fraction(str(below(sampling.lost))),
         "without limits" if facts.u_max is None else f"limited to {_each(facts.u_max)}",
     )
+    claim = sampled_claim(facts, sampling, tuple(v - facts.error * facts.unit for v in sampling.shift))
     return (
         "3. The sampled loop. Inputs are held. Input p is made of a sample of x, and of the emitted edges at its time, by the "
         f"law (13) with e clamped to {_each(facts.e_max)}, {limits}, and with errors of {exact(lost)} in relative "
-        f"terms and in the logarithm. The first sample is taken at 0 and acts from then on; {sampled_claim(facts, sampling)}"
+        f"terms and in the logarithm. The first sample is taken at 0 and acts from then on; {claim}"
     )
 
 
-def sampled_claim(facts: Facts, sampling: Sampling) -> str:
-    """What is assumed of samples and plant, and what is shown of every trajectory."""
-    wrong = [Fraction(str(below(v - facts.error * facts.unit))) for v in sampling.shift]
+def sampled_claim(facts: Facts, sampling: Sampling, sensors: Sequence[Fraction]) -> str:
+    """What is assumed of samples, sensors and plant, and what is shown of every trajectory."""
+    wrong = [Fraction(str(below(v))) for v in sensors]
     reach = [Fraction(str(above((rho - 1) / (rho + 1)))) for rho in sampling.rho]
     cross = f"|g_ij| at most {_each(sampling.g_cross)}" if any(sampling.g_cross) else "g_ij = 0"
     age, late = sampling.period + sampling.latency, sampling.latency
