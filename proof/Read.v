@@ -17,7 +17,7 @@ Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N |
 Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
 
 (* What C reads before tokens is not in the text: a line that goes on, a trigraph, a comment to the end of its line, one that its own
-   star would close. And no two signs with blanks between them that C has as one without: each is a token here. *)
+   star would close. A directive begins its line. And no two signs with blanks between them that C has as one without: each is a token here. *)
 Fixpoint joins (c : ascii) (s : string) : bool :=
   match s with
   | String d r => if is_blank d then joins c r else
@@ -31,6 +31,7 @@ Fixpoint plain (s : string) : bool :=
       if Ascii.eqb c "\" then false else
       match r with
       | String d t =>
+          if Ascii.eqb d "#" && negb (is_newline c) then false else
           if Ascii.eqb c "?" && Ascii.eqb d "?" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "/" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "*" && (match t with String e _ => Ascii.eqb e "/" | _ => false end) then false else

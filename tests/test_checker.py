@@ -137,50 +137,51 @@ def placed(text: str, task: str, source: Path) -> str:
     return text.replace("$", task).replace("<first gain>", *gains(source)[:1] or [""]).replace("<last coefficient>", last)
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (
-            "static const $_real $_coefficients[140] = {",
-            "// static const $_real $_coefficients[140] = {\nstatic const $_real $_coefficients[140] = {",
-        ),
-        ("static const $_real $_coefficients[140] = {", "#if 0\n#endif\nstatic const $_real $_coefficients[140] = {"),
-        (
-            "static const $_real $_coefficients[140] = {",
-            "#define $_coefficients evil\nstatic const $_real $_coefficients[140] = {",
-        ),
-        (
-            "static const $_real $_coefficients[140] = {",
-            'static const char *$_text = "/*";\nstatic const $_real $_coefficients[140] = {',
-        ),
-        ("started = positive ? t : 0.0F", "started = t + 1.0F"),
-        ("positive = 0.0F < t", "positive = 4.0F < t"),
-        ("place = u - base", "place = base - base"),
-        ("const $_real base = ($_real)segment", "const $_real base = 0.0F"),
-        (
-            "first = segment * 4;\n    *row = first;\n    *s = place",
-            "first = segment * 4;\n    const int32_t off = first + 40;\n    *row = off;\n    *s = place",
-        ),
-        (
-            "const $_real scaled =",
-            "// scaled = started * 4.0F;\n    const $_real scaled = 2.0F * started;\n    const $_real other =",
-        ),
-        ("v6 = v2 + v5", "v6 = v2 - v5"),
-        ("v7 = 1.0F + v6", "v7 = 2.0F + v6"),
-        ("gain = upper_nearer ? gain_minus : gain_i", "gain = upper_nearer ? gain_i : gain_minus"),
-        ("<first gain>", "0.0F"),
-        ("u[i] = u_held;", "u[i] = 0.0F;"),
-        ("outside_any = within ? outside : true", "outside_any = within ? false : true"),
-        ("outside_any = within ? outside : true", "outside_any = within ? outside : false"),
-        ("margin_next = less ? held_share : margin", "margin_next = less ? margin : held_share"),
-        ("const int32_t upper_0 = at + 1;", "const int32_t upper_0 = at + 14;"),
-        ("for (int32_t i = 0; i < 2; ++i) {", "for (int32_t i = 0; i < 1; ++i) {"),
-        ("logf(v0)", "log1pf(v0)"),
-        ("return TROLLEY_BAD_INPUT;", "return TROLLEY_OK;"),
-        ("zero = zeros;", "zero = x_zero;"),
-        ("const bool finite = zero <= 0.0F;", "const bool finite = 0.0F <= zero;"),
-    ],
-)
+# In the C of trolley.
+MEANINGS = [
+    (
+        "static const $_real $_coefficients[140] = {",
+        "// static const $_real $_coefficients[140] = {\nstatic const $_real $_coefficients[140] = {",
+    ),
+    ("static const $_real $_coefficients[140] = {", "#if 0\n#endif\nstatic const $_real $_coefficients[140] = {"),
+    (
+        "static const $_real $_coefficients[140] = {",
+        "#define $_coefficients evil\nstatic const $_real $_coefficients[140] = {",
+    ),
+    (
+        "static const $_real $_coefficients[140] = {",
+        'static const char *$_text = "/*";\nstatic const $_real $_coefficients[140] = {',
+    ),
+    ("started = positive ? t : 0.0F", "started = t + 1.0F"),
+    ("positive = 0.0F < t", "positive = 4.0F < t"),
+    ("place = u - base", "place = base - base"),
+    ("const $_real base = ($_real)segment", "const $_real base = 0.0F"),
+    (
+        "first = segment * 4;\n    *row = first;\n    *s = place",
+        "first = segment * 4;\n    const int32_t off = first + 40;\n    *row = off;\n    *s = place",
+    ),
+    (
+        "const $_real scaled =",
+        "// scaled = started * 4.0F;\n    const $_real scaled = 2.0F * started;\n    const $_real other =",
+    ),
+    ("v6 = v2 + v5", "v6 = v2 - v5"),
+    ("v7 = 1.0F + v6", "v7 = 2.0F + v6"),
+    ("gain = upper_nearer ? gain_minus : gain_i", "gain = upper_nearer ? gain_i : gain_minus"),
+    ("<first gain>", "0.0F"),
+    ("u[i] = u_held;", "u[i] = 0.0F;"),
+    ("outside_any = within ? outside : true", "outside_any = within ? false : true"),
+    ("outside_any = within ? outside : true", "outside_any = within ? outside : false"),
+    ("margin_next = less ? held_share : margin", "margin_next = less ? margin : held_share"),
+    ("const int32_t upper_0 = at + 1;", "const int32_t upper_0 = at + 14;"),
+    ("for (int32_t i = 0; i < 2; ++i) {", "for (int32_t i = 0; i < 1; ++i) {"),
+    ("logf(v0)", "log1pf(v0)"),
+    ("return TROLLEY_BAD_INPUT;", "return TROLLEY_OK;"),
+    ("zero = zeros;", "zero = x_zero;"),
+    ("const bool finite = zero <= 0.0F;", "const bool finite = 0.0F <= zero;"),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), MEANINGS)
 def test_another_meaning_is_found_although_the_hashes_fit(old: str, new: str, tmp_path, capsys) -> None:
     arguments = lay_out(tmp_path, "trolley")
     source = Path(arguments[1])
@@ -192,84 +193,85 @@ def test_another_meaning_is_found_although_the_hashes_fit(old: str, new: str, tm
     assert "NO" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("task", "old", "new"),
-    [  # what a compiler reads otherwise than a careless reader, and what rounds, overflows or is read from elsewhere
-        ("trolley", "v4 = v3 / b;", "v4 = v3 //* */ b\n    ;"),
-        ("trolley", "logf(v0)", "trolley_logf(v0)"),
-        ("trolley", "trolley_segment(t, &row, &s);", "segment(t, &row, &s);"),
-        ("trolley", "at + 12;", "at + 012;"),
-        ("trolley", "coefficients[140]", "coefficients[0214]"),
-        (
-            "trolley",
-            "    *w0 = v2;",
-            "    const $_real z0 = 0.0F;\n    const $_real big = v2 + 100000000.0F;\n    const $_real less = big - 100000000.0F;\n    *w0 = less;",
-        ),
-        (
-            "trolley",
-            "    *w0 = v2;",
-            "    const $_real up = v2 * 1.0e30F;\n    const $_real upper = up * 1.0e30F;\n    const $_real down = upper * 1.0e-30F;\n    const $_real w = down * 1.0e-30F;\n    *w0 = w;",
-        ),
-        (
-            "trolley",
-            "    *w0 = v2;",
-            "    const $_real low = v2 * 0.0000000000000000000000000000000000000000000000001F;\n    *w0 = low;",
-        ),
-        (
-            "trolley",
-            "    *dw0 = v5;",
-            "    const $_real big = v5 + 100000000.0F;\n    const $_real less = big - 100000000.0F;\n    *dw0 = less;",
-        ),
-        (
-            "omni_board",
-            "below = mantissa - 1.0F;\n    const $_real above = mantissa + 1.0F;",
-            "above = mantissa + 1.0F;\n    const $_real below = above - 2.0F;",
-        ),
-        (
-            "trolley",
-            "    bool outside = false;",
-            "    const $_status TROLLEY_OUTSIDE_TUBE = TROLLEY_OK;\n    bool outside = false;",
-        ),
-        (
-            "omni_board",
-            "at = row + pair;",
-            "huge = row * 2000000000;\n        const int32_t none = huge - huge;\n        const int32_t near_at = row + none;\n        const int32_t at = near_at + pair;",
-        ),
-        (
-            "omni_board",
-            "const bool before_last = whole < 31;",
-            "const int32_t moved = whole + 2147483640;\n    const bool before_last = moved < 2147483671;",
-        ),
-        (
-            "omni_board",
-            "const int32_t whole = place / 1125;",
-            "const int32_t none = place - place;\n    const int32_t odd = place / none;\n    const int32_t whole = place / 1125;",
-        ),
-        (
-            "omni_board",
-            "const bool running = tick < 9000U;",
-            "const int32_t ahead = (int32_t)tick;\n    const bool running = tick < 9000U;",
-        ),
-        (
-            "trolley",
-            "const int32_t segment = (int32_t)u;",
-            "const int32_t early_one = (int32_t)scaled;\n    const int32_t segment = (int32_t)u;",
-        ),
-        ("trolley", "const $_real room = ", "const $_real volatile = upper_edge - lower_edge;\n        const $_real room = "),
-        (
-            "trolley",
-            "<last coefficient>\n};",
-            "<last coefficient>\n}",
-        ),
-        ("trolley", "const $_real v0 = k * xi;", "const $_real v0 = $_law(k, xi, epsilon);"),
-        ("trolley", "{\n    const bool finite = isfinite(t) != 0;", "{" * 3000 + "\n    const bool finite = isfinite(t) != 0;"),
-        (
-            "trolley",
-            "const bool wide = 9.536743e-7F < room;",
-            "const bool wide = 9.536743e-7F < room;\n        const bool wider = 1.0F < room;",
-        ),
-    ],
-)
+# What a compiler reads otherwise than a careless reader, and what rounds, overflows or is read from elsewhere.
+COMPILED = [
+    ("trolley", "v4 = v3 / b;", "v4 = v3 //* */ b\n    ;"),
+    ("trolley", "logf(v0)", "trolley_logf(v0)"),
+    ("trolley", "trolley_segment(t, &row, &s);", "segment(t, &row, &s);"),
+    ("trolley", "at + 12;", "at + 012;"),
+    ("trolley", "coefficients[140]", "coefficients[0214]"),
+    (
+        "trolley",
+        "    *w0 = v2;",
+        "    const $_real z0 = 0.0F;\n    const $_real big = v2 + 100000000.0F;\n    const $_real less = big - 100000000.0F;\n    *w0 = less;",
+    ),
+    (
+        "trolley",
+        "    *w0 = v2;",
+        "    const $_real up = v2 * 1.0e30F;\n    const $_real upper = up * 1.0e30F;\n    const $_real down = upper * 1.0e-30F;\n    const $_real w = down * 1.0e-30F;\n    *w0 = w;",
+    ),
+    (
+        "trolley",
+        "    *w0 = v2;",
+        "    const $_real low = v2 * 0.0000000000000000000000000000000000000000000000001F;\n    *w0 = low;",
+    ),
+    (
+        "trolley",
+        "    *dw0 = v5;",
+        "    const $_real big = v5 + 100000000.0F;\n    const $_real less = big - 100000000.0F;\n    *dw0 = less;",
+    ),
+    (
+        "omni_board",
+        "below = mantissa - 1.0F;\n    const $_real above = mantissa + 1.0F;",
+        "above = mantissa + 1.0F;\n    const $_real below = above - 2.0F;",
+    ),
+    (
+        "trolley",
+        "    bool outside = false;",
+        "    const $_status TROLLEY_OUTSIDE_TUBE = TROLLEY_OK;\n    bool outside = false;",
+    ),
+    (
+        "omni_board",
+        "at = row + pair;",
+        "huge = row * 2000000000;\n        const int32_t none = huge - huge;\n        const int32_t near_at = row + none;\n        const int32_t at = near_at + pair;",
+    ),
+    (
+        "omni_board",
+        "const bool before_last = whole < 31;",
+        "const int32_t moved = whole + 2147483640;\n    const bool before_last = moved < 2147483671;",
+    ),
+    (
+        "omni_board",
+        "const int32_t whole = place / 1125;",
+        "const int32_t none = place - place;\n    const int32_t odd = place / none;\n    const int32_t whole = place / 1125;",
+    ),
+    (
+        "omni_board",
+        "const bool running = tick < 9000U;",
+        "const int32_t ahead = (int32_t)tick;\n    const bool running = tick < 9000U;",
+    ),
+    (
+        "trolley",
+        "const int32_t segment = (int32_t)u;",
+        "const int32_t early_one = (int32_t)scaled;\n    const int32_t segment = (int32_t)u;",
+    ),
+    ("trolley", "const $_real room = ", "const $_real volatile = upper_edge - lower_edge;\n        const $_real room = "),
+    (
+        "trolley",
+        "<last coefficient>\n};",
+        "<last coefficient>\n}",
+    ),
+    ("trolley", "const $_real v0 = k * xi;", "const $_real v0 = $_law(k, xi, epsilon);"),
+    ("trolley", "{\n    const bool finite = isfinite(t) != 0;", "{" * 3000 + "\n    const bool finite = isfinite(t) != 0;"),
+    (
+        "trolley",
+        "const bool wide = 9.536743e-7F < room;",
+        "const bool wide = 9.536743e-7F < room;\n        const bool wider = 1.0F < room;",
+    ),
+]
+
+
+@pytest.mark.parametrize(("task", "old", "new"), COMPILED)
 def test_what_only_a_compiler_would_notice_is_found(task: str, old: str, new: str, tmp_path, capsys) -> None:
     arguments = lay_out(tmp_path, task)
     source = Path(arguments[1])
@@ -309,19 +311,20 @@ def test_a_chosen_gain_is_positive(tmp_path, capsys) -> None:
     assert "not of one sign, or not positive" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("#define TROLLEY_T_C 8.0F", "#define TROLLEY_T_C 8.0F / 100.0F"),
-        ('extern "C" {\n#endif', 'extern "C" { #endif'),
-        ("#define TROLLEY_N 2", "#define TROLLEY_N 2\n#define trolley_law evil"),
-        ("typedef float trolley_real;", "typedef double trolley_real;"),
-        ("TROLLEY_OUTSIDE_TUBE = 1", "TROLLEY_OUTSIDE_TUBE = 0"),
-        ("PERIOD_PROVED 0.02F", "PERIOD_PROVED 0.1F"),
-        ("TROLLEY_T_C 8.0F", "TROLLEY_T_C 9.0F"),
-        ('DESIGN_HASH "', 'DESIGN_HASH "0'),
-    ],
-)
+# In the header of trolley.
+HEADERS = [
+    ("#define TROLLEY_T_C 8.0F", "#define TROLLEY_T_C 8.0F / 100.0F"),
+    ('extern "C" {\n#endif', 'extern "C" { #endif'),
+    ("#define TROLLEY_N 2", "#define TROLLEY_N 2\n#define trolley_law evil"),
+    ("typedef float trolley_real;", "typedef double trolley_real;"),
+    ("TROLLEY_OUTSIDE_TUBE = 1", "TROLLEY_OUTSIDE_TUBE = 0"),
+    ("PERIOD_PROVED 0.02F", "PERIOD_PROVED 0.1F"),
+    ("TROLLEY_T_C 8.0F", "TROLLEY_T_C 9.0F"),
+    ('DESIGN_HASH "', 'DESIGN_HASH "0'),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), HEADERS)
 def test_another_header_is_found(old: str, new: str, tmp_path, capsys) -> None:
     arguments = lay_out(tmp_path, "trolley")
     head = tmp_path / "trolley.h"
@@ -332,20 +335,21 @@ def test_another_header_is_found(old: str, new: str, tmp_path, capsys) -> None:
     assert re.search("header|directive", capsys.readouterr().out)
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (
-            "far = room - near;",
-            "wide = room + 1.0e9F;\n        const $_real less = wide - near;\n        const $_real far = less - 1.0e9F;",
-        ),
-        ("to_upper = upper_edge - x_i;", "to_upper = room - to_lower;"),
-        (
-            "room = upper_edge - lower_edge;",
-            "to_low = x_i - lower_edge;\n        const $_real to_up = upper_edge - x_i;\n        const $_real room = to_low + to_up;",
-        ),
-    ],
-)
+# Of trolley: equal in exact arithmetic.
+ROUNDED = [
+    (
+        "far = room - near;",
+        "wide = room + 1.0e9F;\n        const $_real less = wide - near;\n        const $_real far = less - 1.0e9F;",
+    ),
+    ("to_upper = upper_edge - x_i;", "to_upper = room - to_lower;"),
+    (
+        "room = upper_edge - lower_edge;",
+        "to_low = x_i - lower_edge;\n        const $_real to_up = upper_edge - x_i;\n        const $_real room = to_low + to_up;",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), ROUNDED)
 def test_the_same_formula_that_rounds_otherwise_is_found(old: str, new: str, tmp_path, capsys) -> None:
     """Equal in exact arithmetic; in floats the distance to the nearer edge is lost."""
     arguments = lay_out(tmp_path, "trolley")

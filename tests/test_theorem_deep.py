@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from test_checker import COMPILED, HEADERS, MEANINGS, ROUNDED, placed
 from test_cli import run
 
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
-from stt_codegen.theorem.deep import deep
+from stt_codegen.theorem.deep import deep, quoted
 
 pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
 
@@ -122,3 +123,30 @@ def test_changed_texts_have_none(name: str, old: str, new: str, lemma: str) -> N
 def test_ticks_are_not_covered() -> None:
     with pytest.raises(BadInput, match="times in ticks"):
         text("omni_board", "float")
+
+
+ATTACKS = (
+    *(("trolley", ".c", *pair) for pair in (*MEANINGS, *ROUNDED)),
+    *((name, ".c", old, new) for name, old, new in COMPILED),
+    *(("trolley", ".h", *pair) for pair in HEADERS),
+)
+OTHERS = r"(?:margin|transform|normalized_error|basis_rate|tube_rate|segment_at_tick|control_tick)"
+
+
+def about(text: str, name: str) -> str:
+    """What the theorem is about: a text without the functions and the numbers that are the stand-alone checker's word."""
+    without = re.sub(rf"^(?:static inline )?\w+ {name}_{OTHERS}\(.*?^\}}", "", text, flags=re.S | re.M)
+    return re.sub(rf"^#define {name.upper()}_(?:T_C|PERIOD_PROVED|DESIGN_HASH) .*", "", without, flags=re.M)
+
+
+@pytest.mark.parametrize(("name", "end", "old", "new"), ATTACKS)
+def test_the_checkers_attacks_have_none(name: str, end: str, old: str, new: str) -> None:
+    """Coq alone is asked: no checker, no hash. It says no to all that its theorem is about, and reads past the rest."""
+    folder = ROOT / "generated" / name / "refined" / "float"
+    source = folder / f"{name}.c"
+    old, new = (placed(part, name, source) for part in (old, new))
+    before = (folder / f"{name}{end}").read_text()
+    after = before.replace(old, new)
+    assert after != before
+    answer = asking.ask_coq(text(name, "float").replace(quoted(before), quoted(after)).encode(), name)
+    assert answer.holds == (about(before, name) == about(after, name)), answer.what

@@ -72,7 +72,7 @@ KEYS = {
     "plant": "f_max w_max g_min g_max g_cross noise",
 }
 SPELT = re.compile(r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+")  # in the task, what proof/Toml.v does not read
-BEFORE = re.compile(rb"\\|\?\?|//|/\*/|([+&|-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|([+&|-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
 
 
 def _foreign(task: bytes) -> str:
