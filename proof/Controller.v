@@ -118,7 +118,7 @@ Section Controller.
      matches unit coefficients (flat_table rows))%bool.
 
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
+  Variables (unit err : Q) (depth : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.

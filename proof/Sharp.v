@@ -24,7 +24,7 @@ Section Sharp.
   Notation value := (@B2R prec emax).
 
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
+  Variables (unit err : Q) (depth : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)).
   Variables (s : sampling) (hints : list (list (Q * Q))) (cuts : nat).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
@@ -58,8 +58,7 @@ Section Sharp.
   Theorem controller_sound_sharp : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (Q2R (rho_of (part s i)) - 1) / (Q2R (rho_of (part s i)) + 1) * (U i t - L i t)) /\
     (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
-    (forall o, In o (unsafe task) -> exists i, (i < n task)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance task) \/ at_ (hi o) i + Q2R (clearance task) < x i t)) /\
+    (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
     (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
   Proof.
     apply (samples_reach_avoid_stay f unit err depth task rows Vs sc late s hints cuts tube_checked slopes_checked rounding_checked period_checked

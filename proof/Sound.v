@@ -24,7 +24,7 @@ Section Sound.
 
   (* the text, as read, and the checks *)
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)) (P : plant).
+  Variables (unit err : Q) (depth : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains : list Q) (c : Q) (limits : list (option Q)) (P : plant).
   Hypothesis tube_checked : check unit err depth task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
@@ -87,8 +87,7 @@ Section Sound.
   (* at all times: in the state space, the clearance away from every unsafe set, and from t_c on in the target set *)
   Theorem controller_sound : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
-    (forall o, In o (unsafe task) -> exists i, (i < n task)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance task) \/ at_ (hi o) i + Q2R (clearance task) < x i t)) /\
+    (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
     (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
   Proof.
     intros p t Ht.
@@ -107,7 +106,7 @@ Section Sound.
       assert (0 < (U i t - L i t) * / (1 + Q2R (nth i (rho_ P) 0%Q))) by (apply Rmult_lt_0_compat; unfold L, U in *; lra). unfold L, U in *. lra. }
     split; [|split].
     - intros i Hi. destruct (I i Hi), (P3 i t Hi). lra.
-    - intros o Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|]. destruct (I i Hi). destruct D; [left|right]; lra.
+    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) I).
     - intros Htc i Hi. destruct (I i Hi), (P5 i t Hi Htc). lra.
   Qed.
 End Sound.

@@ -156,7 +156,7 @@ Qed.
 (* ------------------------------------------------------------------ reach-avoid-stay of the closed loop *)
 
 Section ReachAvoidStay.
-  Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
+  Variables (unit err : Q) (depth : search) (k : task) (rows : table) (Vs : list Z).
   Hypothesis checked : check unit err depth k rows = true.
   Hypothesis more : slopes err k rows Vs = true.
 
@@ -176,8 +176,7 @@ Section ReachAvoidStay.
 
   Theorem reach_avoid_stay :
     (forall t i, 0 <= t <= tc -> (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
-    (forall t o, 0 <= t <= tc -> In o (unsafe k) -> exists i, (i < n k)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) < x i t)) /\
+    (forall t o, 0 <= t <= tc -> In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o (fun i => x i t)) /\
     (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i tc < at_ (hi (target k)) i).
   Proof.
     pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
@@ -194,8 +193,7 @@ Section ReachAvoidStay.
       }
     split; [|split].
     - intros t i Ht Hi. destruct (In_ t Ht i Hi), (P3 i t Hi). lra.
-    - intros t o Ht Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|].
-      destruct (In_ t Ht i Hi). destruct D; [left|right]; lra.
+    - intros t o Ht Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) (In_ t Ht)).
     - intros i Hi. destruct (In_ tc ltac:(unfold tc; lra) i Hi), (P5 i tc Hi ltac:(unfold tc; lra)). lra.
   Qed.
 End ReachAvoidStay.

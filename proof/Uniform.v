@@ -35,7 +35,7 @@ Lemma others_Q_ok n i u : Q2R (others_Q n i u) = others n i (fun j => Q2R (u j))
 Proof. induction n; cbn; [apply Q2R_0|]. rewrite Q2R_plus, IHn. destruct (Nat.eq_dec n i); [now rewrite Q2R_0|reflexivity]. Qed.
 
 Section Uniform.
-  Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
+  Variables (unit err : Q) (depth : search) (k : task) (rows : table) (Vs : list Z).
   Variables (gains : list Q) (c r : Q) (limits : list (option Q)) (P : plant).
 
   Definition eta : Q := err + noise_ P.
@@ -51,7 +51,7 @@ Section Uniform.
   Definition Y2 i : Q := Qred (A_ i / B_ i).
   Definition pull_ i : Q := of (gmin_ P) i * (of gains i * / (of (widest P) i * z_ i + (drift_ i + eta)) * (1 + / Y2 i) * (1 - r) * (of (log_down P) i - r)).
 
-  Definition narrow (i : nat) (v : Q) : atom := Atom i 1 (-1) (- below unit v).
+  Definition narrow (i : nat) (v : Q) : atom := single i 1 (-1) (- below unit v).
   Definition widths : list requirement := flat_map (fun i => [[wide unit i (of (narrowest P) i)]; [narrow i (of (widest P) i)]]) (seq 0 (n k)).
 
   Definition component_check (i : nat) : bool :=
@@ -64,7 +64,7 @@ Section Uniform.
      match nth i limits None with Some m => Qle_bool 0 m && Qle_bool (force_ i + v_ i) (of (gmin_ P) i * m) | None => true end)%bool.
   Definition plant_check : bool :=
     (Qless 0 c && Qle_bool c (1 # 4) && Qle_bool 0 r && Qle_bool r (1 # 2) && Qle_bool 0 (noise_ P) && Qle_bool 0 (tau_ P) && Qle_bool 0 (latency_ P) &&
-     forallb (fun p => check_piece depth 1 p widths) (pieces rows) && forallb component_check (seq 0 (n k)))%bool.
+     forallb (fun p => check_piece (halves depth) 1 p widths) (pieces rows) && forallb component_check (seq 0 (n k)))%bool.
 
   Hypothesis tube_checked : check unit err depth k rows = true.
   Hypothesis slopes_checked : slopes err k rows Vs = true.
@@ -93,15 +93,15 @@ Section Uniform.
     intro Hi. pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [[_ W] _].
     pose proof tube_checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up).
-    assert (D : forall r a, In r widths -> In a r -> (dim a < n k)%nat).
-    { intros rq a. unfold widths. rewrite in_flat_map. intros (j & Hj & [<-|[<-|[]]]); apply in_seq in Hj; intros [<-|[]]; cbn; lia. }
-    assert (S := check_table_sound (n k) depth (Q2R unit) (Q2R (T k)) rows widths Rg Up' Tp' D W t).
+    assert (D : forall r a e, In r widths -> In a r -> In e (terms a) -> (dim e < n k)%nat).
+    { intros rq a e. unfold widths. rewrite in_flat_map. intros (j & Hj & [<-|[<-|[]]]); apply in_seq in Hj; intros [<-|[]] [<-|[]]; cbn; lia. }
+    assert (S := check_table_sound (n k) (halves depth) (Q2R unit) (Q2R (T k)) rows widths Rg Up' Tp' D W t).
     assert (I : In i (seq 0 (n k))) by (apply in_seq; lia).
     destruct (S [wide unit i (of (narrowest P) i)]) as (a & [<-|[]] & M1).
     { unfold widths. apply in_flat_map. exists i. split; [exact I|now left]. }
     destruct (S [narrow i (of (widest P) i)]) as (a & [<-|[]] & M2).
     { unfold widths. apply in_flat_map. exists i. split; [exact I|right; now left]. }
-    unfold wide, narrow in *. cbn [dim wl wu least] in *. unfold L, U, lower, upper.
+    unfold weighted, wide, narrow, single in *. cbn [terms fold_right dim wl wu least] in *. unfold L, U, lower, upper.
     pose proof (above_ok unit Up (of (narrowest P) i)) as Ab. pose proof (below_ok unit Up (of (widest P) i)) as Be. rewrite opp_IZR in M2. lra.
   Qed.
 
