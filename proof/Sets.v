@@ -88,7 +88,7 @@ Proof.
   rewrite total_plus, total_scal in C. lra.
 Qed.
 
-(* Of a box membership is what it should be. *)
+(* Of a box alone both are what they should be. *)
 Lemma in_solid n b y : in_set n (solid b) y <-> forall i, (i < n)%nat -> at_ (lo b) i <= y i <= at_ (hi b) i.
 Proof.
   assert (O : forall i, at_ [] i = 0) by (intro; unfold at_; destruct i; cbn; unfold Q2R; cbn; lra).
@@ -98,6 +98,16 @@ Proof.
   - intro H. exists (fun _ => 0), y, (fun _ => 0). split; [|split; [exact H|split; [easy|split; [|intros; ring]]]].
     + exists [1]. split; [reflexivity|split; [intros w [<-|[]]; lra|split; [cbn; lra|]]]. intros. unfold combination. cbn. rewrite O. lra.
     + rewrite (total_eq n _ (fun _ => 0)) by (intros; ring). rewrite total_zero. apply pow2_ge_0.
+Qed.
+
+Lemma clear_solid n c b x : 0 <= c -> (forall i, (i < n)%nat -> at_ (lo b) i <= at_ (hi b) i) ->
+  clear n c (solid b) x <-> exists i, (i < n)%nat /\ (x i < at_ (lo b) i - c \/ at_ (hi b) i + c < x i).
+Proof.
+  intros C0 B. split.
+  - intro C. destruct (C (fun i => Rmax (at_ (lo b) i) (Rmin (at_ (hi b) i) (x i)))) as (i & Hi & E).
+    + apply in_solid. intros i Hi. specialize (B i Hi). unfold Rmax, Rmin. repeat destruct Rle_dec; lra.
+    + exists i. split; [exact Hi|]. specialize (B i Hi). revert E. unfold Rmax, Rmin, Rabs. repeat destruct Rle_dec; destruct Rcase_abs; lra.
+  - intros (i & Hi & D) y Y. exists i. split; [exact Hi|]. rewrite in_solid in Y. specialize (Y i Hi). unfold Rabs. destruct Rcase_abs; lra.
 Qed.
 
 (* ------------------------------------------------------------------ how far a set reaches, in rationals *)

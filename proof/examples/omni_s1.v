@@ -591,10 +591,10 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
   (Box [(9 # 2); (9 # 2)] [(5 # 1); (5 # 1)]) (* target set *)
-  [(Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]);
-   (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]);
-   (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]);
-   (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)])] (* unsafe sets *)
+  [(solid (Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]));
+   (solid (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
+   (solid (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
+   (solid (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
   (3 # 100) (1 # 20) (* clearance, least width *))%Q.
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
 Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
@@ -622,8 +622,10 @@ Definition the_program : source := Source (preamble Single "omni_s1"%string) (em
 Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
 Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
 
+(* How Coq goes about P1 to P5, not believed: how often a segment may be halved, and normals for every unsafe set. *)
+Definition the_search : search := Search 20 [[]; []; []; []].
 (* P1 to P5 of the exact tube, with room for the error. *)
-Lemma tube_checked : check the_unit the_error 20 the_task the_table = true.
+Lemma tube_checked : check the_unit the_error the_search the_task the_table = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 Lemma slopes_checked : slopes the_error the_task the_table the_steps = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
@@ -653,20 +655,20 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
       HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
-  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamp the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
 (* and what its edges are: *)
-Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
+Definition tube := emitted_tube_sound Single the_unit the_error the_search the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
 
 
 (* The plant: bounds by component, and numbers that help Coq. *)
 Definition the_plant : plant := (Plant [(39 # 1); (39 # 1)] [(1 # 1); (1 # 1)] [(1 # 1); (1 # 1)] [(1 # 20); (1 # 20)] [(0 # 1); (0 # 1)]
   (1 # 1000) (0 # 1) (1 # 1048576)
   [(28665 # 65536); (28665 # 65536)] [(4095 # 8192); (4095 # 8192)] [(61481973 # 16777216); (61481973 # 16777216)] [(60528189 # 16777216); (60437729 # 16777216)])%Q.
-Lemma plant_checked : plant_check the_unit the_error 20 the_task the_table the_steps the_gains the_clamp (32 * half_ulp Single) the_limits the_plant = true.
+Lemma plant_checked : plant_check the_unit the_error the_search the_task the_table the_steps the_gains the_clamp (32 * half_ulp Single) the_limits the_plant = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
@@ -695,13 +697,12 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
     Q2R (nth i (gmin_ the_plant) 0%Q) <= g i p t <= Q2R (nth i (gmax_ the_plant) 0%Q)) ->
   forall p t, 0 <= t <= switch p ->
     (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
-    (forall o, In o (unsafe the_task) -> exists i, (i < 2)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance the_task) \/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\
+    (forall o, In o (unsafe the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
     (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
 Proof.
   intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
   rewrite text_read in Text. injection Text as <-.
-  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamp the_limits the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
     Times Continuous Start Ode Clock Sensors).
 Qed.
