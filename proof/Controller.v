@@ -122,8 +122,8 @@ Section Controller.
      matches unit coefficients (flat_table rows))%bool.
 
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
-  Hypothesis tube_checked : check unit err depth task rows = true.
+  Variables (unit err : Q) (how : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (s : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
+  Hypothesis tube_checked : check unit err how task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
   Hypothesis constants_checked : constants_check k coefficients unit task rows s gains clamps limits = true.
@@ -283,7 +283,7 @@ Section Controller.
     assert (Cl : forall r, reads f (clock r) r).
     { intro r. unfold clock. destruct (Req_EM_T r tau) as [->|_]; [exact reads_t|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
       apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
-    destruct (emitted_tube_sound f unit err depth task rows Vs s late tube_checked slopes_checked rounding_checked clock Cl) as (P1 & _ & P3 & _).
+    destruct (emitted_tube_sound f unit err how task rows Vs s late tube_checked slopes_checked rounding_checked clock Cl) as (P1 & _ & P3 & _).
     assert (Et : clock tau = value t) by (unfold clock; destruct (Req_EM_T tau tau); [reflexivity|congruence]).
     specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box in P3. rewrite Et in P1, P3. unfold L, U. split; [exact P1|exact P3].
   Qed.

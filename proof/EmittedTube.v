@@ -44,8 +44,8 @@ Lemma Qle_bool_R a b : Qle_bool a b = true -> Q2R a <= Q2R b.
 Proof. intro H. now apply Qle_Rle, Qle_bool_iff. Qed.
 
 Section EmittedTube.
-  Variables (format : format) (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q).
-  Hypothesis checked : check unit err depth k rows = true.
+  Variables (format : format) (unit err : Q) (how : search) (k : task) (rows : table) (Vs : list Z) (s : scale) (late : Q).
+  Hypothesis checked : check unit err how k rows = true.
   Hypothesis more : slopes err k rows Vs = true.
   Hypothesis rounding : rounding_check format unit err k rows Vs s late = true.
 
@@ -106,12 +106,11 @@ Section EmittedTube.
     (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
     (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box L U (start k) i 0) /\
     (* P3 *) (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
-    (* P4 *) (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
-               (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
+    (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
     (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
   Proof.
     assert (Up : positive unit = true).
     { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
-    exact (tube_sound unit err Up k rows depth checked L U emitted_near).
+    exact (tube_sound unit err Up k rows how checked L U emitted_near).
   Qed.
 End EmittedTube.

@@ -105,7 +105,6 @@ Proof. intro H. apply Q2R_inv. intro E. apply Qeq_eqR in E. rewrite Q2R_0 in E. 
 Lemma Q2R_div_pos a q : 0 < Q2R q -> Q2R (a / q) = Q2R a / Q2R q.
 Proof. intro H. apply Q2R_div. intro E. apply Qeq_eqR in E. rewrite Q2R_0 in E. lra. Qed.
 
-Fixpoint total (m : nat) (u : nat -> R) : R := match m with O => 0 | S j => u j + total j u end.
 Lemma total_others m i u : (i < m)%nat -> total m u = u i + others m i u.
 Proof.
   induction m; intro H; [lia|]. cbn. destruct (Nat.eq_dec m i) as [->|Ne]; [|rewrite IHm by lia; ring].
@@ -121,9 +120,9 @@ Proof.
 Qed.
 
 Section Sampled.
-  Variables (format : format) (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z) (sc : scale) (late : Q).
+  Variables (format : format) (unit err : Q) (how : search) (k : task) (rows : table) (Vs : list Z) (sc : scale) (late : Q).
   Variables (s : sampling) (hints : list (list (Q * Q))) (cuts : nat).
-  Hypothesis checked : check unit err depth k rows = true.
+  Hypothesis checked : check unit err how k rows = true.
   Hypothesis more : slopes err k rows Vs = true.
   Hypothesis rounding : rounding_check format unit err k rows Vs sc late = true.
   Hypothesis period_checked : period_check unit k rows s hints cuts err = true.
@@ -292,8 +291,8 @@ Section Sampled.
     { intro r. unfold shown. destruct (Req_EM_T r (taken p)) as [->|_]; [apply clock_reads|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
       apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
     assert (Et : shown (taken p) = clock p) by (unfold shown; destruct (Req_EM_T (taken p) (taken p)); [reflexivity|congruence]).
-    destruct (emitted_near format unit err depth k rows Vs sc late checked more rounding shown Sh i (taken p) Hi) as [A B]. cbv beta in A, B. rewrite Et in A, B.
-    destruct (emitted_tube_sound format unit err depth k rows Vs sc late checked more rounding shown Sh) as (P1 & _).
+    destruct (emitted_near format unit err how k rows Vs sc late checked more rounding shown Sh i (taken p) Hi) as [A B]. cbv beta in A, B. rewrite Et in A, B.
+    destruct (emitted_tube_sound format unit err how k rows Vs sc late checked more rounding shown Sh) as (P1 & _).
     assert (W := P1 i (taken p) Hi). cbv beta in W. rewrite Et in W. destruct all_checked as (_ & _ & _ & Mw & _).
     apply Rabs_le_between in Sn, A, B. fold (L i (taken p)) in A. fold (U i (taken p)) in B.
     repeat split; [apply Rabs_le; unfold a; lra|apply Rabs_le; unfold b; lra|unfold a, b; lra].
@@ -452,14 +451,13 @@ Section Sampled.
   Lemma exact_tube :
     (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
     (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
-    (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
-      (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
+    (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
     (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
   Proof.
     assert (Up : positive unit = true).
     { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
     destruct all_checked as (_ & _ & _ & _ & er0).
-    destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & _ & P3 & P4 & P5); [|exact (conj P1 (conj P3 (conj P4 P5)))].
+    destruct (tube_sound unit err Up k rows how checked L U) as (P1 & _ & P3 & P4 & P5); [|exact (conj P1 (conj P3 (conj P4 P5)))].
     intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra.
   Qed.
 
@@ -527,8 +525,7 @@ Section Sampled.
   Theorem samples_reach_avoid_stay : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n k)%nat -> Rabs (2 * x i t - L i t - U i t) <= (rho i - 1) / (rho i + 1) * (U i t - L i t)) /\
     (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
-    (forall o, In o (unsafe k) -> exists i, (i < n k)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) < x i t)) /\
+    (forall o, In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o (fun i => x i t)) /\
     (Q2R (T k) <= t -> forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i t < at_ (hi (target k)) i).
   Proof.
     intros p t Ht. assert (Kp := held_inside p t Ht). destruct exact_tube as (P1 & P3 & P4 & P5).
@@ -540,13 +537,13 @@ Section Sampled.
     - intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _).
       assert (E : (rho i - 1) / (rho i + 1) = 1 - 2 * z i) by (unfold z; field; lra). rewrite E. apply Rabs_le. lra.
     - intros i Hi. destruct (In_ i Hi), (P3 i t Hi). lra.
-    - intros o Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|]. destruct (In_ i Hi). destruct D; [left|right]; lra.
+    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) In_).
     - intros Htc i Hi. destruct (In_ i Hi), (P5 i t Hi Htc). lra.
   Qed.
 End Sampled.
 
 (* The same for a clock that shows a number at every time. *)
-Definition sampled_reach_avoid_stay format unit err depth k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
+Definition sampled_reach_avoid_stay format unit err how k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
   (clock : R -> R) x measured input f G (clock_reads : forall t, reads format (clock t) t) :=
-  samples_reach_avoid_stay format unit err depth k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
+  samples_reach_avoid_stay format unit err how k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
     (fun p => clock (taken p)) x measured input f G (fun p => clock_reads (taken p)).

@@ -57,10 +57,10 @@ Section Sound.
 
   (* the text, as read, and the checks *)
   Variables (k : constants) (coefficients : list decimal) (lines : list string).
-  Variables (unit err : Q) (depth : nat) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
+  Variables (unit err : Q) (how : search) (task : Tube.task) (rows : Tube.table) (Vs : list Z) (sc : scale) (late : Q) (gains clamps : list Q) (limits : list (option Q)).
   Variables (d : conditions) (rhos shifts : list Q) (hints : list (list (Q * Q))) (cuts : nat).
   Let s := sampled_by (n task) d (32 * half_ulp f) gains clamps limits rhos shifts.
-  Hypothesis tube_checked : check unit err depth task rows = true.
+  Hypothesis tube_checked : check unit err how task rows = true.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs sc late = true.
   Hypothesis constants_checked : constants_check f k coefficients unit task rows sc gains clamps limits = true.
@@ -93,15 +93,14 @@ Section Sound.
   Theorem controller_sound : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ rhos i - 1) / (at_ rhos i + 1) * (U i t - L i t)) /\
     (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
-    (forall o, In o (unsafe task) -> exists i, (i < n task)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance task) \/ at_ (hi o) i + Q2R (clearance task) < x i t)) /\
+    (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
     (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
   Proof.
     assert (Part : forall i, (i < n task)%nat -> part s i = (Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0)
       (nth i (least_gains d) 0) (nth i (most_gains d) 0) (nth i (cross_gains d) 0) (nth i shifts 0))%Q) by (intros; now apply sampled_part).
     assert (Tau : Q2R (tau_of s) = Q2R (period d) + Q2R (latency d)) by apply Q2R_plus.
     intros p t Ht.
-    destruct (samples_reach_avoid_stay f unit err depth task rows Vs sc late s hints cuts tube_checked slopes_checked rounding_checked period_checked
+    destruct (samples_reach_avoid_stay f unit err how task rows Vs sc late s hints cuts tube_checked slopes_checked rounding_checked period_checked
       taken switch (fun p => value (clock p)) x (fun p i => value (measured p i)) input push G) with (p := p) (t := t) as (K1 & K2); auto.
     - intro q. apply clock_reads.
     - rewrite Tau. exact times.
@@ -111,7 +110,7 @@ Section Sound.
       { apply in_map. unfold part. apply nth_In. unfold s, sampled_by. cbn [components]. now rewrite map_length, seq_length. }
       apply H, Qle_true in I. rewrite Q2R_plus in I. lra.
     - intros q i Hi. destruct (clock_reads q) as [Fc Rc].
-      destruct (control_acts f k coefficients lines unit err depth task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+      destruct (control_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
         (clock q) (measured q) Fc (fun j Hj => proj1 (measures q j Hj)) (fun j Hj => proj1 (proj2 (measures q j Hj))) (taken q) Rc) as (out & status & E & _ & _ & St).
       destruct (St i Hi) as (v & V1 & _ & V3).
       assert (In : input q i = value v) by (unfold input, applied, program; rewrite E, V1; reflexivity).

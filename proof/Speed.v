@@ -156,8 +156,8 @@ Qed.
 (* ------------------------------------------------------------------ reach-avoid-stay of the closed loop *)
 
 Section ReachAvoidStay.
-  Variables (unit err : Q) (depth : nat) (k : task) (rows : table) (Vs : list Z).
-  Hypothesis checked : check unit err depth k rows = true.
+  Variables (unit err : Q) (how : search) (k : task) (rows : table) (Vs : list Z).
+  Hypothesis checked : check unit err how k rows = true.
   Hypothesis more : slopes err k rows Vs = true.
 
   Let L (i : nat) (t : R) := lower unit k rows i t.
@@ -176,15 +176,14 @@ Section ReachAvoidStay.
 
   Theorem reach_avoid_stay :
     (forall t i, 0 <= t <= tc -> (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
-    (forall t o, 0 <= t <= tc -> In o (unsafe k) -> exists i, (i < n k)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) < x i t)) /\
+    (forall t o, 0 <= t <= tc -> In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o (fun i => x i t)) /\
     (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i tc < at_ (hi (target k)) i).
   Proof.
     pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
     unfold slopes in more. rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
     assert (E0 : 0 <= Q2R err) by (apply Qle_bool_iff, Qle_Rle in Er; unfold Q2R in Er at 1; cbn in Er; lra).
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up). assert (Mw' := positive_ok _ Mw).
-    destruct (tube_sound unit err Up k rows depth checked L U) as (P1 & P2 & P3 & P4 & P5).
+    destruct (tube_sound unit err Up k rows how checked L U) as (P1 & P2 & P3 & P4 & P5).
     { intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
     assert (In_ : forall t, 0 <= t <= tc -> inside (n k) L U x t).
     { set (v := fun i => Q2R unit * (3 * IZR (nth i Vs 0%Z)) * (INR (segments rows) / tc)).
@@ -194,8 +193,7 @@ Section ReachAvoidStay.
       }
     split; [|split].
     - intros t i Ht Hi. destruct (In_ t Ht i Hi), (P3 i t Hi). lra.
-    - intros t o Ht Ho. destruct (P4 o t Ho) as (i & Hi & D). exists i; split; [exact Hi|].
-      destruct (In_ t Ht i Hi). destruct D; [left|right]; lra.
+    - intros t o Ht Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) (In_ t Ht)).
     - intros i Hi. destruct (In_ tc ltac:(unfold tc; lra) i Hi), (P5 i tc Hi ltac:(unfold tc; lra)). lra.
   Qed.
 End ReachAvoidStay.

@@ -1,5 +1,5 @@
-(* The task's numbers from the text of its TOML file: boxes, times and margins; and what it states of samples and plant. It fails on keys that it does not know. *)
-From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii.
+(* The task's numbers from the text of its TOML file: sets, times and margins; and what it states of samples and plant. It fails on keys that it does not know. *)
+From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii DecimalString.
 From Stt Require Import Tube Read Sound.
 Import ListNotations.
 Open Scope string_scope.
@@ -115,11 +115,67 @@ Definition box_of (n : nat) (shrink : list Q) (e : entries) : option box :=
   | _, _ => None
   end.
 
+(* ------------------------------------------------------------------ unsafe sets *)
+
+Definition every {A B} (f : A -> option B) (l : list A) : option (list B) :=
+  fold_right (fun a acc => match f a, acc with Some b, Some r => Some (b :: r) | _, _ => None end) (Some []) l.
+Definition texts (v : value) : option (list string) :=
+  match v with VList l => every (fun v => match v with VText w => Some w | _ => None end) l | _ => None end.
+Definition of_length {A} (d : nat) (l : list A) : option (list A) := if Nat.eqb (List.length l) d then Some l else None.
+Definition the_vector (d : nat) (k : string) (e : entries) : option (list Q) := let* l := the_numbers k e in of_length d l.
+Definition the_vectors (d : nat) (k : string) (e : entries) : option (list (list Q)) :=
+  match find k e with Some (VList (v :: r)) => every (fun v => let* l := numbers v in of_length d l) (v :: r) | _ => None end.
+Definition differ (ws : list string) : bool := once (map (fun w => (w, VTruth true)) ws).
+Fixpoint place {A} (same : A -> A -> bool) (a : A) (l : list A) : option nat :=
+  match l with [] => None | b :: r => if same a b then Some O else match place same a r with Some i => Some (S i) | None => None end end.
+
+(* names of the dimensions: those of the task, or x1, x2, .. *)
+Definition names_of (n : nat) (top : entries) : option (list string) :=
+  match find "axes" top with
+  | None => Some (map (fun i => String.append "x" (NilZero.string_of_uint (Nat.to_uint i))) (seq 1 n))
+  | Some v => let* ws := texts v in if differ ws then of_length n ws else None
+  end.
+(* the dimensions that a set is in *)
+Definition own_of (names : list string) (e : entries) : option (list nat) :=
+  match find "axes" e with
+  | None => Some (seq 0 (List.length names))
+  | Some v => let* ws := texts v in if differ ws then match ws with [] => None | _ => every (fun w => place String.eqb w names) ws end else None
+  end.
+
+(* A set is said in the dimensions that it is in; of the others it has the whole state space. The body h is added to all. *)
+Definition shape_of (names : list string) (space : box) (h : list Q) (e : entries) : option shape :=
+  let n := List.length names in
+  let* own := own_of names e in
+  let d := List.length own in
+  let laid (given rest : list Q) := map (fun i => match place Nat.eqb i own with Some k => nth k given 0%Q | None => nth i rest 0%Q end) (seq 0 n) in
+  let grown (sign : Q -> Q) (l : list Q) := map (fun p => Qred (fst p + sign (snd p))) (combine l h) in
+  let about a b := Box (grown Qopp (laid a (lo space))) (grown (fun q => q) (laid b (hi space))) in
+  let points ps := Hull (map (fun p => laid p []) ps) in
+  let zero := repeat 0%Q d in
+  let said ks := only (["name"; "axes"] ++ ks) e in
+  if said ["lower"; "upper"] then
+    let* a := the_vector d "lower" e in
+    let* b := the_vector d "upper" e in
+    Some (solid (about a b))
+  else if said ["vertices"] then
+    let* ps := the_vectors d "vertices" e in
+    Some (Shape (points ps) (about zero zero) [] 0)
+  else if said ["normals"; "offsets"] then (* of the state space they leave the set *)
+    let* vs := the_vectors d "normals" e in
+    let* os := the_vector (List.length vs) "offsets" e in
+    let part l := map (fun i => match place Nat.eqb i own with Some _ => nth i l 0%Q | None => 0%Q end) (seq 0 n) in
+    Some (Shape (Cut (Box (part (lo space)) (part (hi space))) (combine (map (fun v => laid v []) vs) os)) (about zero zero) [] 0)
+  else
+    let* ps := if said ["centre"; "radius"] then let* c := the_vector d "centre" e in Some [c]
+               else if said ["segment"; "radius"] then the_vectors d "segment" e else None in
+    let* r := the_number "radius" e in
+    if (0 <? Qnum r)%Z then Some (Shape (points ps) (about zero zero) own r) else None.
+
 (* Keys that are read, or that leave what is read alone: the tube and the law are checked by themselves. *)
 Definition sections_known : list (string * list string) := [
   ("", ["name"; "axes"; "units"; "prescribed_time"; "initial_state"; "body"]);
   ("state_space", ["lower"; "upper"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"]);
-  ("unsafe", ["name"; "lower"; "upper"]);
+  ("unsafe", ["name"; "axes"; "lower"; "upper"; "vertices"; "normals"; "offsets"; "centre"; "radius"; "segment"]);
   ("tube", ["clearance"; "min_width"; "design"; "prefer"; "max_speed"; "max_acceleration"; "segments"; "seed"]);
   ("control", ["gain"; "e_max"; "u_max"; "period"; "latency"; "outside"; "saturate"]);
   ("emit", ["scalar"; "math"; "tick_period"; "selftest"; "rust"]);
@@ -153,8 +209,9 @@ Definition task_in (text : string) : option (string * task) :=
   let* space := box_of n h (part "state_space") in
   let* start := box_of n none (part "initial_set") in
   let* target := box_of n none (part "target_set") in
-  let* unsafe := fold_right (fun s acc => match box_of n (map Qopp h) (body s), acc with Some b, Some r => Some (b :: r) | _, _ => None end)
-                   (Some []) (filter many ss) in
+  let* names := names_of n top in
+  let* whole := box_of n none (part "state_space") in
+  let* unsafe := every (fun s => shape_of names whole h (body s)) (filter many ss) in
   let* clearance := number_or (3 # 100) "clearance" (part "tube") in
   let* width := number_or (1 # 20) "min_width" (part "tube") in
   let* name := match find "name" top with Some (VText w) => Some w | _ => None end in

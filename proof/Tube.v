@@ -1,11 +1,12 @@
 (* A refined tube: uniform cubic B-spline edges from a table of integers, a check over Z, and what follows from its `true`.
 
-   A requirement is a disjunction of lower bounds on sums of edges. On a segment an edge lies above its least Bezier coefficient;
+   A requirement is a disjunction of lower bounds on sums of edges. On a segment a sum lies above its least Bezier coefficient;
    where that shows too little the segment is halved, and each half may choose another of the disjuncts. So an obstacle may be
-   passed below in one half and above in the next, and no hint of the certificate is needed or believed. *)
+   passed below in one half and above in the next. Normals that separate may come from outside: none of them is believed. *)
 From Coq Require Import ZArith QArith Qreals Qround Reals List Bool Lia Lra Psatz.
 From Flocq Require Import Core.Raux.
 From Coquelicot Require Import Coquelicot.
+From Stt Require Export Sets.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -86,12 +87,17 @@ Qed.
 Definition piece := list (bez * bez).
 Definition zero_bez := Bez 0 0 0 0.
 
-(* wl * lower + wu * upper >= least, of the edges of one dimension, in units of the table. *)
-Record atom := Atom { dim : nat; wl : Z; wu : Z; least : Z }.
+(* Over the terms, the sum of wl * lower + wu * upper of the edges of one dimension is >= least, in units of the table. *)
+Record term := Term { dim : nat; wl : Z; wu : Z }.
+Record atom := Atom { terms : list term; least : Z }.
+Definition single (i : nat) (l u v : Z) : atom := Atom [Term i l u] v.
 Definition requirement := list atom. (* one of them must hold; which one may differ from half to half *)
 
-Definition of_atom (a : atom) (p : piece) : bez :=
-  let c := nth (dim a) p (zero_bez, zero_bez) in mix (wl a) (fst c) (wu a) (snd c).
+Definition of_term (e : term) (p : piece) : bez :=
+  let c := nth (dim e) p (zero_bez, zero_bez) in mix (wl e) (fst c) (wu e) (snd c).
+Fixpoint of_terms (es : list term) (p : piece) : bez :=
+  match es with [] => zero_bez | [e] => of_term e p | e :: es => mix 1 (of_term e p) 1 (of_terms es p) end.
+Definition of_atom (a : atom) (p : piece) : bez := of_terms (terms a) p.
 Definition shown (scale : Z) (p : piece) (r : requirement) : bool :=
   existsb (fun a => all_from (scale * least a) (of_atom a p)) r.
 
@@ -106,13 +112,24 @@ Fixpoint check_piece (depth : nat) (scale : Z) (p : piece) (rs : list requiremen
            end
   end.
 
-Definition value (a : atom) (p : piece) (s : R) : R :=
-  let c := nth (dim a) p (zero_bez, zero_bez) in IZR (wl a) * bernstein (fst c) s + IZR (wu a) * bernstein (snd c) s.
+Definition term_value (e : term) (p : piece) (s : R) : R :=
+  let c := nth (dim e) p (zero_bez, zero_bez) in IZR (wl e) * bernstein (fst c) s + IZR (wu e) * bernstein (snd c) s.
+Definition value (a : atom) (p : piece) (s : R) : R := fold_right (fun e v => term_value e p s + v) 0 (terms a).
+
+Lemma value_ok a p s : bernstein (of_atom a p) s = value a p s.
+Proof.
+  assert (T : forall e, bernstein (of_term e p) s = term_value e p s) by (intro; unfold of_term, term_value; now rewrite mix_ok).
+  unfold of_atom, value. induction (terms a) as [|e [|d es] IH]; cbn [of_terms fold_right] in *.
+  - unfold bernstein, zero_bez; cbn [c0 c1 c2 c3]; ring.
+  - rewrite T; ring.
+  - rewrite mix_ok, T, IH; ring.
+Qed.
 
 Lemma value_both f k h a p s : f zero_bez = zero_bez -> (forall c, bernstein (f c) s = k * bernstein c h) ->
   value a (both f p) s = k * value a p h.
 Proof.
-  intros Z0 H; unfold value, both.
+  intros Z0 H; unfold value. induction (terms a) as [|e es IH]; cbn [fold_right]; [ring|rewrite IH].
+  unfold term_value, both.
   set (g := fun c : bez * bez => (f (fst c), f (snd c))).
   replace (zero_bez, zero_bez) with (g (zero_bez, zero_bez)) at 1 2 by (unfold g; cbn; now rewrite Z0).
   rewrite !map_nth; unfold g; cbn [fst snd]; rewrite !H; ring.
@@ -123,7 +140,7 @@ Lemma shown_ok scale p r s : shown scale p r = true -> 0 <= s <= 1 ->
 Proof.
   unfold shown; rewrite existsb_exists; intros (a & I & H) S; exists a; split; [exact I|].
   apply hull with (s := s) in H; [|exact S].
-  unfold of_atom in H; rewrite mix_ok, mult_IZR in H; exact H.
+  rewrite value_ok, mult_IZR in H; exact H.
 Qed.
 
 Lemma check_piece_sound depth : forall scale p rs, check_piece depth scale p rs = true ->
@@ -226,18 +243,23 @@ Proof.
   right; field; lra.
 Qed.
 
-Lemma edge_value n unit T rows a t : regular n rows = true -> 0 < T -> (dim a < n)%nat ->
+Definition weighted (low up : nat -> R) (a : atom) : R :=
+  fold_right (fun e v => IZR (wl e) * low (dim e) + IZR (wu e) * up (dim e) + v) 0 (terms a).
+
+Lemma edge_value n unit T rows a t : regular n rows = true -> 0 < T -> (forall e, In e (terms a) -> (dim e < n)%nat) ->
   let k := segment (segments rows) (spline_time T rows t) in
-  IZR (wl a) * edge unit T rows fst (dim a) t + IZR (wu a) * edge unit T rows snd (dim a) t =
+  weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a =
   unit * value a (nth k (pieces rows) []) (spline_time T rows t - INR k).
 Proof.
-  intros Rg HT Hd k.
+  intros Rg HT Hd k. unfold weighted, value.
+  induction (terms a) as [|e es IH]; cbn [fold_right]; [ring|]. rewrite IH by (intros; apply Hd; now right). rewrite Rmult_plus_distr_l. f_equal.
+  specialize (Hd e (or_introl eq_refl)). clear IH.
   destruct (regular_ok _ _ Rg) as [L4 Ln].
   destruct (segment_place (segments rows) (spline_time T rows t)) as [Hk _];
     [unfold segments; lia|now apply spline_time_range|]. fold k in Hk.
   assert (K3 : (k + 3 < length rows)%nat) by (unfold segments in Hk; lia).
-  unfold edge, spline, value; fold (spline_time T rows t).
-  assert (LC : forall side, (length (column side (dim a) rows) - 3)%nat = segments rows)
+  unfold edge, spline, term_value; fold (spline_time T rows t).
+  assert (LC : forall side, (length (column side (dim e) rows) - 3)%nat = segments rows)
     by (intro; unfold column, segments; now rewrite map_length).
   rewrite !LC; fold k.
   rewrite !column_nth by reflexivity. rewrite !cubic_bezier.
@@ -247,10 +269,10 @@ Qed.
 
 (* the requirements hold for the edges at every t *)
 Lemma check_table_sound n depth unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a, In r rs -> In a r -> (dim a < n)%nat) ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
   forallb (fun p => check_piece depth 1 p rs) (pieces rows) = true ->
   forall t r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= IZR (wl a) * edge unit T rows fst (dim a) t + IZR (wu a) * edge unit T rows snd (dim a) t.
+    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a.
 Proof.
   intros Rg Hu HT Hd C t r I.
   destruct (regular_ok _ _ Rg) as [L4 _].
@@ -274,10 +296,10 @@ Lemma at_end_ok c s : bernstein (at_end c) s = 1 * bernstein c 1.
 Proof. unfold bernstein, at_end; cbn [c0 c1 c2 c3]; ring. Qed.
 
 Lemma check_start_sound n unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a, In r rs -> In a r -> (dim a < n)%nat) ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
   check_piece 0 1 (both at_start (nth 0 (pieces rows) [])) rs = true ->
   forall r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= IZR (wl a) * edge unit T rows fst (dim a) 0 + IZR (wu a) * edge unit T rows snd (dim a) 0.
+    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i 0) (fun i => edge unit T rows snd i 0) a.
 Proof.
   intros Rg Hu HT Hd C r I. destruct (regular_ok _ _ Rg) as [L4 _].
   destruct (check_piece_sound _ _ _ _ C 0 ltac:(lra) r I) as (a & Ia & V). exists a; split; [exact Ia|].
@@ -290,10 +312,10 @@ Proof.
 Qed.
 
 Lemma check_end_sound n unit T rows rs : regular n rows = true -> 0 < unit -> 0 < T ->
-  (forall r a, In r rs -> In a r -> (dim a < n)%nat) ->
+  (forall r a e, In r rs -> In a r -> In e (terms a) -> (dim e < n)%nat) ->
   check_piece 0 1 (both at_end (nth (segments rows - 1) (pieces rows) [])) rs = true ->
   forall t, T <= t -> forall r, In r rs -> exists a, In a r /\
-    unit * IZR (least a) <= IZR (wl a) * edge unit T rows fst (dim a) t + IZR (wu a) * edge unit T rows snd (dim a) t.
+    unit * IZR (least a) <= weighted (fun i => edge unit T rows fst i t) (fun i => edge unit T rows snd i t) a.
 Proof.
   intros Rg Hu HT Hd C t Ht r I. destruct (regular_ok _ _ Rg) as [L4 _].
   destruct (check_piece_sound _ _ _ _ C 0 ltac:(lra) r I) as (a & Ia & V). exists a; split; [exact Ia|].
@@ -310,10 +332,21 @@ Qed.
 
 (* ------------------------------------------------------------------ the task, and what P1 to P5 ask of the table *)
 
-Record box := Box { lo : list Q; hi : list Q }.
 Record task := Task {
-  n : nat; T : Q; x0 : list Q; space : box; start : box; target : box; unsafe : list box; clearance : Q; min_width : Q }.
-Definition at_ (l : list Q) (i : nat) : R := Q2R (nth i l 0%Q).
+  n : nat; T : Q; x0 : list Q; space : box; start : box; target : box; unsafe : list shape; clearance : Q; min_width : Q }.
+
+(* How `check` goes about it; nothing in it is believed. How often a segment may be halved, and for every unsafe set normals that may
+   separate the tube from it, beside those of the axes; with each go multipliers of the set's half-spaces. *)
+Definition normal : Type := list Z * list Q.
+Record search := Search { halves : nat; normals : list (list normal) }.
+
+Fixpoint facing (m : nat) (v : nat -> Z) : list term := (* the corner of a box that is first along v *)
+  match m with
+  | O => []
+  | S j => match v j with Z0 => facing j v | Zpos _ => Term j (v j) 0 :: facing j v | Zneg _ => Term j 0 (v j) :: facing j v end
+  end.
+Fixpoint norm_1 (m : nat) (v : nat -> Z) : Z := match m with O => 0%Z | S j => (Z.abs (v j) + norm_1 j v)%Z end.
+Definition axes (m : nat) : list normal := flat_map (fun i => [(repeat 0 i ++ [-1], []); (repeat 0 i ++ [1], [])]%Z) (seq 0 m).
 
 Section Compile.
   Variables unit err : Q. (* the value of one table step; how far rounding may move an edge *)
@@ -321,33 +354,39 @@ Section Compile.
   Definition above (v : Q) : Z := Qceiling (v / unit).
   Definition below (v : Q) : Z := Qfloor (v / unit).
 
-  Definition lower_from i v := Atom i 1 0 (above v).
-  Definition upper_to i v := Atom i 0 (-1) (- below v).
-  Definition lower_below i v := Atom i (-1) 0 (1 - above v). (* strictly *)
-  Definition upper_beyond i v := Atom i 0 1 (below v + 1).   (* strictly *)
-  Definition wide i v := Atom i (-1) 1 (above v).
+  Definition lower_from i v := single i 1 0 (above v).
+  Definition upper_to i v := single i 0 (-1) (- below v).
+  Definition lower_below i v := single i (-1) 0 (1 - above v). (* strictly *)
+  Definition upper_beyond i v := single i 0 1 (below v + 1).   (* strictly *)
+  Definition wide i v := single i (-1) 1 (above v).
 
   Definition within (b : box) (i : nat) : list requirement :=
     [[lower_from i (nth i (lo b) 0 + err)]; [upper_to i (nth i (hi b) 0 - err)]]%Q.
   Definition around (x : list Q) (i : nat) : list requirement :=
     [[lower_below i (nth i x 0 - err)]; [upper_beyond i (nth i x 0 + err)]]%Q.
-  Definition clear_of (c : Q) (b : box) (i : nat) : requirement :=
-    [upper_to i (nth i (lo b) 0 - c - err); lower_from i (nth i (hi b) 0 + c + err)]%Q.
+  Definition beyond (m : nat) (c : Q) (o : shape) (v : normal) : requirement :=
+    let w i := nth i (fst v) 0%Z in
+    match facing m w with
+    | [] => [] (* a normal of 0 separates nothing *)
+    | es => [Atom es (above (reach m w (snd v) o + (c + err) * inject_Z (norm_1 m w)))]
+    end.
+  Fixpoint clear_of (m : nat) (c : Q) (os : list shape) (vs : list (list normal)) : list requirement :=
+    match os with [] => [] | o :: os => flat_map (beyond m c o) (axes m ++ hd [] vs) :: clear_of m c os (tl vs) end.
 
-  Definition along (k : task) : list requirement :=
+  Definition along (how : search) (k : task) : list requirement :=
     map (fun i => [wide i (min_width k + 2 * err)%Q]) (seq 0 (n k)) ++
     flat_map (within (space k)) (seq 0 (n k)) ++
-    map (fun o => flat_map (clear_of (clearance k) o) (seq 0 (n k))) (unsafe k).
+    clear_of (n k) (clearance k) (unsafe k) (normals how).
   Definition first_ones (k : task) : list requirement := flat_map (fun i => around (x0 k) i ++ within (start k) i) (seq 0 (n k)).
   Definition last_ones (k : task) : list requirement := flat_map (within (target k)) (seq 0 (n k)).
 
   (* Bounds are rounded to whole units on the harder side, and widened by err: by so much a function may differ from its edge. *)
   Definition positive (q : Q) : bool := negb (Qle_bool q 0).
 
-  Definition check (depth : nat) (k : task) (rows : table) : bool :=
+  Definition check (how : search) (k : task) (rows : table) : bool :=
     positive unit && positive (T k) && regular (n k) rows &&
     let ps := pieces rows in
-    forallb (let rs := along k in fun p => check_piece depth 1 p rs) ps &&
+    forallb (let rs := along how k in fun p => check_piece (halves how) 1 p rs) ps &&
     check_piece 0 1 (both at_start (nth 0 ps [])) (first_ones k) &&
     check_piece 0 1 (both at_end (nth (segments rows - 1) ps [])) (last_ones k).
 
@@ -389,8 +428,8 @@ Section Compile.
     rewrite <- Q2R_Z; apply Qlt_Rlt, Qlt_floor.
   Qed.
 
-  Variables (k : task) (rows : table) (depth : nat).
-  Hypothesis checked : check depth k rows = true.
+  Variables (k : task) (rows : table) (how : search).
+  Hypothesis checked : check how k rows = true.
 
   Definition lower (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (T k)) rows fst i t.
   Definition upper (i : nat) (t : R) : R := edge (Q2R unit) (Q2R (T k)) rows snd i t.
@@ -400,13 +439,14 @@ Section Compile.
     Rabs (L i t - lower i t) <= Q2R err /\ Rabs (U i t - upper i t) <= Q2R err.
 
   Definition meaning (t : R) (a : atom) : Prop :=
-    Q2R unit * IZR (least a) <= IZR (wl a) * lower (dim a) t + IZR (wu a) * upper (dim a) t.
+    Q2R unit * IZR (least a) <= weighted (fun i => lower i t) (fun i => upper i t) a.
 
   Lemma near' i t : (i < n k)%nat ->
     L i t - Q2R err <= lower i t <= L i t + Q2R err /\ U i t - Q2R err <= upper i t <= U i t + Q2R err.
   Proof. intro H; destruct (near i t H) as [A B]; apply Rabs_le_between in A, B; lra. Qed.
 
-  Ltac atoms i t H Hi := unfold meaning, lower_from, upper_to, lower_below, upper_beyond, wide in H; cbn [dim wl wu least] in H; destruct (near' i t Hi).
+  Ltac atoms i t H Hi := unfold meaning, weighted, lower_from, upper_to, lower_below, upper_beyond, wide, single in H;
+    cbn [terms fold_right dim wl wu least] in H; destruct (near' i t Hi).
 
   Lemma lower_from_ok i v t : (i < n k)%nat -> meaning t (lower_from i (v + err)) -> Q2R v <= L i t.
   Proof. intros Hi H; atoms i t H Hi; pose proof (above_ok (v + err)) as A; rewrite Q2R_plus in A; lra. Qed.
@@ -437,30 +477,80 @@ Section Compile.
     - destruct (H _ (or_intror (or_introl eq_refl))) as (a & [<-|[]] & M); now apply upper_to_ok in M.
   Qed.
 
-  Lemma dims_along r a : In r (along k) -> In a r -> (dim a < n k)%nat.
+  Lemma clear_of_in c r : forall os vs, In r (clear_of (n k) c os vs) -> exists o ns, r = flat_map (beyond (n k) c o) ns.
+  Proof. induction os as [|o os IH]; intros vs I; cbn in I; [easy|]. destruct I as [<-|I]; [eauto|now apply (IH (tl vs))]. Qed.
+  Lemma clear_of_each c o : forall os vs, In o os -> exists ns, In (flat_map (beyond (n k) c o) ns) (clear_of (n k) c os vs).
   Proof.
-    unfold along; rewrite !in_app_iff, in_map_iff, in_flat_map, in_map_iff.
-    intros [(i & <- & I)|[(i & I & [<-|[<-|[]]])|(o & <- & _)]].
-    1,2,3: intros [<-|[]]; cbn; apply in_seq in I; lia.
-    rewrite in_flat_map; intros (i & I & [<-|[<-|[]]]); cbn; apply in_seq in I; lia.
+    induction os as [|p os IH]; intros vs I; cbn [In clear_of] in *; [easy|]. destruct I as [->|I]; [eexists; left; reflexivity|].
+    destruct (IH (tl vs) I) as (ns & J). exists ns. now right.
   Qed.
-  Lemma dims_first r a : In r (first_ones k) -> In a r -> (dim a < n k)%nat.
+  Lemma facing_dims v e : forall m, In e (facing m v) -> (dim e < m)%nat.
+  Proof.
+    induction m as [|m IH]; intro I; cbn [facing] in I; [easy|].
+    destruct (v m); [apply IH in I; lia| |]; (destruct I as [<-|I]; [cbn; lia|apply IH in I; lia]).
+  Qed.
+
+  Lemma dims_along r a e : In r (along how k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
+  Proof.
+    unfold along; rewrite !in_app_iff, in_map_iff, in_flat_map.
+    intros [(i & <- & I)|[(i & I & [<-|[<-|[]]])|H]].
+    1,2,3: intros [<-|[]] [<-|[]]; cbn; apply in_seq in I; lia.
+    apply clear_of_in in H; destruct H as (o & ns & ->). rewrite in_flat_map; intros (v & _ & J) K. unfold beyond in J.
+    destruct (facing (n k) _) eqn:F; [easy|]. destruct J as [<-|[]]; cbn [terms] in K. rewrite <- F in K. now apply facing_dims in K.
+  Qed.
+  Lemma dims_first r a e : In r (first_ones k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
   Proof.
     unfold first_ones; rewrite in_flat_map; intros (i & I & H); apply in_seq in I.
-    destruct H as [<-|[<-|[<-|[<-|[]]]]]; intros [<-|[]]; cbn; lia.
+    destruct H as [<-|[<-|[<-|[<-|[]]]]]; intros [<-|[]] [<-|[]]; cbn; lia.
   Qed.
-  Lemma dims_last r a : In r (last_ones k) -> In a r -> (dim a < n k)%nat.
+  Lemma dims_last r a e : In r (last_ones k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
   Proof.
     unfold last_ones; rewrite in_flat_map; intros (i & I & H); apply in_seq in I.
-    destruct H as [<-|[<-|[]]]; intros [<-|[]]; cbn; lia.
+    destruct H as [<-|[<-|[]]]; intros [<-|[]] [<-|[]]; cbn; lia.
+  Qed.
+
+  Lemma facing_weighted low up v z m : weighted low up (Atom (facing m v) z) = total m (fun i => IZR (v i) * (if (0 <? v i)%Z then low i else up i)).
+  Proof.
+    unfold weighted; cbn [terms]. induction m as [|m IH]; cbn [facing total]; [reflexivity|].
+    destruct (v m); cbn [fold_right dim wl wu Z.ltb Z.compare]; rewrite IH; ring.
+  Qed.
+  Lemma facing_nonzero v : forall m, facing m v <> [] -> exists i, (i < m)%nat /\ v i <> 0%Z.
+  Proof.
+    induction m as [|m IH]; cbn [facing]; [easy|]. intro H. destruct (v m) eqn:E.
+    1: destruct (IH H) as (i & Hi & Ne); exists i; split; [lia|exact Ne].
+    all: exists m; split; [lia|rewrite E; easy].
+  Qed.
+  Lemma norm_1_ok m v : IZR (norm_1 m v) = total m (fun i => Rabs (IZR (v i))).
+  Proof. induction m as [|m IH]; cbn [norm_1 total]; [reflexivity|]. now rewrite plus_IZR, IH, abs_IZR. Qed.
+
+  Lemma beyond_ok o ns t : (exists a, In a (flat_map (beyond (n k) (clearance k) o) ns) /\ meaning t a) ->
+    separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t).
+  Proof.
+    intros (a & I & M). apply in_flat_map in I. destruct I as (v & _ & I). unfold beyond in I.
+    set (w := fun i => nth i (fst v) 0%Z) in *. destruct (facing (n k) w) eqn:F; [easy|]. rewrite <- F in I.
+    assert (Nz := facing_nonzero w (n k) ltac:(rewrite F; easy)). destruct I as [<-|[]].
+    unfold meaning in M. cbn [least] in M. rewrite facing_weighted in M.
+    set (q := (reach _ _ _ _ + _)%Q) in *. pose proof (above_ok q) as A. unfold q in A.
+    rewrite Q2R_plus, Q2R_mult, Q2R_plus, Q2R_Z, norm_1_ok in A. fold q in A.
+    exists (fun i => IZR (w i)). split.
+    - destruct Nz as (i & Hi & Ne). exists i. split; [exact Hi|]. intro E. apply Ne. now apply eq_IZR.
+    - intros x y Hx Hy. assert (B := reach_ok (n k) w (snd v) o y Hy).
+      assert (C : total (n k) (fun i => IZR (w i) * (if (0 <? w i)%Z then lower i t else upper i t)) <=
+                  total (n k) (fun i => IZR (w i) * x i + Q2R err * Rabs (IZR (w i)))).
+      { apply total_le. intros i Hi. specialize (Hx i Hi). cbv beta in Hx. destruct (near' i t Hi) as [[L1 L2] [U1 U2]].
+        destruct (Z.ltb_spec 0 (w i)) as [P|P].
+        - apply IZR_lt in P. rewrite Rabs_pos_eq by lra.
+          assert (IZR (w i) * lower i t <= IZR (w i) * (x i + Q2R err)) by (apply Rmult_le_compat_l; lra). lra.
+        - apply IZR_le in P. rewrite Rabs_left1 by lra.
+          assert (- IZR (w i) * (x i - Q2R err) <= - IZR (w i) * upper i t) by (apply Rmult_le_compat_l; lra). lra. }
+      rewrite total_plus, total_scal in C. lra.
   Qed.
 
   Theorem tube_sound :
     (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
     (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box (start k) i 0) /\
     (* P3 *) (forall i t, (i < n k)%nat -> in_box (space k) i t) /\
-    (* P4 *) (forall o t, In o (unsafe k) -> exists i, (i < n k)%nat /\
-               (U i t <= at_ (lo o) i - Q2R (clearance k) \/ at_ (hi o) i + Q2R (clearance k) <= L i t)) /\
+    (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
     (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box (target k) i t).
   Proof.
     pose proof checked as C; unfold check in C; cbv zeta in C.
@@ -483,14 +573,8 @@ Section Compile.
       + apply within_ok; [exact Hi|]; intros r I; apply G, in_app_iff; now right.
     - intros i t Hi; apply within_ok; [exact Hi|]; intros r I; apply A; unfold along.
       rewrite !in_app_iff; right; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
-    - intros o t Ho.
-      destruct (A t (flat_map (clear_of (clearance k) o) (seq 0 (n k)))) as (a & I & M).
-      { unfold along; rewrite !in_app_iff; right; right.
-        now apply (in_map (fun o => flat_map (clear_of (clearance k) o) (seq 0 (n k)))). }
-      apply in_flat_map in I; destruct I as (i & Ii & I); apply in_seq in Ii.
-      exists i; split; [lia|]. destruct I as [<-|[<-|[]]]; [left|right].
-      + apply upper_to_ok in M; [|lia]. rewrite Q2R_minus in M; exact M.
-      + apply lower_from_ok in M; [|lia]. rewrite Q2R_plus in M; exact M.
+    - intros o t Ho. destruct (clear_of_each (clearance k) o (unsafe k) (normals how) Ho) as (ns & I).
+      apply (beyond_ok o ns), A. unfold along; rewrite !in_app_iff; now right; right.
     - intros i t Hi Ht; apply within_ok; [exact Hi|]; intros r I; apply (E t Ht).
       unfold last_ones; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
   Qed.

@@ -64,7 +64,7 @@ def test_the_library_takes_nothing_for_granted() -> None:
 
 def test_most_example_tasks_of_order_1_have_theorems() -> None:
     names = {name for name, _ in shipped()}
-    assert {"omni_s1", "omni_s2", "omni_s3", "omni_heading", "trolley", "crawler", "spacecraft", "empty"} <= names
+    assert {"omni_s1", "omni_s2", "omni_s3", "omni_heading", "trolley", "crawler", "spacecraft", "rover", "empty"} <= names
     assert {(name, scalar) for name in names for scalar in ("float", "double")} == set(shipped())
 
 
@@ -73,7 +73,6 @@ def test_most_example_tasks_of_order_1_have_theorems() -> None:
     [
         ("arm", "float", "plant.order 2"),
         ("courier", "float", "missions"),
-        ("rover", "float", "unsafe sets that are no boxes"),
         ("crane", "fixed", "controllers in integers"),
     ],
 )
@@ -115,7 +114,7 @@ def test_keys_of_a_task_are_those_that_coq_reads() -> None:
         (b"prescribed_time = 9.0", b"prescribed_time = +9.0"),
         (b"prescribed_time = 9.0", b"prescribed_time = 9.0\nstart_delay = 0.0"),
         (b"[tube]", b"[plant]\norder = 1\n\n[tube]"),
-        (b'name = "O1"', b'name = "O1"\naxes = ["x1", "x2"]'),
+        (b'name = "O1"', b'name = "O1"\ntiming = 0.1'),
     ],
 )
 def test_a_task_that_coq_does_not_read_has_the_theorem_about_the_tube(old: bytes, new: bytes) -> None:
@@ -205,6 +204,15 @@ MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced b
     ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
     ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
     ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+    ("rover", 0, rb"radius = 0\.5", b"radius = 0.501", "tube_checked"),
+    ("rover", 0, rb"centre = \[2\.6, 1\.2\]", b"centre = [2.6, 1.3]", "tube_checked"),
+    ("rover", 0, rb"centre = \[2\.6, 1\.2\]\nradius", b'axes = ["x"]\ncentre = [2.6]\nradius', "tube_checked"),
+    ("rover", 0, rb"\[4\.6, 2\.8\]", b"[4.6, 2.79]", "tube_checked"),
+    ("rover", 0, rb"\[4\.9, 3\.8\]", b"[4.9, 3.8], [6.1, 4.1]", "tube_checked"),
+    ("rover", 0, rb"\[control\]", b"[tube]\nclearance = 0.031\n\n[control]", "tube_checked"),
+    ("rover", 0, rb"body = \[0\.45, 0\.45\]", b"body = [0.45, 0.451]", "tube_checked"),
+    ("rover", 2, rb"\[-1, -5\]", b"[0, 0]", "tube_checked"),
+    ("rover", 2, rb"\[-1, -5\]", b"[1, 5]", "tube_checked"),
 ]
 
 

@@ -17,6 +17,55 @@ from stt_codegen.theorem.deep import deep, quoted
 pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
 
 LOGF = "omni_s1_real logf(omni_s1_real x)\n{\n    const omni_s1_real y = -x;\n    return y;\n}\n\n"
+SHAPES = """name = "hall"
+axes = ["x", "y", "height"]
+prescribed_time = 12.0
+initial_state = [0.5, 0.5, 1.0]
+body = [0.1, 0.1, 0.05]
+
+[state_space]
+lower = [0.0, 0.0, 0.0]
+upper = [5.0, 5.0, 2.0]
+
+[initial_set]
+lower = [0.3, 0.3, 0.8]
+upper = [0.7, 0.7, 1.2]
+
+[target_set]
+lower = [4.2, 4.2, 0.8]
+upper = [4.8, 4.8, 1.2]
+
+[[unsafe]]
+name = "beam"
+segment = [[0.0, 2.0, 1.0], [2.5, 2.2, 1.1]]
+radius = 0.2
+
+[[unsafe]]
+name = "pillar"
+centre = [2.0, 3.5] # in the order of its own axes
+radius = 0.3
+axes = ["y", "x"]
+
+[[unsafe]]
+name = "ramp"
+axes = ["y", "height"]
+normals = [[1, 1], [-1.0, 0.5], [0, -1]]
+offsets = [4.0, -2.9, -0.1]
+
+[[unsafe]]
+name = "shelf"
+axes = ["height"]
+lower = [1.7]
+upper = [1.9]
+
+[[unsafe]]
+name = "rock"
+vertices = [
+    [1.0, 3.5, 0.0], [2.0, 3.5, 0.0],
+    [1.5, 4.5, 0.0], [1.5, 3.9, 0.9],
+]
+"""
+
 MUTANTS = (
     ("omni_s1", "u - base", "base - u", "text_read"),
     ("omni_s1", "logf(v0)", "logf(v3)", "text_read"),
@@ -70,6 +119,16 @@ MUTANTS = (
     ("trolley", "u_held_over ? u_limit : u_held_raised", "u_held_over ? u_held_raised : u_limit", "text_read"),
     ("trolley", "u[i] = u_held;", "u[i] = push;", "text_read"),
     ("trolley", "u[i] = u_held;", "u[i] = u_held_raised;", "text_read"),
+    # sets that are no boxes: what the task says of them, what is read in it, and the normals, which nothing rests on
+    ("rover", "radius = 0.5", "radius = 0.501", "task_read"),
+    ("rover", "[4.6, 2.8]", "[4.6, 2.79]", "task_read"),
+    ("rover", "centre = [2.6, 1.2]", 'axes = [""y"", ""x""]\ncentre = [2.6, 1.2]', "task_read"),
+    ("rover", "radius = 0.5", "radius = 0.5\nmotion = 1", "task_read"),
+    ("rover", "[0; 1]%nat (1 # 2)", "[0; 1]%nat (1 # 4)", "task_read"),
+    ("rover", "[0; 1]%nat (1 # 2)", "[0]%nat (1 # 2)", "task_read"),
+    ("rover", "[(-1); (-5)]%Z", "[0; 0]%Z", "tube_checked"),
+    ("rover", "[(-1); (-5)]%Z", "[1; 5]%Z", "tube_checked"),
+    ("rover", "[(-1); (-5)]%Z", "[]%Z", "tube_checked"),
 )
 
 
@@ -82,7 +141,7 @@ def text(name: str, scalar: str) -> str:
     return deep_of(ROOT / "tasks" / f"{name}.toml", ROOT / "generated" / name / "refined" / scalar)
 
 
-@pytest.mark.parametrize("name", ["omni_s1", "trolley"])
+@pytest.mark.parametrize("name", ["omni_s1", "trolley", "rover"])
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
     answer = asking.ask_coq(text(name, scalar).encode(), name)
@@ -109,6 +168,21 @@ def test_gains_and_limits_have_it_one_without_the_other(name: str, old: str, new
     assert done.returncode == 0, done.stderr
     answer = asking.ask_coq(deep_of(task, tmp_path).encode(), name)
     assert answer.holds, answer.what
+
+
+def test_sets_of_every_kind_have_it(tmp_path: Path) -> None:
+    """A capsule, a cylinder, half-spaces and a box in some dimensions, a polytope; a body."""
+    task = tmp_path / "hall.toml"
+    task.write_text(SHAPES)
+    done = run("generate", str(task), "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    whole = deep_of(task, tmp_path)
+    answer = asking.ask_coq(whole.encode(), "hall")
+    assert answer.holds, answer.what
+    assert set(answer.axioms) == asking.AXIOMS
+    for old, new in (("%Q); ([0; 1; 1]%Z, [(1 # 1)", "%Q); ([0; 1; 1]%Z, [(-1 # 1)"), ("[4.0, -2.9, -0.1]", "[4.1, -2.9, -0.1]")):
+        assert old in whole
+        assert not asking.ask_coq(whole.replace(old, new, 1).encode(), "hall").holds
 
 
 @pytest.mark.parametrize(("name", "old", "new", "lemma"), MUTANTS)

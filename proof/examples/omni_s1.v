@@ -593,10 +593,10 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
   (Box [(9 # 2); (9 # 2)] [(5 # 1); (5 # 1)]) (* target set *)
-  [(Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]);
-   (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]);
-   (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]);
-   (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)])] (* unsafe sets *)
+  [(solid (Box [(1 # 1); (4 # 1)] [(2 # 1); (5 # 1)]));
+   (solid (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
+   (solid (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
+   (solid (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
   (3 # 100) (1 # 20) (* clearance, least width *))%Q.
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
 Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
@@ -624,8 +624,10 @@ Definition the_program : source := Source (preamble Single "omni_s1"%string) (em
 Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
 Proof. vm_cast_no_check (eq_refl (Some the_program)). Qed.
 
+(* How Coq goes about P1 to P5, not believed: how often a segment may be halved, and normals for every unsafe set. *)
+Definition the_search : search := Search 20 [[]; []; []; []].
 (* P1 to P5 of the exact tube, with room for the error. *)
-Lemma tube_checked : check the_unit the_error 20 the_task the_table = true.
+Lemma tube_checked : check the_unit the_error the_search the_task the_table = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 Lemma slopes_checked : slopes the_error the_task the_table the_steps = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
@@ -655,13 +657,13 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
       HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamps 0%Q)) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
-  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
 (* and what its edges are: *)
-Definition tube := emitted_tube_sound Single the_unit the_error 20 the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
+Definition tube := emitted_tube_sound Single the_unit the_error the_search the_task the_table the_steps the_scale the_late tube_checked slopes_checked rounding_checked.
 
 
 (* What is said of samples, sensors and plant: an example, for the task has no period: period, latency, share, noise; then by component the most |f|, the least and the most g_ii, the most |g_ij|. *)
@@ -738,13 +740,12 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
   forall p t, 0 <= t <= switch p ->
     (forall i, (i < 2)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ the_rhos i - 1) / (at_ the_rhos i + 1) * (U i t - L i t)) /\
     (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
-    (forall o, In o (unsafe the_task) -> exists i, (i < 2)%nat /\
-      (x i t < at_ (lo o) i - Q2R (clearance the_task) \/ at_ (hi o) i + Q2R (clearance the_task) < x i t)) /\
+    (forall o, In o (unsafe the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
     (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
 Proof.
   intros log_ accurate taken switch x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
   rewrite text_read in Text. injection Text as <-.
-  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamps the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
     log_ accurate taken switch x push G clock measured Times Clock Sensors Continuous Start Plant).
 Qed.

@@ -16,7 +16,7 @@ from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, holds
 from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import DEPTH, FORMATS, box, listed, rational, sampled_claim
+from stt_codegen.theorem.writing import FORMATS, box, listed, rational, sampled_claim, search, shape
 
 
 def quoted(text: str) -> str:
@@ -25,7 +25,7 @@ def quoted(text: str) -> str:
 
 
 def the_task(found: Facts) -> str:
-    unsafe = ";\n   ".join(box(edges) for _, edges in found.unsafe)
+    unsafe = ";\n   ".join(shape(convex) for _, convex in found.unsafe)
     return (
         f"(Task {found.n} {rational(found.t_c)} {listed(found.state)}\n  {box(found.space)} (* state space *)\n"
         f"  {box(found.start)} (* initial set *)\n  {box(found.target)} (* target set *)\n  [{unsafe}] (* unsafe sets *)\n"
@@ -65,7 +65,7 @@ KEYS = {
     "state_space": "lower upper",
     "initial_set": "lower upper share",
     "target_set": "lower upper",
-    "unsafe": "name lower upper",
+    "unsafe": "name axes lower upper vertices normals offsets centre radius segment",
     "tube": "clearance min_width design prefer max_speed max_acceleration segments seed",
     "control": "gain e_max u_max period latency outside saturate",
     "emit": "scalar math tick_period selftest rust",
@@ -144,7 +144,7 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         unit=rational(found.unit),
         error=rational(found.error * found.unit),
         format=FORMATS[found.scalar][0],
-        depth=DEPTH,
+        search=search(found),
         n=found.n,
         stated=found.sampling is not None,
         sampled=_sampled(found, found.sampling or _example(found)),

@@ -14,8 +14,8 @@ from typing import Any
 
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
+from stt_codegen.theorem.shapes import Edges, Normal, Shape, normals, shapes
 
-Edges = tuple[tuple[Fraction, ...], tuple[Fraction, ...]]  # of a box: lower, upper
 KERNEL = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
 TIME = (  # the statements of `segment`; what is rounded in them are the two constants
     r"const bool positive = 0\.0F? < t",
@@ -60,8 +60,9 @@ Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, 
 
 @dataclass(frozen=True)
 class Facts:
-    """Sets have the body added; `unsafe` by name. unit: of the table; error: P7's bound in units, the largest of the dimensions.
-    rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then `blend`, on s, q0 .. q3."""
+    """Sets have the body added; `unsafe` by name, `normals` for each of them. unit: of the table; error: P7's bound in units,
+    the largest of the dimensions. rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then `blend`,
+    on s, q0 .. q3."""
 
     name: str
     scalar: str
@@ -70,7 +71,8 @@ class Facts:
     space: Edges
     start: Edges
     target: Edges
-    unsafe: tuple[tuple[str, Edges], ...]
+    unsafe: tuple[tuple[str, Shape], ...]
+    normals: tuple[tuple[Normal, ...], ...]
     clearance: Fraction
     min_width: Fraction
     unit: Fraction
@@ -112,7 +114,6 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
         (moving, "sets that move, or are unsafe only for a while"),
         (bool(read.walls), "a state space that half-spaces cut"),
         (bool(read.goals), "a target that is no box"),
-        (any(len(points) > 1 or radius for _, (points, _, _, radius) in read.unsafe), "unsafe sets that are no boxes"),
         (read.scales, 'saturate = "scale"'),
         (read.gain is not None and min(read.gain) < 0, "negative gains"),
     ):
@@ -127,18 +128,19 @@ def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
     try:
         document = json.loads(certificate)
         read = covered(task, document if isinstance(document, dict) else {})
-        return _facts(read, source, document)
+        return _facts(read, shapes(task, read.n), source, document)
     except (checker.Failed, checker.Unusable) as problem:
         raise Unread(str(problem)) from problem
     except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError, IndexError, RecursionError) as problem:
         raise Unread(f"a file is not what it should be ({type(problem).__name__}: {problem})") from problem
 
 
-def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts:
+def _facts(task: checker.Task, unsafe: tuple[Shape, ...], source: bytes, document: dict[str, Any]) -> Facts:
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = spline_time(c, task.n)
     control, error = document["control"], max(document["edge_error"])
+    hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == "P4"}
     gain = checker.fractions(control["gain"], task.n)
     u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
     if task.gain not in (None, gain) or min(gain) <= 0 or type(error) is not int:
@@ -156,7 +158,8 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
         space=_edges(task.space),
         start=_edges(task.start),
         target=_edges(task.target),
-        unsafe=tuple((name, _box(points[0], half)) for name, (points, half, _, _) in task.unsafe),
+        unsafe=tuple((name, shape) for (name, _), shape in zip(task.unsafe, unsafe, strict=True)),
+        normals=tuple(normals(shape, hints.get(name)) for (name, _), shape in zip(task.unsafe, unsafe, strict=True)),
         clearance=task.clearance,
         min_width=task.min_width,
         unit=tube.unit,
@@ -175,11 +178,6 @@ def _facts(task: checker.Task, source: bytes, document: dict[str, Any]) -> Facts
 
 def _edges(box: checker.Box) -> Edges:
     return tuple(box[0]), tuple(box[1])
-
-
-def _box(middle: list[Fraction], half: list[Fraction]) -> Edges:
-    pairs = list(zip(middle, half, strict=True))
-    return tuple(m - h for m, h in pairs), tuple(m + h for m, h in pairs)
 
 
 def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any], error: Fraction) -> Sampling:

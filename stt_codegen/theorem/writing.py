@@ -13,7 +13,8 @@ from stt_codegen.decimals import above, below
 from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.theorem.hints import cells, hints, steps
-from stt_codegen.theorem.reading import Edges, Facts, Sampling, Statement
+from stt_codegen.theorem.reading import Facts, Sampling, Statement
+from stt_codegen.theorem.shapes import Edges, Point, Shape, solid
 
 DEPTH = 20  # times that a segment may be halved
 LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
@@ -32,6 +33,26 @@ def listed(values: Iterable[Fraction]) -> str:
 
 def box(edges: Edges) -> str:
     return f"(Box {listed(edges[0])} {listed(edges[1])})"
+
+
+def points(values: Iterable[Point]) -> str:
+    return f"[{'; '.join(map(listed, values))}]"
+
+
+def shape(convex: Shape) -> str:
+    """An unsafe set, as proof/Sets.v has it."""
+    if solid(convex):
+        return f"(solid {box(convex.extent)})"
+    faces = "; ".join(f"({listed(face)}, {rational(offset)})" for face, offset in convex.faces)
+    core = f"(Cut {box(convex.room)} [{faces}])" if faces else f"(Hull {points(convex.points)})"
+    ball = "; ".join(map(str, convex.own if convex.radius else ()))
+    return f"(Shape {core} {box(convex.extent)} [{ball}]%nat {rational(convex.radius)})"
+
+
+def search(facts: Facts) -> str:
+    """How Coq goes about P1 to P5: nothing in it is believed."""
+    sets = ["; ".join(f"([{'; '.join(map(whole, v))}]%Z, {listed(m)}%Q)" for v, m in own) for own in facts.normals]
+    return f"Search {DEPTH} [{'; '.join(f'[{own}]' for own in sets)}]"
 
 
 def whole(value: int) -> str:
@@ -61,8 +82,9 @@ def words(facts: Facts) -> str:
     told = [
         f"1. The emitted tube. Let L and U be the edges that `{facts.name}_tube` computes in {facts.scalar} arithmetic (round to "
         f"nearest even) at a time t in seconds, t exact or rounded once to {facts.scalar}. Then for every t: U is at least "
-        f"{exact(facts.min_width)} above L; L and U are in the state space; of every unsafe set they keep {clear} away in some "
-        "dimension. At t = 0 they are in the initial set, and the initial state is between them. From t = "
+        f"{exact(facts.min_width)} above L; L and U are in the state space; every unsafe set is behind them along a "
+        f"normal, by so much that every point between them is at least {clear} away, in some dimension, from every point of the "
+        "set. At t = 0 they are in the initial set, and the initial state is between them. From t = "
         f"{t_c} s on they are in the target set.",
         "2. The closed loop in continuous time. Take any plant xdot_i = f_i + g_i u_i, i = 1 .. n, whose |f_i| (drift and "
         "disturbance) is bounded along the trajectory, and whose g_i is at least some positive number; neither bound need be "
@@ -160,7 +182,8 @@ def written(facts: Facts) -> bytes:
         space=box(facts.space),
         start=box(facts.start),
         target=box(facts.target),
-        unsafe=[{"name": _plain(name), "box": box(edges)} for name, edges in facts.unsafe],
+        unsafe=[{"name": _plain(name), "shape": shape(convex)} for name, convex in facts.unsafe],
+        search=search(facts),
         clearance=rational(facts.clearance),
         min_width=rational(facts.min_width),
         bits=facts.unit.denominator.bit_length() - facts.unit.numerator.bit_length(),
@@ -171,7 +194,6 @@ def written(facts: Facts) -> bytes:
         error=rational(facts.error * facts.unit),
         steps=f"[{'; '.join(map(whole, steps(facts)))}]",
         late=rational(Fraction(math.ceil(exact * 2**90), 2**90)),
-        depth=DEPTH,
         format=format_,
         gain="; ".join(real(k) for k in facts.gain),
         sampled=None if facts.sampling is None else _sampled(facts, facts.sampling),
