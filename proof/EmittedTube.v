@@ -50,18 +50,16 @@ Section EmittedTube.
   Hypothesis rounding : rounding_check format unit err k rows Vs s late = true.
 
   (* what the C function `tube` stores, as real numbers *)
-  Definition emitted (side : Z * Z -> Z) (i : nat) (t : R) : R :=
-    emitted_edge format rows (Q2R unit) (F2R (Float radix2 (rate_m s) (rate_e s))) (F2R (Float radix2 (last_m s) (last_e s))) side i t.
+  Let rate := F2R (Float radix2 (rate_m s) (rate_e s)).
+  Let end_ := F2R (Float radix2 (last_m s) (last_e s)).
+  Definition emitted (side : Z * Z -> Z) (i : nat) (t : R) : R := emitted_edge format rows (Q2R unit) rate end_ side i t.
+  Definition at_place (side : Z * Z -> Z) (i : nat) (p : nat * R) : R := placed format rows (Q2R unit) side i p.
+  Definition right_place (t : R) (p : nat * R) : Prop := right rows (Q2R (T k)) (Q2R late) t p.
 
-  (* A clock that is right, or right but for one rounding to the format. *)
-  Variable clock : R -> R.
-  Hypothesis clock_reads : forall t, reads format (clock t) t.
-  Let L i t := emitted fst i (clock t).
-  Let U i t := emitted snd i (clock t).
-
-  (* P7: the emitted edges are within err of the exact ones. *)
-  Lemma emitted_near i t : (i < n k)%nat ->
-    Rabs (L i t - lower unit k rows i t) <= Q2R err /\ Rabs (U i t - upper unit k rows i t) <= Q2R err.
+  (* P7: at a place that is right for a time the emitted edges are within err of the exact ones; a time in seconds has such a place. *)
+  Lemma emission_near : (forall clock t, reads format clock t -> right_place t (place_of_time format rate end_ clock)) /\
+    forall i t p, (i < n k)%nat -> right_place t p ->
+      Rabs (at_place fst i p - lower unit k rows i t) <= Q2R err /\ Rabs (at_place snd i p - upper unit k rows i t) <= Q2R err.
   Proof.
     pose proof rounding as H. unfold rounding_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
     destruct H as [[[[[[[[[Cz Lz] LK] LL] Lm] Lexp] Rate] Bd] Bz] Ev].
@@ -93,14 +91,24 @@ Section EmittedTube.
       destruct Sd as [->| ->]; assumption. }
     assert (Lf : generic_format radix2 (fexp format) (F2R (Float radix2 (last_m s) (last_e s)))).
     { apply generic_format_FLT. exists (Float radix2 (last_m s) (last_e s)); [reflexivity|now apply Z.ltb_lt|now apply Z.leb_le]. }
-    intro Hi.
+    split; [intros clock t Cl; unfold right_place, rate, end_; apply time_right; [exact Tp'|exact Cz|lra|exact Lf|lra|lra|exact Cl]|].
+    intros i t p Hi Pl.
     assert (Ei : Q2R e + Q2R unit * (3 * IZR (nth i Vs 0%Z) * Q2R late) <= Q2R err).
     { assert (Q := Ev i ltac:(apply in_seq; lia)). apply Qle_bool_R in Q.
       rewrite Q2R_plus, !Q2R_mult, Q2R_Z in Q. replace (Q2R 3) with 3 in Q by (unfold Q2R; cbn; lra). exact Q. }
     assert (Si := Stp i ltac:(apply in_seq; lia)).
-    unfold L, U, emitted, lower, upper.
-    split; (eapply Rle_trans; [|exact Ei]); eapply emitted_edge_ok with (n := n k); eauto; try lra.
+    unfold at_place, lower, upper.
+    split; (eapply Rle_trans; [|exact Ei]); [apply (placed_ok format rows (n k) (Q2R unit) (Q2R (T k)) (Q2R late)) with (of := fst) (largest := largest_of unit rows)|apply (placed_ok format rows (n k) (Q2R unit) (Q2R (T k)) (Q2R late)) with (of := snd) (largest := largest_of unit rows)]; auto.
   Qed.
+
+  (* A clock that is right, or right but for one rounding to the format. *)
+  Variable clock : R -> R.
+  Hypothesis clock_reads : forall t, reads format (clock t) t.
+  Let L i t := emitted fst i (clock t).
+  Let U i t := emitted snd i (clock t).
+  Lemma emitted_near i t : (i < n k)%nat ->
+    Rabs (L i t - lower unit k rows i t) <= Q2R err /\ Rabs (U i t - upper unit k rows i t) <= Q2R err.
+  Proof. intro Hi. destruct emission_near as [Tm Pl]. exact (Pl i t _ Hi (Tm _ _ (clock_reads t))). Qed.
 
   Theorem emitted_tube_sound :
     (* P1 *) (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
@@ -114,3 +122,18 @@ Section EmittedTube.
     exact (tube_sound unit err Up k rows how checked L U emitted_near).
   Qed.
 End EmittedTube.
+
+(* Counts of ticks: the first that is not before t_c, of how many the divisor's a tick is in a segment, and its seconds. *)
+Record ticks := Ticks { final : Z; multiplier : Z; divisor : Z; seconds : Q }.
+Definition ticks_check (format : format) (k : task) (rows : table) (late : Q) (c : ticks) : bool :=
+  let K := Z.of_nat (segments rows) in
+  ((0 <? multiplier c)%Z && (0 <? divisor c)%Z && (divisor c * K <=? final c * multiplier c)%Z &&
+   Qeq_bool (inject_Z (multiplier c) * T k) (inject_Z (divisor c * K) * seconds c) && Qle_bool (half_ulp format + half_least format) late)%bool.
+Lemma ticks_right format unit err how k rows late c tick : check unit err how k rows = true -> ticks_check format k rows late c = true -> (0 <= tick)%Z ->
+  right_place k rows late (IZR tick * Q2R (seconds c)) (place_of_tick format rows (final c) (multiplier c) (divisor c) tick).
+Proof.
+  intros Ch H T0. unfold ticks_check in H. cbv zeta in H. rewrite !andb_true_iff in H. destruct H as [[[[H1 H2] H3] H4] H5].
+  apply Z.ltb_lt in H1, H2. apply Z.leb_le in H3. apply Qeq_bool_iff, Qeq_eqR in H4. apply Qle_bool_R in H5. rewrite !Q2R_mult, !Q2R_Z, mult_IZR, <- INR_IZR_INZ in H4. rewrite Q2R_plus in H5.
+  unfold check in Ch. cbv zeta in Ch. rewrite !andb_true_iff in Ch. destruct Ch as [[[Up Tp] Rg] _]. apply positive_ok in Tp.
+  unfold right_place. now apply (tick_right format rows (n k)).
+Qed.
