@@ -107,7 +107,9 @@ Section EmittedTube.
     (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box L U (start k) i 0) /\
     (* P3 *) (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
     (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
-    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t) /\
+    (* and where half-spaces cut *)
+    (forall t x, (forall i, (i < n k)%nat -> L i t <= x i <= U i t) -> within_faces (n k) (walls k) x /\ (Q2R (T k) <= t -> within_faces (n k) (goals k) x)).
   Proof.
     assert (Up : positive unit = true).
     { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }

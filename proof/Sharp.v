@@ -57,9 +57,9 @@ Section Sharp.
 
   Theorem controller_sound_sharp : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (Q2R (rho_of (part s i)) - 1) / (Q2R (rho_of (part s i)) + 1) * (U i t - L i t)) /\
-    (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
+    in_space task (fun i => x i t) /\
     (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
-    (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
+    (Q2R (T task) <= t -> in_target task (fun i => x i t)).
   Proof.
     apply (samples_reach_avoid_stay f unit err depth task rows Vs sc late s hints cuts tube_checked slopes_checked rounding_checked period_checked
       taken switch (fun p => value (clock p)) x (fun p i => value (measured p i)) input push G).

@@ -86,16 +86,14 @@ Section Sound.
 
   (* at all times: in the state space, the clearance away from every unsafe set, and from t_c on in the target set *)
   Theorem controller_sound : forall p t, 0 <= t <= switch p ->
-    (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
+    in_space task (fun i => x i t) /\
     (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
-    (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
+    (Q2R (T task) <= t -> in_target task (fun i => x i t)).
   Proof.
     intros p t Ht.
     assert (K := held unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked slopes_checked plant_checked taken switch x y g input times x_cont start ode law_of_control p t Ht).
     pose proof tube_checked as Ck. unfold check in Ck. cbv zeta in Ck. rewrite !andb_true_iff in Ck. destruct Ck as [[[Up Tp] Rg] _].
     pose proof slopes_checked as Sl. unfold slopes in Sl. rewrite !andb_true_iff in Sl. destruct Sl as [[_ Er] _]. apply Qle_true in Er. rewrite Q2R_0 in Er.
-    destruct (tube_sound unit err Up task rows depth tube_checked L U) as (P1 & P2 & P3 & P4 & P5).
-    { intros i r _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
     assert (I : forall i, (i < n task)%nat -> L i t < x i t < U i t).
     { intros i Hi. destruct (K i Hi) as [K1 K2]. destruct (widths_ok unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked plant_checked i t Hi) as [W _].
       pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [_ Cc]. rewrite forallb_forall in Cc.
@@ -104,9 +102,7 @@ Section Sound.
       assert (D0 : 0 < Q2R (nth i (narrowest P) 0%Q)) by (rewrite <- Q2R_0; apply Qless_ok; tauto).
       assert (0 < / (1 + Q2R (nth i (rho_ P) 0%Q))) by (apply Rinv_0_lt_compat; lra). fold (L i t) (U i t) in K1, K2, W.
       assert (0 < (U i t - L i t) * / (1 + Q2R (nth i (rho_ P) 0%Q))) by (apply Rmult_lt_0_compat; unfold L, U in *; lra). unfold L, U in *. lra. }
-    split; [|split].
-    - intros i Hi. destruct (I i Hi), (P3 i t Hi). lra.
-    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) I).
-    - intros Htc i Hi. destruct (I i Hi), (P5 i t Hi Htc). lra.
+    apply (tube_keeps unit err Up task rows depth tube_checked L U); [|exact I].
+    intros i r _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra.
   Qed.
 End Sound.

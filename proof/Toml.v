@@ -1,5 +1,5 @@
 (* The task's numbers from the text of its TOML file: sets, times and margins. It fails on keys that it does not know where they could change a set. *)
-From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii DecimalString.
+From Coq Require Import ZArith NArith QArith Qabs Qminmax List Bool String Ascii DecimalString.
 From Stt Require Import Tube Read.
 Import ListNotations.
 Open Scope string_scope.
@@ -142,6 +142,17 @@ Definition own_of (names : list string) (e : entries) : option (list nat) :=
   | Some v => let* ws := texts v in if differ ws then match ws with [] => None | _ => every (fun w => place String.eqb w names) ws end else None
   end.
 
+(* The half-spaces that cut the box of the state space, less the body, or of the target; none where none are said. *)
+Definition faces_of (names : list string) (h : list Q) (e : entries) : option (list (list Q * Q)) :=
+  let n := List.length names in
+  if only ["axes"; "lower"; "upper"] e then Some [] else
+  let* own := own_of names e in
+  let* vs := the_vectors (List.length own) "normals" e in
+  let* os := the_vector (List.length vs) "offsets" e in
+  let laid v := map (fun i => match place Nat.eqb i own with Some k => nth k v 0%Q | None => 0%Q end) (seq 0 n) in
+  let less v := fold_right (fun p s => Qabs (fst p) * snd p + s)%Q 0%Q (combine (laid v) h) in
+  Some (map (fun f => (laid (fst f), Qred (snd f - less (fst f)))) (combine vs os)).
+
 (* A set is said in the dimensions that it is in; of the others it has the whole state space. The body h is added to all. *)
 Definition shape_of (names : list string) (space : box) (h : list Q) (e : entries) : option shape :=
   let n := List.length names in
@@ -174,7 +185,7 @@ Definition shape_of (names : list string) (space : box) (h : list Q) (e : entrie
 (* keys that leave the sets alone; the tube, the law and the plant are checked by themselves *)
 Definition sections_known : list (string * list string) := [
   ("", ["name"; "axes"; "units"; "prescribed_time"; "initial_state"; "body"]);
-  ("state_space", ["lower"; "upper"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"]);
+  ("state_space", ["lower"; "upper"; "axes"; "normals"; "offsets"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"; "axes"; "normals"; "offsets"]);
   ("unsafe", ["name"; "axes"; "lower"; "upper"; "vertices"; "normals"; "offsets"; "centre"; "radius"; "segment"]);
   ("tube", ["clearance"; "min_width"; "design"; "prefer"; "max_speed"; "max_acceleration"; "segments"; "seed"]);
   ("control", ["gain"; "e_max"; "u_max"; "period"; "latency"; "outside"; "saturate"]);
@@ -209,4 +220,6 @@ Definition task_in (text : string) : option (string * task) :=
   let* clearance := number_or (3 # 100) "clearance" (part "tube") in
   let* width := number_or (1 # 20) "min_width" (part "tube") in
   let* name := match find "name" top with Some (VText w) => Some w | _ => None end in
-  Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576))).
+  let* walls := faces_of names h (part "state_space") in
+  let* goals := faces_of names none (part "target_set") in
+  Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576)) walls goals).

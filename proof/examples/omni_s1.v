@@ -595,7 +595,8 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
    (solid (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
    (solid (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
    (solid (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
-  (3 # 100) (1 # 20) (* clearance, least width *))%Q.
+  (3 # 100) (1 # 20) (* clearance, least width *)
+  [] [] (* half-spaces that cut state space and target *))%Q.
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
 Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
 
@@ -696,9 +697,9 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
     Rabs (y i p t) <= Q2R (nth i (push_ the_plant) 0%Q) + Q2R (nth i (cross_ the_plant) 0%Q) * Held.others 2 i (fun j => Rabs (input p j)) /\
     Q2R (nth i (gmin_ the_plant) 0%Q) <= g i p t <= Q2R (nth i (gmax_ the_plant) 0%Q)) ->
   forall p t, 0 <= t <= switch p ->
-    (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
+    in_space the_task (fun i => x i t) /\
     (forall o, In o (unsafe the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
-    (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
+    (Q2R (Tube.T the_task) <= t -> in_target the_task (fun i => x i t)).
 Proof.
   intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
   rewrite text_read in Text. injection Text as <-.

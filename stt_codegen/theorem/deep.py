@@ -18,7 +18,7 @@ from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, steps, widths
 from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import FORMATS, box, listed, rational, sampled_claim, search, shape
+from stt_codegen.theorem.writing import FORMATS, box, half_spaces, listed, rational, sampled_claim, search, shape
 
 GRID = 1 << 24  # logarithms, widths and shares are multiples of 1/GRID
 SLACK = 4096  # how far the bound of a logarithm is from it, in these: Coq's enclosure of exp is not exact
@@ -34,7 +34,8 @@ def the_task(found: Facts) -> str:
     return (
         f"(Task {found.n} {rational(found.t_c)} {listed(found.state)}\n  {box(found.space)} (* state space *)\n"
         f"  {box(found.start)} (* initial set *)\n  {box(found.target)} (* target set *)\n  [{unsafe}] (* unsafe sets *)\n"
-        f"  {rational(found.clearance)} {rational(found.min_width)} (* clearance, least width *))%Q"
+        f"  {rational(found.clearance)} {rational(found.min_width)} (* clearance, least width *)\n"
+        f"  {half_spaces(found.walls)} {half_spaces(found.goals)} (* half-spaces that cut state space and target *))%Q"
     )
 
 
@@ -131,9 +132,9 @@ def example(found: Facts) -> Bounds:
 # What the task's text may have, for proof/Toml.v to read it; the key is a table's name.
 KEYS = {
     "": "name axes units prescribed_time initial_state body",
-    "state_space": "lower upper",
+    "state_space": "lower upper axes normals offsets",
     "initial_set": "lower upper share",
-    "target_set": "lower upper",
+    "target_set": "lower upper axes normals offsets",
     "unsafe": "name axes lower upper vertices normals offsets centre radius segment",
     "tube": "clearance min_width design prefer max_speed max_acceleration segments seed",
     "control": "gain e_max u_max period latency outside saturate",
