@@ -142,6 +142,10 @@ Definition own_of (names : list string) (e : entries) : option (list nat) :=
   | Some v => let* ws := texts v in if differ ws then match ws with [] => None | _ => every (fun w => place String.eqb w names) ws end else None
   end.
 
+(* Numbers that are given for these dimensions, and for the others those of the rest. *)
+Definition laid (n : nat) (own : list nat) (given rest : list Q) : list Q :=
+  map (fun i => match place Nat.eqb i own with Some k => nth k given 0%Q | None => nth i rest 0%Q end) (seq 0 n).
+
 (* The half-spaces that cut the box of the state space, less the body, or of the target; none where none are said. *)
 Definition faces_of (names : list string) (h : list Q) (e : entries) : option (list (list Q * Q)) :=
   let n := List.length names in
@@ -149,33 +153,32 @@ Definition faces_of (names : list string) (h : list Q) (e : entries) : option (l
   let* own := own_of names e in
   let* vs := the_vectors (List.length own) "normals" e in
   let* os := the_vector (List.length vs) "offsets" e in
-  let laid v := map (fun i => match place Nat.eqb i own with Some k => nth k v 0%Q | None => 0%Q end) (seq 0 n) in
-  let less v := fold_right (fun p s => Qabs (fst p) * snd p + s)%Q 0%Q (combine (laid v) h) in
-  Some (map (fun f => (laid (fst f), Qred (snd f - less (fst f)))) (combine vs os)).
+  let face v := laid n own v [] in
+  let less v := fold_right (fun p s => Qabs (fst p) * snd p + s)%Q 0%Q (combine (face v) h) in
+  Some (map (fun f => (face (fst f), Qred (snd f - less (fst f)))) (combine vs os)).
 
 (* A set is said in the dimensions that it is in; of the others it has the whole state space. The body h is added to all. *)
 Definition shape_of (names : list string) (space : box) (h : list Q) (e : entries) : option shape :=
   let n := List.length names in
   let* own := own_of names e in
   let d := List.length own in
-  let laid (given rest : list Q) := map (fun i => match place Nat.eqb i own with Some k => nth k given 0%Q | None => nth i rest 0%Q end) (seq 0 n) in
   let grown (sign : Q -> Q) (l : list Q) := map (fun p => Qred (fst p + sign (snd p))) (combine l h) in
-  let about a b := Box (grown Qopp (laid a (lo space))) (grown (fun q => q) (laid b (hi space))) in
-  let points ps := Hull (map (fun p => laid p []) ps) in
+  let about a b := Box (grown Qopp (laid n own a (lo space))) (grown (fun q => q) (laid n own b (hi space))) in
+  let points ps := Hull (map (fun p => laid n own p []) ps) in
   let zero := repeat 0%Q d in
   let said ks := only (["name"; "axes"] ++ ks) e in
   if said ["lower"; "upper"] then
     let* a := the_vector d "lower" e in
     let* b := the_vector d "upper" e in
-    Some (solid (about a b))
+    if forallb (fun p => negb (Qle_bool (snd p) (fst p))) (combine a b) then Some (solid (about a b)) else None
   else if said ["vertices"] then
     let* ps := the_vectors d "vertices" e in
     Some (Shape (points ps) (about zero zero) [] 0)
-  else if said ["normals"; "offsets"] then (* of the state space they leave the set *)
+  else if said ["normals"; "offsets"] then (* the part of the state space that is within them *)
     let* vs := the_vectors d "normals" e in
     let* os := the_vector (List.length vs) "offsets" e in
-    let part l := map (fun i => match place Nat.eqb i own with Some _ => nth i l 0%Q | None => 0%Q end) (seq 0 n) in
-    Some (Shape (Cut (Box (part (lo space)) (part (hi space))) (combine (map (fun v => laid v []) vs) os)) (about zero zero) [] 0)
+    let part l := laid n own (map (fun i => nth i l 0%Q) own) [] in
+    Some (Shape (Cut (Box (part (lo space)) (part (hi space))) (combine (map (fun v => laid n own v []) vs) os)) (about zero zero) [] 0)
   else
     let* ps := if said ["centre"; "radius"] then let* c := the_vector d "centre" e in Some [c]
                else if said ["segment"; "radius"] then the_vectors d "segment" e else None in
