@@ -259,16 +259,17 @@ Section Controller.
     assert (G : forall side j z, (j <= 3)%nat -> (side = 0 \/ side = 1)%Z -> z = (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))%Z ->
       value (q A coefficients z) = Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\ is_finite (q A coefficients z) = true).
     { intros side j z Hj Hs ->. now apply coefficient_ok. }
-    split.
+    assert (Pm := place_of_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t). destruct (place_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t) as [_ Ps].
+    unfold L, U, EmittedTube.emitted, at_place. fold cs ls. rewrite Pm. split.
     - unfold Lf, Control.lower. cbv zeta.
-      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i fst).
+      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ Ps i fst).
       + apply (G 0%Z 0%nat); [lia|now left|ring].
       + apply (G 0%Z 1%nat); [lia|now left|ring].
       + apply (G 0%Z 2%nat); [lia|now left|ring].
       + apply (G 0%Z 3%nat); [lia|now left|ring].
       + intro j. apply Ts. now left.
     - unfold Uf, Control.upper. cbv zeta.
-      apply (edge_of_machine f log_ k rows (Q2R unit) cs ls Rv Lv Rs Ls Ks t finite_t i snd).
+      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ Ps i snd).
       + apply (G 1%Z 0%nat); [lia|now right|ring].
       + apply (G 1%Z 1%nat); [lia|now right|ring].
       + apply (G 1%Z 2%nat); [lia|now right|ring].

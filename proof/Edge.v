@@ -223,32 +223,48 @@ Section Format.
     split; [rewrite Q1, T1, I1; apply rnd_format_of|]. split; [exact Q2|]. rewrite Q1. apply (rnd_sized prec emax _ _ prec_large emax_large); [lia|exact Small].
   Qed.
 
-  (* ---------------------------------------------------------------- an edge *)
+  (* `segment` gives the place that the time has *)
+  Lemma place_of_machine : place_of_time f c last_ (value t) = (Z.to_nat segment_of, value s).
+  Proof.
+    destruct place_machine as [P1 _]. pose proof segment_range as Sr. pose proof (emitted_time_range f rows c last_ ltac:(lra) last_range (value t)) as R0.
+    assert (Sg : Ztrunc (time_of (value t)) = segment_of) by (unfold segment_of; apply Ztrunc_floor; lra).
+    unfold place_of_time. cbv zeta. rewrite Sg, P1. now rewrite INR_IZR_INZ, Z2Nat.id by lia.
+  Qed.
+End Format.
 
-  Variables (i : nat) (side : Z * Z -> Z) (largest : R).
+(* ------------------------------------------------------------------ an edge *)
+
+Section Place.
+  Variable f : format.
+  Notation prec := (precision f).
+  Notation emax := (largest_exponent f).
+  Notation number := (binary_float prec emax).
+  Notation value := (@B2R prec emax).
+  Local Existing Instance pos_.
+  Local Existing Instance below_.
+  Variable log_ : number -> number.
+  Let A := machine prec emax _ _ log_.
+  Variables (rows : Tube.table) (unit : R) (segment : nat) (s : number).
+  Hypothesis s_range : sized prec emax 0 s.
+  Variables (i : nat) (side : Z * Z -> Z).
   Variables q0 q1 q2 q3 : number.
-  Let coefficient (j : nat) : R := unit * IZR (nth (Z.to_nat segment_of + j) (column side i rows) 0%Z).
+  Let coefficient (j : nat) : R := unit * IZR (nth (segment + j) (column side i rows) 0%Z).
   Hypothesis q0_ok : value q0 = coefficient 0 /\ is_finite q0 = true.
   Hypothesis q1_ok : value q1 = coefficient 1 /\ is_finite q1 = true.
   Hypothesis q2_ok : value q2 = coefficient 2 /\ is_finite q2 = true.
   Hypothesis q3_ok : value q3 = coefficient 3 /\ is_finite q3 = true.
   Hypothesis bounded : forall k, Rabs (unit * IZR (nth k (column side i rows) 0%Z)) <= 1073741824.
 
-  Theorem edge_of_machine : value (edge A s q0 q1 q2 q3) = emitted_edge f rows unit c last_ side i (value t) /\ is_finite (edge A s q0 q1 q2 q3) = true.
+  Theorem edge_of_machine : value (edge A s q0 q1 q2 q3) = placed f rows unit side i (segment, value s) /\ is_finite (edge A s q0 q1 q2 q3) = true.
   Proof.
-    destruct place_machine as (P1 & P2).
-    assert (Sq : forall q j, value q = coefficient j /\ is_finite q = true -> sized 30 q).
+    assert (Sq : forall q j, value q = coefficient j /\ is_finite q = true -> sized prec emax 30 q).
     { intros q j [Q1 Q2]. split; [exact Q2|]. rewrite Q1. change (bpow radix2 30) with 1073741824. apply bounded. }
-    destruct (edge_machine prec emax _ _ prec_large emax_large log_ s q0 q1 q2 q3 P2 (Sq _ _ q0_ok) (Sq _ _ q1_ok) (Sq _ _ q2_ok) (Sq _ _ q3_ok)) as [E1 E2].
-    split; [|exact E2]. change (value (edge A s q0 q1 q2 q3)) with (value (edge (machine prec emax pos_ below_ log_) s q0 q1 q2 q3)). rewrite E1.
-    destruct q0_ok as [-> _]. destruct q1_ok as [-> _]. destruct q2_ok as [-> _]. destruct q3_ok as [-> _]. rewrite P1.
-    unfold emitted_edge; cbv zeta.
-    pose proof segment_range as Sr. pose proof (emitted_time_range f rows c last_ ltac:(lra) last_range (value t)) as R0.
-    assert (Sg : Ztrunc (time_of (value t)) = segment_of) by (unfold segment_of; apply Ztrunc_floor; lra).
-    rewrite Sg. assert (Ek : INR (Z.to_nat segment_of) = IZR segment_of) by (rewrite INR_IZR_INZ, Z2Nat.id; [reflexivity|lia]). rewrite Ek.
-    unfold coefficient. generalize [to_format f (time_of (value t) - IZR segment_of);
-      unit * IZR (nth (Z.to_nat segment_of + 0) (column side i rows) 0%Z); unit * IZR (nth (Z.to_nat segment_of + 1) (column side i rows) 0%Z);
-      unit * IZR (nth (Z.to_nat segment_of + 2) (column side i rows) 0%Z); unit * IZR (nth (Z.to_nat segment_of + 3) (column side i rows) 0%Z)].
+    destruct (edge_machine prec emax _ _ (precision_large f) (exponent_large f) log_ s q0 q1 q2 q3 s_range (Sq _ _ q0_ok) (Sq _ _ q1_ok) (Sq _ _ q2_ok) (Sq _ _ q3_ok)) as [E1 E2].
+    split; [|exact E2]. change (value (edge A s q0 q1 q2 q3)) with (value (edge (machine prec emax (pos_ f) (below_ f) log_) s q0 q1 q2 q3)). rewrite E1.
+    destruct q0_ok as [-> _]. destruct q1_ok as [-> _]. destruct q2_ok as [-> _]. destruct q3_ok as [-> _].
+    unfold placed; cbv zeta; cbn [fst snd]. unfold coefficient. generalize [value s;
+      unit * IZR (nth (segment + 0) (column side i rows) 0%Z); unit * IZR (nth (segment + 1) (column side i rows) 0%Z);
+      unit * IZR (nth (segment + 2) (column side i rows) 0%Z); unit * IZR (nth (segment + 3) (column side i rows) 0%Z)].
     intro env. f_equal. revert env. generalize basis_blend. clear. intro b. induction b as [|st rest IH]; intro env; cbn [exec]; [reflexivity|]. rewrite rnd_format_of. apply IH.
   Qed.
-End Format.
+End Place.

@@ -127,13 +127,13 @@ Section Emitted.
   Hypothesis bounded : forall k, Rabs (unit * IZR (nth k (column side i rows) 0%Z)) <= Q2R largest.
   Hypothesis ev : evaluation_error format largest = Some e.
 
-  (* A place is right for a time when its spline time is wrong by no more than `late`. *)
-  Definition right (t : R) (p : nat * R) : Prop :=
+  (* A place fits a time when its spline time is wrong by no more than `late`. *)
+  Definition fits (t : R) (p : nat * R) : Prop :=
     (fst p < K)%nat /\ 0 <= snd p <= 1 /\ Rabs (INR (fst p) + snd p - spline_time T rows t) <= late.
 
-  Theorem placed_ok p t : right t p -> Rabs (placed side i p - edge unit T rows side i t) <= Q2R e + unit * (3 * IZR Vi * late).
+  Theorem placed_ok p t : fits t p -> Rabs (placed side i p - edge unit T rows side i t) <= Q2R e + unit * (3 * IZR Vi * late).
   Proof.
-    destruct p as [k s]. unfold right; cbn [fst snd]. intros (Hk & Hs & Near).
+    destruct p as [k s]. unfold fits; cbn [fst snd]. intros (Hk & Hs & Near).
     assert (Sp : Rabs (placed side i (k, s) - unit * spline (column side i rows) (INR k + s)) <= Q2R e).
     { unfold placed; cbn [fst snd]. rewrite (S_piece rows n i side of Rg Hi sides k (INR k + s)) by (fold K; lia || lra).
       replace (INR k + s - INR k) with s by ring.
@@ -168,10 +168,10 @@ Section Emitted.
   Qed.
 
   (* Seconds, right or rounded once. *)
-  Lemma time_right clock t : reads clock t -> right t (place_of_time clock).
+  Lemma time_fits clock t : reads clock t -> fits t (place_of_time clock).
   Proof.
     intro Clock. pose proof (emitted_time_range clock) as Ur. pose proof (emitted_time_ok clock t Clock) as Uo.
-    pose proof (emitted_time_float clock) as Uf. unfold right, place_of_time. cbv zeta. set (u := emitted_time clock) in *. cbn [fst snd].
+    pose proof (emitted_time_float clock) as Uf. unfold fits, place_of_time. cbv zeta. set (u := emitted_time clock) in *. cbn [fst snd].
     assert (Fl : Ztrunc u = Zfloor u) by (apply Ztrunc_floor; lra).
     assert (F0 : (0 <= Zfloor u)%Z) by (apply Zfloor_lub; lra).
     pose proof (Zfloor_lb u) as Lb. pose proof (Zfloor_ub u) as Ub.
@@ -181,7 +181,7 @@ Section Emitted.
   Qed.
   Theorem emitted_edge_ok clock t : reads clock t ->
     Rabs (emitted_edge side i clock - edge unit T rows side i t) <= Q2R e + unit * (3 * IZR Vi * late).
-  Proof. intro H. apply placed_ok, time_right, H. Qed.
+  Proof. intro H. apply placed_ok, time_fits, H. Qed.
 End Emitted.
 
 Section Ticks.
@@ -215,9 +215,9 @@ Section Ticks.
     - rewrite mult_IZR, <- INR_IZR_INZ. rewrite I in C. apply Rmult_le_reg_l in C; [|lra]. rewrite Rmin_right; [field; lra|].
       apply (Rmult_le_reg_l (INR K / T)); [lra|]. replace (INR K / T * T) with (INR K) by (field; lra). lra.
   Qed.
-  Lemma tick_right tick : (0 <= tick)%Z -> right rows T late (IZR tick * period) (place_of_tick format rows final multiplier divisor tick).
+  Lemma tick_fits tick : (0 <= tick)%Z -> fits rows T late (IZR tick * period) (place_of_tick format rows final multiplier divisor tick).
   Proof.
-    intro H. assert (E := ticked_time tick H). assert (M := ticked_min tick H). unfold right, place_of_tick. cbv zeta. fold K. set (place := ticked _ _ _ _ _) in *. cbn [fst snd].
+    intro H. assert (E := ticked_time tick H). assert (M := ticked_min tick H). unfold fits, place_of_tick. cbv zeta. fold K. set (place := ticked _ _ _ _ _) in *. cbn [fst snd].
     destruct ticks_pos as [M0 D0]. assert (Kp : (0 < Z.of_nat K)%Z) by (destruct (regular_ok _ _ Rg); unfold K, segments; lia).
     assert (P : (0 <= place <= divisor * Z.of_nat K)%Z) by nia.
     set (k := Z.min (place / divisor) (Z.of_nat K - 1)).

@@ -52,13 +52,13 @@ Section EmittedTube.
   (* what the C function `tube` stores, as real numbers *)
   Let rate := F2R (Float radix2 (rate_m s) (rate_e s)).
   Let end_ := F2R (Float radix2 (last_m s) (last_e s)).
-  Definition emitted (side : Z * Z -> Z) (i : nat) (t : R) : R := emitted_edge format rows (Q2R unit) rate end_ side i t.
   Definition at_place (side : Z * Z -> Z) (i : nat) (p : nat * R) : R := placed format rows (Q2R unit) side i p.
-  Definition right_place (t : R) (p : nat * R) : Prop := right rows (Q2R (T k)) (Q2R late) t p.
+  Definition emitted (side : Z * Z -> Z) (i : nat) (t : R) : R := at_place side i (place_of_time format rate end_ t).
+  Definition fits_time (t : R) (p : nat * R) : Prop := fits rows (Q2R (T k)) (Q2R late) t p.
 
-  (* P7: at a place that is right for a time the emitted edges are within err of the exact ones; a time in seconds has such a place. *)
-  Lemma emission_near : (forall clock t, reads format clock t -> right_place t (place_of_time format rate end_ clock)) /\
-    forall i t p, (i < n k)%nat -> right_place t p ->
+  (* P7: at a place that fits a time the emitted edges are within err of the exact ones; a time in seconds has such a place. *)
+  Lemma emission_near : (forall clock t, reads format clock t -> fits_time t (place_of_time format rate end_ clock)) /\
+    forall i t p, (i < n k)%nat -> fits_time t p ->
       Rabs (at_place fst i p - lower unit k rows i t) <= Q2R err /\ Rabs (at_place snd i p - upper unit k rows i t) <= Q2R err.
   Proof.
     pose proof rounding as H. unfold rounding_check in H. cbv zeta in H. rewrite !andb_true_iff in H.
@@ -91,7 +91,7 @@ Section EmittedTube.
       destruct Sd as [->| ->]; assumption. }
     assert (Lf : generic_format radix2 (fexp format) (F2R (Float radix2 (last_m s) (last_e s)))).
     { apply generic_format_FLT. exists (Float radix2 (last_m s) (last_e s)); [reflexivity|now apply Z.ltb_lt|now apply Z.leb_le]. }
-    split; [intros clock t Cl; unfold right_place, rate, end_; apply time_right; [exact Tp'|exact Cz|lra|exact Lf|lra|lra|exact Cl]|].
+    split; [intros clock t Cl; unfold fits_time, rate, end_; apply time_fits; [exact Tp'|exact Cz|lra|exact Lf|lra|lra|exact Cl]|].
     intros i t p Hi Pl.
     assert (Ei : Q2R e + Q2R unit * (3 * IZR (nth i Vs 0%Z) * Q2R late) <= Q2R err).
     { assert (Q := Ev i ltac:(apply in_seq; lia)). apply Qle_bool_R in Q.
@@ -115,7 +115,9 @@ Section EmittedTube.
     (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box L U (start k) i 0) /\
     (* P3 *) (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
     (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
-    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t) /\
+    (* and where half-spaces cut *)
+    (forall t x, (forall i, (i < n k)%nat -> L i t <= x i <= U i t) -> within_faces (n k) (walls k) x /\ (Q2R (T k) <= t -> within_faces (n k) (goals k) x)).
   Proof.
     assert (Up : positive unit = true).
     { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
@@ -129,11 +131,11 @@ Definition ticks_check (format : format) (k : task) (rows : table) (late : Q) (c
   let K := Z.of_nat (segments rows) in
   ((0 <? multiplier c)%Z && (0 <? divisor c)%Z && (divisor c * K <=? final c * multiplier c)%Z &&
    Qeq_bool (inject_Z (multiplier c) * T k) (inject_Z (divisor c * K) * seconds c) && Qle_bool (half_ulp format + half_least format) late)%bool.
-Lemma ticks_right format unit err how k rows late c tick : check unit err how k rows = true -> ticks_check format k rows late c = true -> (0 <= tick)%Z ->
-  right_place k rows late (IZR tick * Q2R (seconds c)) (place_of_tick format rows (final c) (multiplier c) (divisor c) tick).
+Lemma ticks_fit format unit err how k rows late c tick : check unit err how k rows = true -> ticks_check format k rows late c = true -> (0 <= tick)%Z ->
+  fits_time k rows late (IZR tick * Q2R (seconds c)) (place_of_tick format rows (final c) (multiplier c) (divisor c) tick).
 Proof.
   intros Ch H T0. unfold ticks_check in H. cbv zeta in H. rewrite !andb_true_iff in H. destruct H as [[[[H1 H2] H3] H4] H5].
   apply Z.ltb_lt in H1, H2. apply Z.leb_le in H3. apply Qeq_bool_iff, Qeq_eqR in H4. apply Qle_bool_R in H5. rewrite !Q2R_mult, !Q2R_Z, mult_IZR, <- INR_IZR_INZ in H4. rewrite Q2R_plus in H5.
   unfold check in Ch. cbv zeta in Ch. rewrite !andb_true_iff in Ch. destruct Ch as [[[Up Tp] Rg] _]. apply positive_ok in Tp.
-  unfold right_place. now apply (tick_right format rows (n k)).
+  unfold fits_time. now apply (tick_fits format rows (n k)).
 Qed.

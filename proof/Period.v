@@ -450,15 +450,15 @@ Section Sampled.
 
   Lemma exact_tube :
     (forall i t, (i < n k)%nat -> L i t + Q2R (min_width k) <= U i t) /\
-    (forall i t, (i < n k)%nat -> in_box L U (space k) i t) /\
-    (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
-    (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box L U (target k) i t).
+    (forall t x, (forall i, (i < n k)%nat -> L i t < x i < U i t) ->
+      in_space k x /\ (forall o, In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o x) /\ (Q2R (T k) <= t -> in_target k x)).
   Proof.
     assert (Up : positive unit = true).
     { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
     destruct all_checked as (_ & _ & _ & _ & er0).
-    destruct (tube_sound unit err Up k rows how checked L U) as (P1 & _ & P3 & P4 & P5); [|exact (conj P1 (conj P3 (conj P4 P5)))].
-    intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra.
+    assert (Near : forall i t, (i < n k)%nat -> Rabs (L i t - lower unit k rows i t) <= Q2R err /\ Rabs (U i t - upper unit k rows i t) <= Q2R err).
+    { intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
+    split; [apply (tube_sound unit err Up k rows how checked L U Near)|exact (tube_keeps unit err Up k rows how checked L U Near)].
   Qed.
 
   Theorem held_inside : forall p t, 0 <= t <= switch p -> keep t.
@@ -524,21 +524,18 @@ Section Sampled.
   (* In the words of the task. *)
   Theorem samples_reach_avoid_stay : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n k)%nat -> Rabs (2 * x i t - L i t - U i t) <= (rho i - 1) / (rho i + 1) * (U i t - L i t)) /\
-    (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
+    in_space k (fun i => x i t) /\
     (forall o, In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o (fun i => x i t)) /\
-    (Q2R (T k) <= t -> forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i t < at_ (hi (target k)) i).
+    (Q2R (T k) <= t -> in_target k (fun i => x i t)).
   Proof.
-    intros p t Ht. assert (Kp := held_inside p t Ht). destruct exact_tube as (P1 & P3 & P4 & P5).
+    intros p t Ht. assert (Kp := held_inside p t Ht). destruct exact_tube as [P1 Keeps].
     destruct all_checked as (_ & _ & _ & Mw & _).
     assert (In_ : forall i, (i < n k)%nat -> L i t < x i t < U i t).
     { intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. specialize (P1 i t Hi). destruct (lost_small i Hi) as (_ & C & _).
       assert (0 < (U i t - L i t) * z i) by (apply Rmult_lt_0_compat; lra). lra. }
-    split; [|split; [|split]].
-    - intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _).
-      assert (E : (rho i - 1) / (rho i + 1) = 1 - 2 * z i) by (unfold z; field; lra). rewrite E. apply Rabs_le. lra.
-    - intros i Hi. destruct (In_ i Hi), (P3 i t Hi). lra.
-    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) In_).
-    - intros Htc i Hi. destruct (In_ i Hi), (P5 i t Hi Htc). lra.
+    split; [|exact (Keeps t _ In_)].
+    intros i Hi. destruct (Kp i Hi) as [A B]. fold (z i) in A, B. destruct (component_parts i Hi) as (_ & _ & _ & r1 & _).
+    assert (E : (rho i - 1) / (rho i + 1) = 1 - 2 * z i) by (unfold z; field; lra). rewrite E. apply Rabs_le. lra.
   Qed.
 End Sampled.
 

@@ -9,7 +9,11 @@ Fixpoint total (m : nat) (u : nat -> R) : R := match m with O => 0 | S j => u j 
 
 (* ------------------------------------------------------------------ membership *)
 
-(* The convex hull of points, or a box that half-spaces normal . x <= offset cut. *)
+(* A point is within half-spaces normal . x <= offset. *)
+Definition within_faces (n : nat) (faces : list (list Q * Q)) (x : nat -> R) : Prop :=
+  forall f, In f faces -> total n (fun i => at_ (fst f) i * x i) <= Q2R (snd f).
+
+(* The convex hull of points, or a box that half-spaces cut. *)
 Inductive core := Hull (points : list (list Q)) | Cut (room : box) (faces : list (list Q * Q)).
 
 (* A set is its core, and about each point of that a box and in some dimensions a ball. *)
@@ -25,8 +29,7 @@ Definition in_core (n : nat) (c : core) (q : nat -> R) : Prop :=
   match c with
   | Hull points => exists ws, length ws = length points /\ (forall w, In w ws -> 0 <= w) /\ fold_right Rplus 0 ws = 1 /\
       forall i, (i < n)%nat -> q i = combination ws points i
-  | Cut room faces => (forall i, (i < n)%nat -> at_ (lo room) i <= q i <= at_ (hi room) i) /\
-      forall f, In f faces -> total n (fun i => at_ (fst f) i * q i) <= Q2R (snd f)
+  | Cut room faces => (forall i, (i < n)%nat -> at_ (lo room) i <= q i <= at_ (hi room) i) /\ within_faces n faces q
   end.
 
 Definition in_set (n : nat) (o : shape) (y : nat -> R) : Prop := exists q b r : nat -> R,
@@ -183,13 +186,13 @@ Proof.
   assert (B := IH l ltac:(auto) ltac:(auto) ltac:(lia)). assert (w * g a <= w * m) by (apply Rmult_le_compat_l; auto). lra.
 Qed.
 
-Lemma joined_ok n q : forall faces ms, (forall f, In f faces -> total n (fun i => at_ (fst f) i * q i) <= Q2R (snd f)) ->
+Lemma joined_ok n q : forall faces ms, within_faces n faces q ->
   total n (fun i => Q2R (joined faces ms i) * q i) <= Q2R (offset faces ms).
 Proof.
   assert (Z0 : Q2R 0 = 0) by (unfold Q2R; cbn; lra).
   induction faces as [|f faces IH]; intros [|m ms] H; cbn [joined offset]; rewrite ?Z0;
     try (rewrite (total_eq n _ (fun _ => 0)) by (intros; ring); rewrite total_zero; lra).
-  rewrite Q2R_plus, Q2R_mult. specialize (IH ms ltac:(intros; apply H; now right)). destruct (max_R 0 m) as [M _]. rewrite Z0 in M.
+  rewrite Q2R_plus, Q2R_mult. specialize (IH ms ltac:(intros g G; apply H; now right)). destruct (max_R 0 m) as [M _]. rewrite Z0 in M.
   rewrite (total_eq n _ (fun i => Q2R (Qmax 0 m) * (at_ (fst f) i * q i) + Q2R (joined faces ms i) * q i)).
   - rewrite total_plus, total_scal. apply Rplus_le_compat; [apply Rmult_le_compat_l; [exact M|apply H; now left]|exact IH].
   - intros i _. rewrite Q2R_plus, Q2R_mult. unfold at_. ring.

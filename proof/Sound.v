@@ -92,9 +92,9 @@ Section Sound.
 
   Theorem controller_sound : forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ rhos i - 1) / (at_ rhos i + 1) * (U i t - L i t)) /\
-    (forall i, (i < n task)%nat -> at_ (lo (space task)) i < x i t < at_ (hi (space task)) i) /\
+    in_space task (fun i => x i t) /\
     (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
-    (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
+    (Q2R (T task) <= t -> in_target task (fun i => x i t)).
   Proof.
     assert (Part : forall i, (i < n task)%nat -> part s i = (Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0)
       (nth i (least_gains d) 0) (nth i (most_gains d) 0) (nth i (cross_gains d) 0) (nth i shifts 0))%Q) by (intros; now apply sampled_part).

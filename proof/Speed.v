@@ -175,16 +175,18 @@ Section ReachAvoidStay.
     Rabs (f i t) <= F i /\ gmin i <= g i t.
 
   Theorem reach_avoid_stay :
-    (forall t i, 0 <= t <= tc -> (i < n k)%nat -> at_ (lo (space k)) i < x i t < at_ (hi (space k)) i) /\
+    (forall t, 0 <= t <= tc -> in_space k (fun i => x i t)) /\
     (forall t o, 0 <= t <= tc -> In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o (fun i => x i t)) /\
-    (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i tc < at_ (hi (target k)) i).
+    in_target k (fun i => x i tc).
   Proof.
     pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. destruct C as [[[Up Tp] Rg] _].
     unfold slopes in more. rewrite !andb_true_iff, forallb_forall in more. destruct more as [[Mw Er] St].
     assert (E0 : 0 <= Q2R err) by (apply Qle_bool_iff, Qle_Rle in Er; unfold Q2R in Er at 1; cbn in Er; lra).
     assert (Tp' := positive_ok _ Tp). assert (Up' := positive_ok _ Up). assert (Mw' := positive_ok _ Mw).
-    destruct (tube_sound unit err Up k rows how checked L U) as (P1 & P2 & P3 & P4 & P5).
+    assert (Near : forall i t, (i < n k)%nat -> Rabs (L i t - lower unit k rows i t) <= Q2R err /\ Rabs (U i t - upper unit k rows i t) <= Q2R err).
     { intros i t _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
+    destruct (tube_sound unit err Up k rows how checked L U Near) as (P1 & _).
+    assert (Keeps := tube_keeps unit err Up k rows how checked L U Near).
     assert (In_ : forall t, 0 <= t <= tc -> inside (n k) L U x t).
     { set (v := fun i => Q2R unit * (3 * IZR (nth i Vs 0%Z)) * (INR (segments rows) / tc)).
       apply (stays_inside (n k) tc gain gmin F v (fun _ => Q2R (min_width k)) L U x f g); auto.
@@ -192,9 +194,9 @@ Section ReachAvoidStay.
       - intros i Hi. unfold v. apply (edge_lip (n k)); auto. apply St, in_seq; lia.
       }
     split; [|split].
-    - intros t i Ht Hi. destruct (In_ t Ht i Hi), (P3 i t Hi). lra.
-    - intros t o Ht Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) (In_ t Ht)).
-    - intros i Hi. destruct (In_ tc ltac:(unfold tc; lra) i Hi), (P5 i tc Hi ltac:(unfold tc; lra)). lra.
+    - intros t Ht. apply (Keeps t (fun i => x i t)), (In_ t Ht).
+    - intros t o Ht. apply (Keeps t (fun i => x i t)), (In_ t Ht).
+    - apply (Keeps tc (fun i => x i tc)); [apply In_|]; unfold tc; lra.
   Qed.
 End ReachAvoidStay.
 

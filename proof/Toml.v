@@ -1,5 +1,5 @@
 (* The task's numbers from the text of its TOML file: sets, times and margins; and what it states of samples and plant. It fails on keys that it does not know. *)
-From Coq Require Import ZArith NArith QArith Qminmax List Bool String Ascii DecimalString.
+From Coq Require Import ZArith NArith QArith Qabs Qminmax List Bool String Ascii DecimalString.
 From Stt Require Import Tube Read Sound.
 Import ListNotations.
 Open Scope string_scope.
@@ -142,29 +142,43 @@ Definition own_of (names : list string) (e : entries) : option (list nat) :=
   | Some v => let* ws := texts v in if differ ws then match ws with [] => None | _ => every (fun w => place String.eqb w names) ws end else None
   end.
 
+(* Numbers that are given for these dimensions, and for the others those of the rest. *)
+Definition laid (n : nat) (own : list nat) (given rest : list Q) : list Q :=
+  map (fun i => match place Nat.eqb i own with Some k => nth k given 0%Q | None => nth i rest 0%Q end) (seq 0 n).
+
+(* The half-spaces that cut the box of the state space, less the body, or of the target; none where none are said. *)
+Definition faces_of (names : list string) (h : list Q) (e : entries) : option (list (list Q * Q)) :=
+  let n := List.length names in
+  if only ["axes"; "lower"; "upper"] e then Some [] else
+  let* own := own_of names e in
+  let* vs := the_vectors (List.length own) "normals" e in
+  let* os := the_vector (List.length vs) "offsets" e in
+  let face v := laid n own v [] in
+  let less v := fold_right (fun p s => Qabs (fst p) * snd p + s)%Q 0%Q (combine (face v) h) in
+  Some (map (fun f => (face (fst f), Qred (snd f - less (fst f)))) (combine vs os)).
+
 (* A set is said in the dimensions that it is in; of the others it has the whole state space. The body h is added to all. *)
 Definition shape_of (names : list string) (space : box) (h : list Q) (e : entries) : option shape :=
   let n := List.length names in
   let* own := own_of names e in
   let d := List.length own in
-  let laid (given rest : list Q) := map (fun i => match place Nat.eqb i own with Some k => nth k given 0%Q | None => nth i rest 0%Q end) (seq 0 n) in
   let grown (sign : Q -> Q) (l : list Q) := map (fun p => Qred (fst p + sign (snd p))) (combine l h) in
-  let about a b := Box (grown Qopp (laid a (lo space))) (grown (fun q => q) (laid b (hi space))) in
-  let points ps := Hull (map (fun p => laid p []) ps) in
+  let about a b := Box (grown Qopp (laid n own a (lo space))) (grown (fun q => q) (laid n own b (hi space))) in
+  let points ps := Hull (map (fun p => laid n own p []) ps) in
   let zero := repeat 0%Q d in
   let said ks := only (["name"; "axes"] ++ ks) e in
   if said ["lower"; "upper"] then
     let* a := the_vector d "lower" e in
     let* b := the_vector d "upper" e in
-    Some (solid (about a b))
+    if forallb (fun p => negb (Qle_bool (snd p) (fst p))) (combine a b) then Some (solid (about a b)) else None
   else if said ["vertices"] then
     let* ps := the_vectors d "vertices" e in
     Some (Shape (points ps) (about zero zero) [] 0)
-  else if said ["normals"; "offsets"] then (* of the state space they leave the set *)
+  else if said ["normals"; "offsets"] then (* the part of the state space that is within them *)
     let* vs := the_vectors d "normals" e in
     let* os := the_vector (List.length vs) "offsets" e in
-    let part l := map (fun i => match place Nat.eqb i own with Some _ => nth i l 0%Q | None => 0%Q end) (seq 0 n) in
-    Some (Shape (Cut (Box (part (lo space)) (part (hi space))) (combine (map (fun v => laid v []) vs) os)) (about zero zero) [] 0)
+    let part l := laid n own (map (fun i => nth i l 0%Q) own) [] in
+    Some (Shape (Cut (Box (part (lo space)) (part (hi space))) (combine (map (fun v => laid n own v []) vs) os)) (about zero zero) [] 0)
   else
     let* ps := if said ["centre"; "radius"] then let* c := the_vector d "centre" e in Some [c]
                else if said ["segment"; "radius"] then the_vectors d "segment" e else None in
@@ -174,7 +188,7 @@ Definition shape_of (names : list string) (space : box) (h : list Q) (e : entrie
 (* Keys that are read, or that leave what is read alone: the tube and the law are checked by themselves. *)
 Definition sections_known : list (string * list string) := [
   ("", ["name"; "axes"; "units"; "prescribed_time"; "initial_state"; "body"]);
-  ("state_space", ["lower"; "upper"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"]);
+  ("state_space", ["lower"; "upper"; "axes"; "normals"; "offsets"]); ("initial_set", ["lower"; "upper"; "share"]); ("target_set", ["lower"; "upper"; "axes"; "normals"; "offsets"]);
   ("unsafe", ["name"; "axes"; "lower"; "upper"; "vertices"; "normals"; "offsets"; "centre"; "radius"; "segment"]);
   ("tube", ["clearance"; "min_width"; "design"; "prefer"; "max_speed"; "max_acceleration"; "segments"; "seed"]);
   ("control", ["gain"; "e_max"; "u_max"; "period"; "latency"; "outside"; "saturate"]);
@@ -215,7 +229,9 @@ Definition task_in (text : string) : option (string * task) :=
   let* clearance := number_or (3 # 100) "clearance" (part "tube") in
   let* width := number_or (1 # 20) "min_width" (part "tube") in
   let* name := match find "name" top with Some (VText w) => Some w | _ => None end in
-  Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576))).
+  let* walls := faces_of names h (part "state_space") in
+  let* goals := faces_of names none (part "target_set") in
+  Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576)) walls goals).
 
 (* The conditions that a task with a period states. Where one bound of g is missing it is 1, or the other one where 1 contradicts that. *)
 Definition conditions_in (text : string) : option conditions :=

@@ -333,7 +333,13 @@ Qed.
 (* ------------------------------------------------------------------ the task, and what P1 to P5 ask of the table *)
 
 Record task := Task {
-  n : nat; T : Q; x0 : list Q; space : box; start : box; target : box; unsafe : list shape; clearance : Q; min_width : Q }.
+  n : nat; T : Q; x0 : list Q; space : box; start : box; target : box; unsafe : list shape; clearance : Q; min_width : Q;
+  walls : list (list Q * Q); goals : list (list Q * Q) }. (* half-spaces that cut the state space, and the target *)
+
+Definition in_space (k : task) (x : nat -> R) : Prop :=
+  (forall i, (i < n k)%nat -> at_ (lo (space k)) i < x i < at_ (hi (space k)) i) /\ within_faces (n k) (walls k) x.
+Definition in_target (k : task) (x : nat -> R) : Prop :=
+  (forall i, (i < n k)%nat -> at_ (lo (target k)) i < x i < at_ (hi (target k)) i) /\ within_faces (n k) (goals k) x.
 
 (* How `check` goes about it; nothing in it is believed. How often a segment may be halved, and for every unsafe set normals that may
    separate the tube from it, beside those of the axes; with each go multipliers of the set's half-spaces. *)
@@ -373,12 +379,19 @@ Section Compile.
   Fixpoint clear_of (m : nat) (c : Q) (os : list shape) (vs : list (list normal)) : list requirement :=
     match os with [] => [] | o :: os => flat_map (beyond m c o) (axes m ++ hd [] vs) :: clear_of m c os (tl vs) end.
 
+  (* A half-space, with the whole numbers along its normal *)
+  Definition inner (m : nat) (f : list Q * Q) : requirement :=
+    let d := fold_right (fun q d => Z.lcm (Zpos (Qden q)) d) 1%Z (fst f) in
+    let w i := Qnum (Qred (nth i (fst f) 0%Q * inject_Z d)) in
+    if ((0 <? d)%Z && forallb (fun i => Qeq_bool (inject_Z (w i)) (nth i (fst f) 0%Q * inject_Z d)) (seq 0 m))%bool
+    then [Atom (facing m (fun i => - w i)%Z) (above (err * inject_Z (norm_1 m (fun i => - w i)%Z) - snd f * inject_Z d))] else [].
+
   Definition along (how : search) (k : task) : list requirement :=
     map (fun i => [wide i (min_width k + 2 * err)%Q]) (seq 0 (n k)) ++
-    flat_map (within (space k)) (seq 0 (n k)) ++
+    flat_map (within (space k)) (seq 0 (n k)) ++ map (inner (n k)) (walls k) ++
     clear_of (n k) (clearance k) (unsafe k) (normals how).
   Definition first_ones (k : task) : list requirement := flat_map (fun i => around (x0 k) i ++ within (start k) i) (seq 0 (n k)).
-  Definition last_ones (k : task) : list requirement := flat_map (within (target k)) (seq 0 (n k)).
+  Definition last_ones (k : task) : list requirement := flat_map (within (target k)) (seq 0 (n k)) ++ map (inner (n k)) (goals k).
 
   (* Bounds are rounded to whole units on the harder side, and widened by err: by so much a function may differ from its edge. *)
   Definition positive (q : Q) : bool := negb (Qle_bool q 0).
@@ -490,10 +503,14 @@ Section Compile.
     destruct (v m); [apply IH in I; lia| |]; (destruct I as [<-|I]; [cbn; lia|apply IH in I; lia]).
   Qed.
 
+  Lemma inner_dims f a e : In a (inner (n k) f) -> In e (terms a) -> (dim e < n k)%nat.
+  Proof. unfold inner; cbv zeta. destruct (_ && _)%bool; [|easy]. intros [<-|[]]. apply facing_dims. Qed.
+
   Lemma dims_along r a e : In r (along how k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
   Proof.
-    unfold along; rewrite !in_app_iff, in_map_iff, in_flat_map.
-    intros [(i & <- & I)|[(i & I & [<-|[<-|[]]])|H]].
+    unfold along; rewrite !in_app_iff, !in_map_iff, in_flat_map.
+    intros [(i & <- & I)|[(i & I & [<-|[<-|[]]])|[(f & <- & _)|H]]].
+    4: apply inner_dims.
     1,2,3: intros [<-|[]] [<-|[]]; cbn; apply in_seq in I; lia.
     apply clear_of_in in H; destruct H as (o & ns & ->). rewrite in_flat_map; intros (v & _ & J) K. unfold beyond in J.
     destruct (facing (n k) _) eqn:F; [easy|]. destruct J as [<-|[]]; cbn [terms] in K. rewrite <- F in K. now apply facing_dims in K.
@@ -505,8 +522,8 @@ Section Compile.
   Qed.
   Lemma dims_last r a e : In r (last_ones k) -> In a r -> In e (terms a) -> (dim e < n k)%nat.
   Proof.
-    unfold last_ones; rewrite in_flat_map; intros (i & I & H); apply in_seq in I.
-    destruct H as [<-|[<-|[]]]; intros [<-|[]] [<-|[]]; cbn; lia.
+    unfold last_ones; rewrite in_app_iff, in_flat_map, in_map_iff.
+    intros [(i & I & H)|(f & <- & _)]; [|apply inner_dims]. apply in_seq in I. destruct H as [<-|[<-|[]]]; intros [<-|[]] [<-|[]]; cbn; lia.
   Qed.
 
   Lemma facing_weighted low up v z m : weighted low up (Atom (facing m v) z) = total m (fun i => IZR (v i) * (if (0 <? v i)%Z then low i else up i)).
@@ -523,27 +540,44 @@ Section Compile.
   Lemma norm_1_ok m v : IZR (norm_1 m v) = total m (fun i => Rabs (IZR (v i))).
   Proof. induction m as [|m IH]; cbn [norm_1 total]; [reflexivity|]. now rewrite plus_IZR, IH, abs_IZR. Qed.
 
+  Let between (x : nat -> R) (t : R) : Prop := forall i, (i < n k)%nat -> L i t <= x i <= U i t.
+
+  Lemma facing_ok v z x t : between x t -> meaning t (Atom (facing (n k) v) z) ->
+    Q2R unit * IZR z <= total (n k) (fun i => IZR (v i) * x i) + Q2R err * total (n k) (fun i => Rabs (IZR (v i))).
+  Proof.
+    intros B M. unfold meaning in M. cbn [least] in M. rewrite facing_weighted in M. apply (Rle_trans _ _ _ M).
+    rewrite <- total_scal, <- total_plus. apply total_le. intros i Hi. specialize (B i Hi). destruct (near' i t Hi) as [[L1 L2] [U1 U2]].
+    destruct (Z.ltb_spec 0 (v i)) as [P|P].
+    - apply IZR_lt in P. rewrite Rabs_pos_eq by lra.
+      assert (IZR (v i) * lower i t <= IZR (v i) * (x i + Q2R err)) by (apply Rmult_le_compat_l; lra). lra.
+    - apply IZR_le in P. rewrite Rabs_left1 by lra.
+      assert (- IZR (v i) * (x i - Q2R err) <= - IZR (v i) * upper i t) by (apply Rmult_le_compat_l; lra). lra.
+  Qed.
+
+  Lemma inner_ok f x t : between x t -> (exists a, In a (inner (n k) f) /\ meaning t a) -> total (n k) (fun i => at_ (fst f) i * x i) <= Q2R (snd f).
+  Proof.
+    intros B (a & I & M). unfold inner in I. cbv zeta in I. set (d := fold_right _ _ _) in I. destruct (_ && _)%bool eqn:C; [|easy].
+    rewrite andb_true_iff, forallb_forall in C. destruct C as [D W]. apply Z.ltb_lt, IZR_lt in D. destruct I as [<-|[]].
+    apply (facing_ok _ _ x t B) in M. rewrite <- norm_1_ok in M.
+    set (q := (err * _ - _)%Q) in M. pose proof (above_ok q) as A. unfold q in A at 1. rewrite Q2R_minus, !Q2R_mult, !Q2R_Z in A.
+    rewrite (total_eq (n k) _ (fun i => - IZR d * (at_ (fst f) i * x i))) in M.
+    - rewrite total_scal in M. apply (Rmult_le_reg_l (IZR d)); lra.
+    - intros i Hi. assert (E := W i ltac:(apply in_seq; lia)). apply Qeq_bool_iff, Qeq_eqR in E. rewrite Q2R_mult, !Q2R_Z in E.
+      rewrite opp_IZR, E. unfold at_. ring.
+  Qed.
+
   Lemma beyond_ok o ns t : (exists a, In a (flat_map (beyond (n k) (clearance k) o) ns) /\ meaning t a) ->
     separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t).
   Proof.
     intros (a & I & M). apply in_flat_map in I. destruct I as (v & _ & I). unfold beyond in I.
     set (w := fun i => nth i (fst v) 0%Z) in *. destruct (facing (n k) w) eqn:F; [easy|]. rewrite <- F in I.
     assert (Nz := facing_nonzero w (n k) ltac:(rewrite F; easy)). destruct I as [<-|[]].
-    unfold meaning in M. cbn [least] in M. rewrite facing_weighted in M.
     set (q := (reach _ _ _ _ + _)%Q) in *. pose proof (above_ok q) as A. unfold q in A.
     rewrite Q2R_plus, Q2R_mult, Q2R_plus, Q2R_Z, norm_1_ok in A. fold q in A.
     exists (fun i => IZR (w i)). split.
     - destruct Nz as (i & Hi & Ne). exists i. split; [exact Hi|]. intro E. apply Ne. now apply eq_IZR.
     - intros x y Hx Hy. assert (B := reach_ok (n k) w (snd v) o y Hy).
-      assert (C : total (n k) (fun i => IZR (w i) * (if (0 <? w i)%Z then lower i t else upper i t)) <=
-                  total (n k) (fun i => IZR (w i) * x i + Q2R err * Rabs (IZR (w i)))).
-      { apply total_le. intros i Hi. specialize (Hx i Hi). cbv beta in Hx. destruct (near' i t Hi) as [[L1 L2] [U1 U2]].
-        destruct (Z.ltb_spec 0 (w i)) as [P|P].
-        - apply IZR_lt in P. rewrite Rabs_pos_eq by lra.
-          assert (IZR (w i) * lower i t <= IZR (w i) * (x i + Q2R err)) by (apply Rmult_le_compat_l; lra). lra.
-        - apply IZR_le in P. rewrite Rabs_left1 by lra.
-          assert (- IZR (w i) * (x i - Q2R err) <= - IZR (w i) * upper i t) by (apply Rmult_le_compat_l; lra). lra. }
-      rewrite total_plus, total_scal in C. lra.
+      assert (C := facing_ok w _ x t Hx M). lra.
   Qed.
 
   Theorem tube_sound :
@@ -551,7 +585,9 @@ Section Compile.
     (* P2 *) (forall i, (i < n k)%nat -> L i 0 < at_ (x0 k) i < U i 0 /\ in_box (start k) i 0) /\
     (* P3 *) (forall i t, (i < n k)%nat -> in_box (space k) i t) /\
     (* P4 *) (forall o t, In o (unsafe k) -> separated (n k) (Q2R (clearance k)) o (fun i => L i t) (fun i => U i t)) /\
-    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box (target k) i t).
+    (* P5 *) (forall i t, (i < n k)%nat -> Q2R (T k) <= t -> in_box (target k) i t) /\
+    (* and where half-spaces cut *)
+    (forall t x, (forall i, (i < n k)%nat -> L i t <= x i <= U i t) -> within_faces (n k) (walls k) x /\ (Q2R (T k) <= t -> within_faces (n k) (goals k) x)).
   Proof.
     pose proof checked as C; unfold check in C; cbv zeta in C.
     rewrite !andb_true_iff in C; destruct C as [[[_ HT] Rg] [[Ca Cs] Ce]].
@@ -559,7 +595,7 @@ Section Compile.
     assert (A := check_table_sound _ _ _ _ _ _ Rg unit_R HT dims_along Ca).
     assert (S := check_start_sound _ _ _ _ _ Rg unit_R HT dims_first Cs).
     assert (E := check_end_sound _ _ _ _ _ Rg unit_R HT dims_last Ce).
-    split; [|split; [|split; [|split]]].
+    split; [|split; [|split; [|split; [|split]]]].
     - intros i t Hi.
       destruct (A t [wide i (min_width k + 2 * err)%Q]) as (a & [<-|[]] & M).
       { unfold along; apply in_app_iff; left. apply (in_map (fun i => [wide i (min_width k + 2 * err)%Q])), in_seq; lia. }
@@ -574,9 +610,23 @@ Section Compile.
     - intros i t Hi; apply within_ok; [exact Hi|]; intros r I; apply A; unfold along.
       rewrite !in_app_iff; right; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
     - intros o t Ho. destruct (clear_of_each (clearance k) o (unsafe k) (normals how) Ho) as (ns & I).
-      apply (beyond_ok o ns), A. unfold along; rewrite !in_app_iff; now right; right.
+      apply (beyond_ok o ns), A. unfold along; rewrite !in_app_iff; now do 3 right.
     - intros i t Hi Ht; apply within_ok; [exact Hi|]; intros r I; apply (E t Ht).
-      unfold last_ones; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
+      unfold last_ones; apply in_app_iff; left; apply in_flat_map; exists i; split; [apply in_seq; lia|exact I].
+    - intros t x B. split; [|intro Ht]; intros f F; apply (inner_ok f x t B).
+      + apply A. unfold along; rewrite !in_app_iff; do 2 right; left. now apply in_map.
+      + apply (E t Ht). unfold last_ones; rewrite in_app_iff; right. now apply in_map.
+  Qed.
+
+  (* and so of every state strictly inside *)
+  Lemma tube_keeps t x : (forall i, (i < n k)%nat -> L i t < x i < U i t) ->
+    in_space k x /\ (forall o, In o (unsafe k) -> clear (n k) (Q2R (clearance k)) o x) /\ (Q2R (T k) <= t -> in_target k x).
+  Proof.
+    intro I. destruct tube_sound as (_ & _ & P3 & P4 & P5 & P). destruct (P t x) as [W G]; [intros i Hi; specialize (I i Hi); lra|].
+    split; [split; [|exact W]|split].
+    - intros i Hi. destruct (I i Hi), (P3 i t Hi). lra.
+    - intros o Ho. exact (separated_clear _ _ _ _ _ _ (P4 o t Ho) I).
+    - intro Ht. split; [|exact (G Ht)]. intros i Hi. destruct (I i Hi), (P5 i t Hi Ht). lra.
   Qed.
 End Compile.
 

@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
+import operator
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from conftest import ROOT
 from test_cli import run
+from test_theorem_deep import SHAPES
 
+from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
 from stt_codegen.theorem.deep import KEYS
 from stt_codegen.theorem.reading import Facts, Unread, facts
+from stt_codegen.theorem.shapes import multipliers, sets, solid
 from stt_codegen.theorem.text import theorem_text
 from stt_codegen.theorem.writing import written
 
@@ -130,6 +137,35 @@ def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "plant.order 2" in done.stderr
     assert list(tmp_path.iterdir()) == []
+
+
+def test_sets_reach_as_far_as_those_of_the_checker() -> None:
+    """Two readings of the task's text; the bound that the multipliers of half-spaces give is the reach itself."""
+    task = checker.Task(SHAPES.encode())
+    found = sets(SHAPES.encode(), task)
+    assert [bool(s.points) + 2 * bool(s.faces) + 4 * solid(s) for s in found.unsafe] == [1, 1, 2, 4, 1]
+    for (_, (points, half, own, radius)), shape in zip(task.unsafe, found.unsafe, strict=True):
+        assert (shape.radius, *(shape.own if radius else ())) == (radius, *(own if radius else ()))
+        for normal in itertools.product((-3, -1, 0, 2), repeat=3):
+            theirs = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
+            ours = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
+            if shape.faces:
+                shares = multipliers(shape, normal)
+                rest = [c - dot(shares, [face[i] for face, _ in shape.faces]) for i, c in enumerate(normal)]
+                ours += dot(shares, [o for _, o in shape.faces]) + dot(rest, [shape.room[c > 0][i] for i, c in enumerate(rest)])
+                assert min(shares) >= 0
+            elif shape.points:
+                ours += max(map(partial(dot, normal), shape.points))
+            assert ours == theirs
+    for ours, theirs in ((found.walls, task.walls), (found.goals, task.goals)):
+        assert len(ours) == len(theirs) > 0
+        for (face, offset), (normal, far) in zip(ours, theirs, strict=True):
+            lead = next(i for i, c in enumerate(normal) if c)
+            assert [c * normal[lead] / face[lead] for c in (*face, offset)] == [*normal, far]
+
+
+def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
+    return sum(map(operator.mul, a, b))
 
 
 def test_names_of_sets_cannot_end_the_comment() -> None:

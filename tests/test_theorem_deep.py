@@ -13,6 +13,7 @@ from test_cli import run
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
 from stt_codegen.theorem.deep import deep, quoted
+from stt_codegen.theorem.text import theorem_text
 
 pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
 
@@ -26,6 +27,9 @@ body = [0.1, 0.1, 0.05]
 [state_space]
 lower = [0.0, 0.0, 0.0]
 upper = [5.0, 5.0, 2.0]
+axes = ["x", "y"]
+normals = [[1, 0.75], [-1, -2]]
+offsets = [8.5, -0.5]
 
 [initial_set]
 lower = [0.3, 0.3, 0.8]
@@ -34,6 +38,8 @@ upper = [0.7, 0.7, 1.2]
 [target_set]
 lower = [4.2, 4.2, 0.8]
 upper = [4.8, 4.8, 1.2]
+normals = [[1, 1, 0.5]]
+offsets = [9.9]
 
 [[unsafe]]
 name = "beam"
@@ -65,6 +71,16 @@ vertices = [
     [1.5, 4.5, 0.0], [1.5, 3.9, 0.9],
 ]
 """
+
+HALL = (  # what is replaced everywhere by what, and the lemma that fails
+    ("([0; 1; 1]%Z, [(1 # 1)", "([0; 1; 1]%Z, [(-1 # 1)", "tube_checked"),
+    ("[4.0, -2.9, -0.1]", "[4.1, -2.9, -0.1]", "task_read"),
+    ('axes = [""y"", ""x""]', 'axes = [""x"", ""y""]', "task_read"),
+    ('axes = [""height""]', 'axes = [""z""]', "task_read"),
+    ("offsets = [8.5, -0.5]", "offsets = [8.4, -0.5]", "task_read"),
+    ("(333 # 40)", "(293 # 40)", "tube_checked"),
+    ("(99 # 10)", "(96 # 10)", "tube_checked"),
+)
 
 MUTANTS = (
     ("omni_s1", "u - base", "base - u", "text_read"),
@@ -137,6 +153,14 @@ def deep_of(task: Path, folder: Path) -> str:
     return deep(task.read_bytes(), *(path.read_bytes() for path in parts))
 
 
+def made(task: str, folder: Path) -> str:
+    path = folder / "hall.toml"
+    path.write_text(task)
+    done = run("generate", str(path), "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    return deep_of(path, folder)
+
+
 def text(name: str, scalar: str) -> str:
     return deep_of(ROOT / "tasks" / f"{name}.toml", ROOT / "generated" / name / "refined" / scalar)
 
@@ -171,18 +195,25 @@ def test_gains_and_limits_have_it_one_without_the_other(name: str, old: str, new
 
 
 def test_sets_of_every_kind_have_it(tmp_path: Path) -> None:
-    """A capsule, a cylinder, half-spaces and a box in some dimensions, a polytope; a body."""
-    task = tmp_path / "hall.toml"
-    task.write_text(SHAPES)
-    done = run("generate", str(task), "--out", str(tmp_path))
-    assert done.returncode == 0, done.stderr
-    whole = deep_of(task, tmp_path)
+    """A capsule, a cylinder, half-spaces and a box in some dimensions, a polytope; a state space and a target that are cut; a body."""
+    whole = made(SHAPES, tmp_path)
     answer = asking.ask_coq(whole.encode(), "hall")
     assert answer.holds, answer.what
     assert set(answer.axioms) == asking.AXIOMS
-    for old, new in (("%Q); ([0; 1; 1]%Z, [(1 # 1)", "%Q); ([0; 1; 1]%Z, [(-1 # 1)"), ("[4.0, -2.9, -0.1]", "[4.1, -2.9, -0.1]")):
+    for old, new, lemma in HALL:
         assert old in whole
-        assert not asking.ask_coq(whole.replace(old, new, 1).encode(), "hall").holds
+        answer = asking.ask_coq(whole.replace(old, new).encode(), "hall")
+        assert answer.what.startswith(lemma), answer.what
+
+
+def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None:
+    ball = re.sub(r"(\[target_set\]\n).*?\n\n", r"\1centre = [4.5, 4.5, 1.0]\nradius = 0.3\n\n", SHAPES, flags=re.S)
+    with pytest.raises(BadInput, match="target_set.centre"):
+        made(ball, tmp_path)
+    data = [(tmp_path / f"hall{end}").read_bytes() for end in (".toml", ".h", ".c", ".certificate.json")]
+    answer = asking.ask_coq(theorem_text(*data), "hall")
+    assert answer.holds, answer.what
+    assert "emitted_tube" in answer.what
 
 
 @pytest.mark.parametrize(("name", "old", "new", "lemma"), MUTANTS)

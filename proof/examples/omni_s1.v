@@ -597,7 +597,8 @@ Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
    (solid (Box [(2 # 1); (5 # 2)] [(3 # 1); (7 # 2)]));
    (solid (Box [(1 # 1); (1 # 2)] [(2 # 1); (3 # 2)]));
    (solid (Box [(4 # 1); (3 # 2)] [(5 # 1); (5 # 2)]))] (* unsafe sets *)
-  (3 # 100) (1 # 20) (* clearance, least width *))%Q.
+  (3 # 100) (1 # 20) (* clearance, least width *)
+  [] [] (* half-spaces that cut state space and target *))%Q.
 Lemma task_read : task_in the_toml = Some ("omni_s1"%string, the_task).
 Proof. vm_cast_no_check (eq_refl (Some ("omni_s1"%string, the_task))). Qed.
 
@@ -739,9 +740,9 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
     forall j, (j < 2)%nat -> j <> i -> Rabs (G i j t) <= at_ (cross_gains the_conditions) i) ->
   forall p t, 0 <= t <= switch p ->
     (forall i, (i < 2)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ the_rhos i - 1) / (at_ the_rhos i + 1) * (U i t - L i t)) /\
-    (forall i, (i < 2)%nat -> at_ (lo (space the_task)) i < x i t < at_ (hi (space the_task)) i) /\
+    in_space the_task (fun i => x i t) /\
     (forall o, In o (unsafe the_task) -> clear 2 (Q2R (clearance the_task)) o (fun i => x i t)) /\
-    (Q2R (Tube.T the_task) <= t -> forall i, (i < 2)%nat -> at_ (lo (target the_task)) i < x i t < at_ (hi (target the_task)) i).
+    (Q2R (Tube.T the_task) <= t -> in_target the_task (fun i => x i t)).
 Proof.
   intros log_ accurate taken switch x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
   rewrite text_read in Text. injection Text as <-.

@@ -16,7 +16,7 @@ from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, holds
 from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import FORMATS, box, listed, rational, sampled_claim, search, shape
+from stt_codegen.theorem.writing import FORMATS, box, half_spaces, listed, rational, sampled_claim, search, shape
 
 
 def quoted(text: str) -> str:
@@ -29,7 +29,8 @@ def the_task(found: Facts) -> str:
     return (
         f"(Task {found.n} {rational(found.t_c)} {listed(found.state)}\n  {box(found.space)} (* state space *)\n"
         f"  {box(found.start)} (* initial set *)\n  {box(found.target)} (* target set *)\n  [{unsafe}] (* unsafe sets *)\n"
-        f"  {rational(found.clearance)} {rational(found.min_width)} (* clearance, least width *))%Q"
+        f"  {rational(found.clearance)} {rational(found.min_width)} (* clearance, least width *)\n"
+        f"  {half_spaces(found.walls)} {half_spaces(found.goals)} (* half-spaces that cut state space and target *))%Q"
     )
 
 
@@ -62,9 +63,9 @@ def sensed(found: Facts, noise: Fraction) -> Fraction:
 # What the task's text may have, for proof/Toml.v to read it; the key is a table's name.
 KEYS = {
     "": "name axes units prescribed_time initial_state body",
-    "state_space": "lower upper",
+    "state_space": "lower upper axes normals offsets",
     "initial_set": "lower upper share",
-    "target_set": "lower upper",
+    "target_set": "lower upper axes normals offsets",
     "unsafe": "name axes lower upper vertices normals offsets centre radius segment",
     "tube": "clearance min_width design prefer max_speed max_acceleration segments seed",
     "control": "gain e_max u_max period latency outside saturate",

@@ -14,7 +14,7 @@ from typing import Any
 
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem.shapes import Edges, Normal, Shape, normals, shapes
+from stt_codegen.theorem.shapes import Edges, Face, Normal, Sets, Shape, normals, sets
 
 KERNEL = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
 TIME = (  # the statements of `segment`; what is rounded in them are the two constants
@@ -60,9 +60,9 @@ Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, 
 
 @dataclass(frozen=True)
 class Facts:
-    """Sets have the body added; `unsafe` by name, `normals` for each of them. unit: of the table; error: P7's bound in units,
-    the largest of the dimensions. rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then `blend`,
-    on s, q0 .. q3."""
+    """Sets have the body added; `unsafe` by name, `normals` for each of them; walls, goals: half-spaces that cut state space and
+    target. unit: of the table; error: P7's bound in units, the largest of the dimensions. rate, last: K/t_c and the last spline
+    time, as the C has them. code: `basis` and then `blend`, on s, q0 .. q3."""
 
     name: str
     scalar: str
@@ -73,6 +73,8 @@ class Facts:
     target: Edges
     unsafe: tuple[tuple[str, Shape], ...]
     normals: tuple[tuple[Normal, ...], ...]
+    walls: tuple[Face, ...]
+    goals: tuple[Face, ...]
     clearance: Fraction
     min_width: Fraction
     unit: Fraction
@@ -112,8 +114,6 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
     for there, what in (
         (read.mission is not None, "missions"),
         (moving, "sets that move, or are unsafe only for a while"),
-        (bool(read.walls), "a state space that half-spaces cut"),
-        (bool(read.goals), "a target that is no box"),
         (read.scales, 'saturate = "scale"'),
         (read.gain is not None and min(read.gain) < 0, "negative gains"),
     ):
@@ -128,14 +128,14 @@ def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
     try:
         document = json.loads(certificate)
         read = covered(task, document if isinstance(document, dict) else {})
-        return _facts(read, shapes(task, read.n), source, document)
+        return _facts(read, sets(task, read), source, document)
     except (checker.Failed, checker.Unusable) as problem:
         raise Unread(str(problem)) from problem
     except (KeyError, TypeError, ValueError, ArithmeticError, AttributeError, IndexError, RecursionError) as problem:
         raise Unread(f"a file is not what it should be ({type(problem).__name__}: {problem})") from problem
 
 
-def _facts(task: checker.Task, unsafe: tuple[Shape, ...], source: bytes, document: dict[str, Any]) -> Facts:
+def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, Any]) -> Facts:
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = spline_time(c, task.n)
@@ -158,8 +158,10 @@ def _facts(task: checker.Task, unsafe: tuple[Shape, ...], source: bytes, documen
         space=_edges(task.space),
         start=_edges(task.start),
         target=_edges(task.target),
-        unsafe=tuple((name, shape) for (name, _), shape in zip(task.unsafe, unsafe, strict=True)),
-        normals=tuple(normals(shape, hints.get(name)) for (name, _), shape in zip(task.unsafe, unsafe, strict=True)),
+        unsafe=tuple((name, shape) for (name, _), shape in zip(task.unsafe, told.unsafe, strict=True)),
+        normals=tuple(normals(shape, hints.get(name)) for (name, _), shape in zip(task.unsafe, told.unsafe, strict=True)),
+        walls=told.walls,
+        goals=told.goals,
         clearance=task.clearance,
         min_width=task.min_width,
         unit=tube.unit,

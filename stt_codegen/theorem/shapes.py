@@ -11,6 +11,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
+from stt_codegen.certify import checker
+
 Point = tuple[Fraction, ...]
 Edges = tuple[Point, Point]  # of a box: lower, upper
 Face = tuple[Point, Fraction]  # normal . x <= offset
@@ -30,14 +32,39 @@ class Shape:
     radius: Fraction = Fraction(0)
 
 
-def shapes(data: bytes, n: int) -> tuple[Shape, ...]:
-    """The unsafe sets of a task that the stand-alone checker has read."""
+@dataclass(frozen=True)
+class Sets:
+    """The unsafe sets of a task, and the half-spaces that cut its state space, less the body, and its target."""
+
+    unsafe: tuple[Shape, ...]
+    walls: tuple[Face, ...]
+    goals: tuple[Face, ...]
+
+
+def sets(data: bytes, task: checker.Task) -> Sets:
+    """Those of a task that the stand-alone checker has read. Half-spaces of vertices, or within a ball, are the checker's."""
+    n = task.n
     document = tomllib.loads(data.decode("utf-8-sig"), parse_float=Decimal)
     names = list(document.get("axes") or [f"x{i + 1}" for i in range(n)])
     body = document.get("body", 0)
     grown = _point(body) if isinstance(body, list) else (Fraction(body),) * n
     space = _point(document["state_space"]["lower"]), _point(document["state_space"]["upper"])
-    return tuple(_shape(table, names, space, grown) for table in document.get("unsafe", []))
+    unsafe = tuple(_shape(table, names, space, grown) for table in document.get("unsafe", []))
+    walls = _faces(document["state_space"], names, grown) or _whole(task.walls)
+    return Sets(unsafe, walls, _faces(document.get("target_set", {}), names, (Fraction(0),) * n) or _whole(task.goals))
+
+
+def _whole(faces: Sequence[tuple[Sequence[int], Fraction]]) -> tuple[Face, ...]:
+    return tuple((_point(normal), offset) for normal, offset in faces)
+
+
+def _faces(table: dict[str, Any], names: list[str], body: Point) -> tuple[Face, ...]:
+    own, found = [names.index(a) for a in table.get("axes", names)], []
+    for normal, offset in zip(table.get("normals", []), table.get("offsets", []), strict=True):
+        values = dict(zip(own, _point(normal), strict=True))
+        face = tuple(values.get(i, Fraction(0)) for i in range(len(names)))
+        found.append((face, Fraction(offset) - sum(abs(c) * h for c, h in zip(face, body, strict=True))))
+    return tuple(found)
 
 
 def _point(values: Sequence[Any]) -> Point:

@@ -14,7 +14,7 @@ from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
 from stt_codegen.theorem.hints import cells, hints, steps
 from stt_codegen.theorem.reading import Facts, Sampling, Statement
-from stt_codegen.theorem.shapes import Edges, Point, Shape, solid
+from stt_codegen.theorem.shapes import Edges, Face, Point, Shape, solid
 
 DEPTH = 20  # times that a segment may be halved
 LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
@@ -39,12 +39,15 @@ def points(values: Iterable[Point]) -> str:
     return f"[{'; '.join(map(listed, values))}]"
 
 
+def half_spaces(faces: Iterable[Face]) -> str:
+    return f"[{'; '.join(f'({listed(face)}, {rational(offset)})' for face, offset in faces)}]"
+
+
 def shape(convex: Shape) -> str:
     """An unsafe set, as proof/Sets.v has it."""
     if solid(convex):
         return f"(solid {box(convex.extent)})"
-    faces = "; ".join(f"({listed(face)}, {rational(offset)})" for face, offset in convex.faces)
-    core = f"(Cut {box(convex.room)} [{faces}])" if faces else f"(Hull {points(convex.points)})"
+    core = f"(Cut {box(convex.room)} {half_spaces(convex.faces)})" if convex.faces else f"(Hull {points(convex.points)})"
     ball = "; ".join(map(str, convex.own if convex.radius else ()))
     return f"(Shape {core} {box(convex.extent)} [{ball}]%nat {rational(convex.radius)})"
 
@@ -184,6 +187,8 @@ def written(facts: Facts) -> bytes:
         target=box(facts.target),
         unsafe=[{"name": _plain(name), "shape": shape(convex)} for name, convex in facts.unsafe],
         search=search(facts),
+        walls=half_spaces(facts.walls),
+        goals=half_spaces(facts.goals),
         clearance=rational(facts.clearance),
         min_width=rational(facts.min_width),
         bits=facts.unit.denominator.bit_length() - facts.unit.numerator.bit_length(),
