@@ -1,8 +1,8 @@
 (* The logarithm that is written out: y = m 2^e by the bits of y, and ln y = e ln 2 + ln m with ln m = 2 atanh s, s = (m - 1)/(m + 1), near s (2 + C s^2). *)
-From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz Bool.
+From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz Bool SpecFloat.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
-From Stt Require Import Rounding Syntax Run Emission Control Semantics Edge.
+From Stt Require Import Rounding Syntax Run Emission Control Semantics Edge Law.
 Open Scope R_scope.
 
 (* ------------------------------------------------------------------ real numbers *)
@@ -225,7 +225,7 @@ Section Machine.
   Proof.
     unfold tiny. split; [apply bpow_ge_0|]. apply Rle_trans with (bpow radix2 (-30)); [apply bpow_le; lia|]. change (bpow radix2 (-30)) with (/ 1073741824). lra.
   Qed.
-  Lemma held v : Rabs v <= 1000 -> Rabs v <= most emax.
+  Lemma ordinary v : Rabs v <= 1000 -> Rabs v <= most emax.
   Proof. intro H. apply Rle_trans with (1 := H). unfold most. apply Rle_trans with (bpow radix2 10); [change (bpow radix2 10) with 1024; lra|apply bpow_le; lia]. Qed.
   (* a rounding is a factor where the exact value is 0 or not very small *)
   Lemma rounding x : x = 0 \/ bpow radix2 (-126) <= Rabs x -> exists d, Rabs d <= u /\ rnd x = x * (1 + d).
@@ -247,8 +247,8 @@ Section Machine.
     destruct bend_ok as [C1 C2]. set (C := value (lit (bend k))) in *.
     assert (G1 : generic_format radix2 (FLT_exp (3 - emax - prec) prec) 1) by (rewrite <- O1; apply number_format).
     (* below and above *)
-    destruct (sub_ok prec emax _ _ prec_large emax_large m (lit one) Fm O2) as [B1 B2]; [apply held; rewrite O1; fold y; apply Rabs_le; lra|].
-    destruct (add_ok prec emax _ _ prec_large emax_large m (lit one) Fm O2) as [A1 A2]; [apply held; rewrite O1; fold y; apply Rabs_le; lra|].
+    destruct (sub_ok prec emax _ _ prec_large emax_large m (lit one) Fm O2) as [B1 B2]; [apply ordinary; rewrite O1; fold y; apply Rabs_le; lra|].
+    destruct (add_ok prec emax _ _ prec_large emax_large m (lit one) Fm O2) as [A1 A2]; [apply ordinary; rewrite O1; fold y; apply Rabs_le; lra|].
     rewrite O1 in B1, A1. fold y in B1, A1.
     destruct (factor u (rnd (y - 1)) (y - 1) ltac:(lra)) as (d1 & D1 & E1); [apply rnd_difference; try assumption; apply number_format|].
     destruct (factor u (rnd (y + 1)) (y + 1) ltac:(lra)) as (d2 & D2 & E2); [apply rnd_sum; try assumption; apply number_format|].
@@ -287,7 +287,7 @@ Section Machine.
     assert (Sw : Rabs (s * (1 + d)) <= 0.17159).
     { rewrite Rabs_mult, (Rabs_pos_eq (1 + d)) by lra. apply Rle_trans with (0.17158 * (1 + 0.00000019)); [apply Rmult_le_compat; try apply Rabs_pos; lra|lra]. }
     destruct (div_ok prec emax _ _ prec_large emax_large below above B2) as [S1 S2]; [lra| |].
-    { rewrite Q0. apply held. rewrite Rabs_mult, (Rabs_pos_eq (1 + d12)) by lra. apply Rle_trans with (0.17158 * 2); [apply Rmult_le_compat; try apply Rabs_pos; lra|lra]. }
+    { rewrite Q0. apply ordinary. rewrite Rabs_mult, (Rabs_pos_eq (1 + d12)) by lra. apply Rle_trans with (0.17158 * 2); [apply Rmult_le_compat; try apply Rabs_pos; lra|lra]. }
     rewrite Q0, Es in S1. set (s_ := Bdiv mode_NE below above) in *.
     (* z = s s *)
     set (z := s * s). assert (Zr : 0 <= z <= 0.02944).
@@ -297,7 +297,7 @@ Section Machine.
     { replace (s * (1 + d) * (s * (1 + d)) - z) with (z * (2 * d + d * d)) by (unfold z; ring). rewrite Rabs_mult, (Rabs_pos_eq z) by lra.
       assert (Rabs (d * d) <= 0.00000019 * 1) by (rewrite Rabs_mult; apply Rmult_le_compat; try apply Rabs_pos; apply Rabs_le; lra). apply Rabs_le_between in H.
       apply Rle_trans with (0.02944 * 0.00000057); [apply Rmult_le_compat; try apply Rabs_pos; [lra|lra|apply Rabs_le; lra]|lra]. }
-    destruct (mul_ok prec emax _ _ prec_large emax_large s_ s_ S2 S2) as [Z1 Z2]; [apply held; rewrite S1; apply Rabs_le_between in Zw; apply Rabs_le; lra|].
+    destruct (mul_ok prec emax _ _ prec_large emax_large s_ s_ S2 S2) as [Z1 Z2]; [apply ordinary; rewrite S1; apply Rabs_le_between in Zw; apply Rabs_le; lra|].
     rewrite S1 in Z1. assert (Ze := rnd_error prec emax prec_gt_0_ prec_large emax_large (s * (1 + d) * (s * (1 + d)))). fold u in Ze. rewrite <- Z1 in Ze.
     set (z_ := Bmult mode_NE s_ s_) in *. set (w := s * (1 + d) * (s * (1 + d))) in *. clearbody w.
     assert (Zn : Rabs (value z_ - z) <= 0.00000003).
@@ -307,7 +307,7 @@ Section Machine.
     (* C z *)
     assert (Br : -0.01 <= value z_ * C <= 0.03).
     { split; [|apply Rle_trans with (0.03 * C); [apply Rmult_le_compat_r; lra|lra]]. apply Rle_trans with (-0.00000003 * C); [lra|apply Rmult_le_compat_r; lra]. }
-    destruct (mul_ok prec emax _ _ prec_large emax_large z_ (lit (bend k)) Z2 C2) as [N1 N2]; [apply held; fold C; apply Rabs_le; lra|]. fold C in N1.
+    destruct (mul_ok prec emax _ _ prec_large emax_large z_ (lit (bend k)) Z2 C2) as [N1 N2]; [apply ordinary; fold C; apply Rabs_le; lra|]. fold C in N1.
     assert (Ne := rnd_error prec emax prec_gt_0_ prec_large emax_large (value z_ * C)). fold u in Ne. rewrite <- N1 in Ne.
     set (bent := Bmult mode_NE z_ (lit (bend k))) in *.
     assert (Nn : Rabs (value bent - C * z) <= 0.00000003).
@@ -316,7 +316,7 @@ Section Machine.
       assert (C * Rabs (value z_ - z) <= 0.676605 * 0.00000003) by (apply Rmult_le_compat; try apply Rabs_pos; [lra|lra|apply Rabs_le; lra]). lra. }
     apply Rabs_le_between in Nn. assert (Cz : 0 <= C * z <= 0.02) by (split; [apply Rmult_le_pos; lra|apply Rle_trans with (0.676605 * 0.02944); [apply Rmult_le_compat; lra|lra]]).
     (* 2 + C z *)
-    destruct (add_ok prec emax _ _ prec_large emax_large bent (lit two) N2 T2) as [R1 R2]; [apply held; rewrite T1; apply Rabs_le; lra|]. rewrite T1 in R1.
+    destruct (add_ok prec emax _ _ prec_large emax_large bent (lit two) N2 T2) as [R1 R2]; [apply ordinary; rewrite T1; apply Rabs_le; lra|]. rewrite T1 in R1.
     assert (Re : Rabs (value (Bplus mode_NE bent (lit two)) - (value bent + 2)) <= 0.00000013).
     { rewrite R1. eapply Rle_trans; [apply rnd_sum; try assumption; [apply number_format|rewrite <- T1; apply number_format]|]. fold u.
       rewrite Rabs_pos_eq by lra. apply Rle_trans with (0.00000006 * 2.03); [apply Rmult_le_compat; lra|lra]. }
@@ -328,7 +328,7 @@ Section Machine.
     { rewrite Ep. apply Half; [exact Small|]. rewrite Rabs_mult, (Rabs_pos_eq (1 + d)), (Rabs_pos_eq (value around)) by lra. apply Rle_trans with (0.5 * 1); [lra|apply Rmult_le_compat; lra]. }
     apply Rabs_le_between in D5.
     destruct (mul_ok prec emax _ _ prec_large emax_large s_ around S2 R2) as [P1 P2].
-    { apply held. rewrite S1, Rabs_mult, (Rabs_pos_eq (value around)) by lra. apply Rle_trans with (0.17159 * 2.03); [apply Rmult_le_compat; try apply Rabs_pos; lra|lra]. }
+    { apply ordinary. rewrite S1, Rabs_mult, (Rabs_pos_eq (value around)) by lra. apply Rle_trans with (0.17159 * 2.03); [apply Rmult_le_compat; try apply Rabs_pos; lra|lra]. }
     rewrite E5, Ep in P1. set (part := Bmult mode_NE s_ around) in *. split; [exact P2|].
     assert (L := ln_both y ltac:(lra)). fold s in L. destruct (short_log C s C1 Sr) as [L1 L2]. rewrite L in L1, L2. fold z in L1.
     assert (Pn : Rabs (value part - s * (2 + C * z)) <= 0.000001 * Rabs s).
@@ -354,7 +354,7 @@ Section Machine.
     destruct (of_int_ok prec emax _ _ prec_large emax_large e ltac:(lia)) as [I1 I2].
     assert (Ee : 0 <= IZR e <= 63) by (split; apply IZR_le; lia).
     assert (Cr : 0 <= IZR e * c <= 50) by (split; [apply Rmult_le_pos; lra|apply Rle_trans with (63 * 0.693148); [apply Rmult_le_compat; lra|lra]]).
-    destruct (mul_ok prec emax _ _ prec_large emax_large (of_int prec emax _ _ e) (lit (ln_two k)) I2 T2) as [W1 W2]; [apply held; rewrite I1; fold c; rewrite Rabs_pos_eq; lra|].
+    destruct (mul_ok prec emax _ _ prec_large emax_large (of_int prec emax _ _ e) (lit (ln_two k)) I2 T2) as [W1 W2]; [apply ordinary; rewrite I1; fold c; rewrite Rabs_pos_eq; lra|].
     rewrite I1 in W1. fold c in W1. set (whole := Bmult mode_NE (of_int prec emax _ _ e) (lit (ln_two k))) in *.
     assert (Zero : e = 0%Z \/ 1 <= IZR e) by (destruct (Z.eq_dec e 0); [now left|right; apply IZR_le; lia]).
     destruct (rounding (IZR e * c)) as (d6 & D6 & E6).
@@ -369,7 +369,7 @@ Section Machine.
       apply Rmult_le_compat; try apply Rabs_pos; [lra|lra|apply Rabs_le; lra]. }
     assert (Wv : value whole = IZR e * c + IZR e * c * d6) by (rewrite W1; ring).
     destruct (add_ok prec emax _ _ prec_large emax_large whole part W2 Fp) as [V1 V2].
-    { apply held. rewrite Wv. apply Rabs_le_between in Pm, Pw. apply Rabs_le. lra. }
+    { apply ordinary. rewrite Wv. apply Rabs_le_between in Pm, Pw. apply Rabs_le. lra. }
     split; [exact V2|]. rewrite V1, Ey. clear V1.
     assert (m0 : 0 < value m) by lra. rewrite ln_mult by (try exact m0; apply bpow_gt_0).
     assert (Lb : ln (bpow radix2 e) = IZR e * ln 2) by (rewrite bpow_exp, ln_exp; reflexivity). rewrite Lb.
@@ -389,3 +389,32 @@ Section Machine.
       apply Rabs_le_between in Rd. rewrite (Rabs_pos_eq (l + IZR e * ln 2)) by lra. apply Rabs_le. lra.
   Qed.
 End Machine.
+
+(* ------------------------------------------------------------------ of both formats *)
+
+Definition between (f : format) (d : decimal) (a b : Q) : bool :=
+  let v := decimal_float (precision f) (largest_exponent f) d in (is_finite_SF v && Qle_bool a (rational v) && Qle_bool (rational v) b)%bool.
+Lemma between_ok f d a b : between f d a b = true -> let v := decimal_number (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) d in
+  Q2R a <= B2R v <= Q2R b /\ is_finite v = true.
+Proof.
+  unfold between, decimal_number. cbv zeta. rewrite B2R_SF2B, is_finite_SF2B, !andb_true_iff, <- rational_ok. intros [[F L] H].
+  apply Qle_bool_iff, Qle_Rle in L, H. auto.
+Qed.
+
+(* the logarithm of the text is near: the library's by assumption, one that is written out by the above *)
+Definition log_loss (k : constants) : R := if written_out k then / 20480 else 0.
+Lemma logarithm_is_near (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f)) (k : constants) :
+  (written_out k = false -> accurate (precision f) (largest_exponent f) log_) ->
+  logarithm_near (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_ k (log_loss k).
+Proof.
+  intros H y Fy Ry. unfold log_of, log_loss. destruct (written_out k) eqn:W.
+  - assert (Bk : between f (bend k) (676604 # 1000000) (676605 # 1000000) = true) by (unfold bend; destruct f, (single k); vm_compute; reflexivity).
+    assert (Lk : between f (ln_two k) (693146 # 1000000) (693148 # 1000000) = true) by (unfold ln_two; destruct f, (single k); vm_compute; reflexivity).
+    assert (V : forall a, Q2R (a # 1000000) = IZR a / 1000000) by reflexivity.
+    apply between_ok in Bk, Lk. rewrite !V in Bk, Lk.
+    destruct (written_ok (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) (precision_large f) (precision_small f) (exponent_large f)
+      (cut (precision f) - (largest_exponent f - 2) * step (precision f))%Z ltac:(ring) ltac:(destruct f; vm_compute; split; discriminate) log_ k
+      ltac:(split; [lra|apply Bk]) ltac:(split; [lra|apply Lk]) y Fy Ry) as [G1 G2].
+    split; [exact G1|]. eapply Rle_trans; [exact G2|]. apply Rmult_le_compat_r; [apply Rabs_pos|]. pose proof (bpow_gt_0 radix2 (- precision f)). unfold unit_roundoff. lra.
+  - destruct (H eq_refl y Fy ltac:(lra)) as [G1 G2]. split; [exact G1|]. rewrite Rplus_0_r. exact G2.
+Qed.

@@ -8,13 +8,10 @@ Import ListNotations.
 Open Scope R_scope.
 
 (* the law of the certificate is the one that is read in the text, and loses no less than is proved *)
-Definition law_check (f : format) (task : Tube.task) (s : sampling) (gains : list Q) (c : Q) (limits : list (option Q)) : bool :=
-  (Qle_bool (32 * half_ulp f) (lost s) &&
+Definition law_check (f : format) (k : constants) (task : Tube.task) (s : sampling) (gains : list Q) (c : Q) (limits : list (option Q)) : bool :=
+  (Qle_bool (loss f k) (lost s) &&
    forallb (fun i => Qeq_bool (Period.gain (part s i)) (nth i gains 0%Q) && Qeq_bool (clamped (part s i)) c &&
      match limit (part s i), nth i limits None with None, None => true | Some m, Some m' => Qeq_bool m m' | _, _ => false end) (seq 0 (n task)))%bool.
-
-Lemma acts_more k c r r' limit a b u : r <= r' -> acts k c r limit a b u -> acts k c r' limit a b u.
-Proof. intros H (e1 & e2 & A & B & E). exists e1, e2. split; [lra|split; [lra|exact E]]. Qed.
 
 Section Sharp.
   Variable f : format.
@@ -31,11 +28,11 @@ Section Sharp.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs sc late = true.
   Hypothesis constants_checked : constants_check f k coefficients unit task rows sc gains c limits = true.
   Hypothesis period_checked : period_check unit task rows s hints cuts err = true.
-  Hypothesis law_checked : law_check f task s gains c limits = true.
+  Hypothesis law_checked : law_check f k task s gains c limits = true.
   Let program := Source lines (emitted_tables k coefficients) (Emission.emitted k).
 
   Variable log_ : number -> number.
-  Hypothesis log_accurate : accurate prec emax log_.
+  Hypothesis log_accurate : written_out k = false -> accurate prec emax log_.
 
   Variables (taken switch : nat -> R) (x : nat -> R -> R) (push : nat -> R -> R) (G : nat -> nat -> R -> R).
   Variables (clock : nat -> number) (measured : nat -> nat -> number).
@@ -76,7 +73,7 @@ Section Sharp.
       assert (In : input p i = value v) by (unfold input, applied, program; rewrite E, V1; reflexivity).
       pose proof law_checked as H. unfold law_check in H. rewrite andb_true_iff, forallb_forall in H. destruct H as [H1 H2].
       assert (Hc := H2 i ltac:(apply in_seq; lia)). rewrite !andb_true_iff in Hc. destruct Hc as [[C1 C2] C3].
-      apply Qle_true in H1. rewrite Q2R_mult in H1. replace (Q2R 32) with 32 in H1 by (unfold Q2R; cbn; lra).
+      apply Qle_true in H1.
       apply Qeq_bool_iff, Qeq_eqR in C1, C2. rewrite C1, C2, In.
       assert (Lm : option_map Q2R (limit (part s i)) = option_map Q2R (nth i limits None)).
       { destruct (limit (part s i)), (nth i limits None); try discriminate; cbn [option_map]; [|reflexivity]. f_equal. now apply Qeq_eqR, Qeq_bool_iff. }

@@ -29,12 +29,12 @@ Section Sound.
   Hypothesis slopes_checked : slopes err task rows Vs = true.
   Hypothesis rounding_checked : rounding_check f unit err task rows Vs s late = true.
   Hypothesis constants_checked : constants_check f k coefficients unit task rows s gains c limits = true.
-  Hypothesis plant_checked : plant_check unit err depth task rows Vs gains c (32 * half_ulp f) limits P = true.
+  Hypothesis plant_checked : plant_check unit err depth task rows Vs gains c (loss f k) limits P = true.
   Let program := Source lines (emitted_tables k coefficients) (Emission.emitted k).
 
-  (* the library's logarithm *)
+  (* the library's logarithm, where the text calls it *)
   Variable log_ : number -> number.
-  Hypothesis log_accurate : accurate prec emax log_.
+  Hypothesis log_accurate : written_out k = false -> accurate prec emax log_.
 
   (* the plant: component i has the derivative y + g u, where y is all but its own input; inputs are computed from samples, and act from one switch to the next *)
   Variables (taken switch : nat -> R) (x : nat -> R -> R) (y g : nat -> nat -> R -> R).
@@ -60,7 +60,7 @@ Section Sound.
 
   Lemma law_of_control p i : (i < n task)%nat -> exists a b,
     Rabs (a - (x i (taken p) - L i (taken p))) <= Q2R (eta err P) /\ Rabs (b - (U i (taken p) - x i (taken p))) <= Q2R (eta err P) /\ 0 < a + b /\
-    acts (Q2R (nth i gains 0%Q)) (Q2R c) (Q2R (32 * half_ulp f)) (option_map Q2R (nth i limits None)) a b (input p i).
+    acts (Q2R (nth i gains 0%Q)) (Q2R c) (Q2R (loss f k)) (option_map Q2R (nth i limits None)) a b (input p i).
   Proof.
     intro Hi. destruct (clock_reads p) as [Fc Rc].
     destruct (control_acts f k coefficients lines unit err depth task rows Vs s late gains c limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
@@ -81,7 +81,7 @@ Section Sound.
     exists (value (measured p i) - EmittedTube.emitted f unit rows s fst i (value (clock p))), (EmittedTube.emitted f unit rows s snd i (value (clock p)) - value (measured p i)).
     apply Rabs_le_between in Ms, Nl, Nu. unfold eta. rewrite Q2R_plus. fold (L i (taken p)) in Nl. fold (U i (taken p)) in Nu.
     split; [apply Rabs_le; lra|split; [apply Rabs_le; lra|split; [lra|]]].
-    rewrite In, Q2R_mult. replace (Q2R 32) with 32 by (unfold Q2R; cbn; lra). exact V3.
+    rewrite In. exact V3.
   Qed.
 
   (* at all times: in the state space, the clearance away from every unsafe set, and from t_c on in the target set *)
@@ -92,13 +92,13 @@ Section Sound.
     (Q2R (T task) <= t -> forall i, (i < n task)%nat -> at_ (lo (target task)) i < x i t < at_ (hi (target task)) i).
   Proof.
     intros p t Ht.
-    assert (K := held unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked slopes_checked plant_checked taken switch x y g input times x_cont start ode law_of_control p t Ht).
+    assert (K := held unit err depth task rows Vs gains c (loss f k) limits P tube_checked slopes_checked plant_checked taken switch x y g input times x_cont start ode law_of_control p t Ht).
     pose proof tube_checked as Ck. unfold check in Ck. cbv zeta in Ck. rewrite !andb_true_iff in Ck. destruct Ck as [[[Up Tp] Rg] _].
     pose proof slopes_checked as Sl. unfold slopes in Sl. rewrite !andb_true_iff in Sl. destruct Sl as [[_ Er] _]. apply Qle_true in Er. rewrite Q2R_0 in Er.
     destruct (tube_sound unit err Up task rows depth tube_checked L U) as (P1 & P2 & P3 & P4 & P5).
     { intros i r _. unfold L, U. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. lra. }
     assert (I : forall i, (i < n task)%nat -> L i t < x i t < U i t).
-    { intros i Hi. destruct (K i Hi) as [K1 K2]. destruct (widths_ok unit err depth task rows Vs gains c (32 * half_ulp f) limits P tube_checked plant_checked i t Hi) as [W _].
+    { intros i Hi. destruct (K i Hi) as [K1 K2]. destruct (widths_ok unit err depth task rows Vs gains c (loss f k) limits P tube_checked plant_checked i t Hi) as [W _].
       pose proof plant_checked as H. unfold plant_check in H. rewrite !andb_true_iff in H. destruct H as [_ Cc]. rewrite forallb_forall in Cc.
       assert (Ci := Cc i ltac:(apply in_seq; lia)). unfold component_check in Ci. rewrite !andb_true_iff in Ci.
       assert (R1 : 1 <= Q2R (nth i (rho_ P) 0%Q)) by (rewrite <- Q2R_1; apply Qle_true; tauto).
