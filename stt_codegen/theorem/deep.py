@@ -72,7 +72,7 @@ class Plant:
 
 def plant(found: Facts, bounds: Bounds, rho: Fraction) -> Plant | None:
     """Numbers with which `plant_check` holds for this rho, or None: the same formulas as in proof/Uniform.v."""
-    r = 32 * Fraction(1, 1 << FORMATS[found.scalar][1])
+    r = Fraction(1, 1 << 14) if found.inline else 32 * Fraction(1, 1 << FORMATS[found.scalar][1])
     eta = found.error * found.unit + bounds.noise
     spans = [widths(found, i) for i in range(found.n)]
     narrowest, widest = ([pick(v[k] for v in own) for own in spans] for k, pick in enumerate((min, max)))
@@ -140,8 +140,9 @@ KEYS = {
     "emit": "scalar math tick_period selftest rust",
     "plant": "f_max w_max g_min g_max g_cross noise",
 }
+CALLED, WRITTEN_OUT = "(fun _ => accurate)", "(fun called => False_ind _ (Bool.diff_true_false called))"  # of the logarithm
 SPELT = re.compile(r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+")  # in the task, what proof/Toml.v does not read
-BEFORE = re.compile(rb"\\|\?\?|//|/\*/|([+&|-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+BEFORE = re.compile(rb"\\|\?\?|//|/\*/|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
 
 
 def _foreign(task: bytes) -> str:
@@ -165,8 +166,6 @@ def uncovered(found: Facts, *texts: bytes) -> str:
     task, *code = texts
     reasons = {
         "values of e_max that differ": len({*found.e_max}) > 1,
-        "times in ticks": found.ticks,
-        "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
         "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
         "a guard": any(f"{found.name}_guard".encode() in text for text in code),
@@ -220,6 +219,10 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         header=quoted(header.decode("ascii")),
         text=quoted(source.decode("ascii")),
         task=the_task(found),
+        inline=found.inline,
+        accuracy=WRITTEN_OUT if found.inline else CALLED,
+        ticks=found.ticks,
+        lost="(1 # 16384)" if found.inline else f"(32 * half_ulp {FORMATS[found.scalar][0]})",
         unit=rational(found.unit),
         error=rational(found.error * found.unit),
         format=FORMATS[found.scalar][0],
