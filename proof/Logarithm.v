@@ -1,8 +1,9 @@
 (* The logarithm that is written out: y = m 2^e by the bits of y, and ln y = e ln 2 + ln m with ln m = 2 atanh s, s = (m - 1)/(m + 1), near s (2 + C s^2). *)
-From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz Bool SpecFloat.
+From Coq Require Import ZArith QArith Qreals Reals Lia Lra Psatz List Bool SpecFloat.
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
 From Stt Require Import Rounding Syntax Run Emission Control Semantics Edge Law.
+Import ListNotations.
 Open Scope R_scope.
 
 (* ------------------------------------------------------------------ real numbers *)
@@ -418,3 +419,14 @@ Proof.
     split; [exact G1|]. eapply Rle_trans; [exact G2|]. apply Rmult_le_compat_r; [apply Rabs_pos|]. pose proof (bpow_gt_0 radix2 (- precision f)). unfold unit_roundoff. lra.
   - destruct (H eq_refl y Fy ltac:(lra)) as [G1 G2]. split; [exact G1|]. rewrite Rplus_0_r. exact G2.
 Qed.
+
+(* Numbers and their bits, as the standard has them: 1, -0.75, the least positive one, infinity. *)
+Definition shown (f : format) (z : Z) : Z * spec_float :=
+  let v := of_bits (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) z in (bits (precision f) (largest_exponent f) v, B2SF v).
+Lemma bits_of_single : map (shown Single) [0x3f800000; 0xbf400000; 0x00000001; 0x7f800000]%Z = [
+  (0x3f800000%Z, S754_finite false 8388608 (-23)); (0xbf400000%Z, S754_finite true 12582912 (-24)); (1%Z, S754_finite false 1 (-149)); (0x7f800000%Z, S754_infinity false)].
+Proof. vm_compute. reflexivity. Qed.
+Lemma bits_of_double : map (shown Double) [0x3ff0000000000000; 0xbfe8000000000000; 0x0000000000000001; 0x7ff0000000000000]%Z = [
+  (0x3ff0000000000000%Z, S754_finite false 4503599627370496 (-52)); (0xbfe8000000000000%Z, S754_finite true 6755399441055744 (-53)); (1%Z, S754_finite false 1 (-1074));
+  (0x7ff0000000000000%Z, S754_infinity false)].
+Proof. vm_compute. reflexivity. Qed.

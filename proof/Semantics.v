@@ -104,6 +104,14 @@ Section Semantics.
   Definition exponent_by_bits (y : number) : Z := Z.shiftr ((bits y - cut) mod words) (prec - 1).
   Definition mantissa_by_bits (y : number) : number := of_bits ((Z.land ((bits y - cut) mod words) (Z.ones (prec - 1)) + cut) mod words).
 
+  (* below 512 in binary32 and below 4096 in binary64 *)
+  Lemma exponent_range y : (0 <= exponent_by_bits y < 4 * emax)%Z.
+  Proof.
+    assert (S0 : (0 < step)%Z) by (apply Z.pow_pos_nonneg; lia). assert (W : (0 < words)%Z) by (unfold words; nia).
+    assert (M := Z.mod_pos_bound (bits y - cut) words W). unfold exponent_by_bits. rewrite Z.shiftr_div_pow2 by lia. fold step.
+    split; [apply Z.div_pos; lia|apply Z.div_lt_upper_bound; [exact S0|]]. unfold words in *. lia.
+  Qed.
+
   (* ---------------------------------------------------------------- the machine *)
 
   Definition of_int (z : Z) : number := binary_normalize prec emax _ _ mode_NE z 0 false.

@@ -616,7 +616,7 @@ Definition the_limits : list (option Q) := Eval vm_compute in limits_of Single t
 Definition the_clamp : Q := Eval vm_compute in value_of Single (Emission.clamp the_constants).
 Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
 Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
-Definition the_program : source := Source (preamble Single "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
+Definition the_program : source := Source (preamble Single the_constants "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
 
 (* The text is this program: the tables, and the functions that `tube` and `control` are made of. *)
 Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
@@ -650,11 +650,11 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
     execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R the_clamp) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R the_clamp) (Q2R (32 * half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
-  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gains the_clamp the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
+  destruct (control_acts Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+    the_gains the_clamp the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
@@ -701,8 +701,8 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
 Proof.
   intros log_ accurate taken switch x y g clock measured program Text L U input Times Clock Sensors Start Continuous Ode.
   rewrite text_read in Text. injection Text as <-.
-  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
-    the_gains the_clamp the_limits the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ accurate taken switch x y g clock measured
+  exact (controller_sound Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error 20 the_task the_table the_steps the_scale the_late
+    the_gains the_clamp the_limits the_plant tube_checked slopes_checked rounding_checked constants_checked plant_checked log_ (fun _ => accurate) taken switch x y g clock measured
     Times Continuous Start Ode Clock Sensors).
 Qed.
 
