@@ -114,7 +114,8 @@ def text(name: str, scalar: str) -> str:
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
     told = text(name, scalar)
-    assert ("library" in told.partition("*)")[0]) == (name in ("omni_s1", "trolley"))  # where its logarithm is called it is assumed
+    about = told.partition("*)")[0]
+    assert ("library" in about) == (name in ("omni_s1", "trolley"))  # its logarithm is assumed where it is called
     answer = asking.ask_coq(told.encode(), name)
     assert answer.holds, answer.what
     assert set(answer.axioms) <= asking.AXIOMS
