@@ -8,7 +8,7 @@ Open Scope list_scope.
 (* The constants that component i goes by: where clamps differ, its own. *)
 Definition of_component (k : constants) (i : Z) : constants :=
   Constants (dimensions k) (rate k) (last k) (gain_upper k) (gain_lower k) (gain_table k) (limit_table k)
-    (if clamps_differ k then nth (Z.to_nat i) (clamp_table k) zero else clamp k) (clamp_table k) (single k).
+    (if clamps_differ k then nth (Z.to_nat i) (clamp_table k) zero else clamp k) (clamp_table k) (single k) (written_out k).
 
 Section Formulas.
   Variable A : arithmetic.
@@ -38,7 +38,14 @@ Section Formulas.
     let least := mul A (sub A U L) (lit (clamp k)) in if less A least (nearest L U x) then nearest L U x else least.
   Definition far (L U x : F) : F := sub A (sub A U L) (near L U x).
   Definition ratio (L U x : F) : F := div A (far L U x) (near L U x).
-  Definition epsilon (L U x : F) : F := opp A (logarithm A (ratio L U x)).
+  (* ln y where it is written out: y = m 2^e *)
+  Definition written_log (y : F) : F :=
+    let m := mantissa_of A y in
+    let s := div A (sub A m (lit one)) (add A m (lit one)) in
+    let around := add A (mul A (mul A s s) (lit (bend k))) (lit two) in
+    add A (mul A (of_integer A (exponent_of A y)) (lit (ln_two k))) (mul A s around).
+  Definition log_of (y : F) : F := if written_out k then written_log y else logarithm A y.
+  Definition epsilon (L U x : F) : F := opp A (log_of (ratio L U x)).
   Definition xi (L U x : F) : F := div A (add A (lit one) (ratio L U x)) (far L U x).
   (* the gain of a component where the upper edge is nearer, and where the lower one is *)
   Definition own (table : list decimal) (i : Z) : F := lit (nth (Z.to_nat i) table zero).
@@ -58,7 +65,7 @@ Fixpoint stored {A} (x : string) (i : Z) (out : stores A) : option (float A) :=
   match out with [] => None | (y, j, v) :: r => if String.eqb x y then if (i =? j)%Z then Some v else stored x i r else stored x i r end.
 
 Ltac reduce := cbv beta iota zeta delta
-  [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
+  [exponent_function mantissa_function segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
    kernel_of enter bind of_type parameters code run run_block expression_value value_of values_of get put put_all binary select results_of leave
    String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
    place_statements lower_statements upper_statements law_statements clamp_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
@@ -89,10 +96,14 @@ Section Kernels.
   Proof. reflexivity. Qed.
   Lemma law_runs g x e : kernel_of A ks (fun _ _ => None) law_function [R_ g; R_ x; R_ e] = Some ([], Some (R_ (opp A (mul A (mul A g x) e)))).
   Proof. reflexivity. Qed.
+  Definition log_kernels := if written_out k
+    then [("@mantissa", kernel_of A (("@exponent", kernel_of A (library A (log_name k)) (fun _ _ => None) exponent_function) :: library A (log_name k)) (fun _ _ => None) mantissa_function);
+          ("@exponent", kernel_of A (library A (log_name k)) (fun _ _ => None) exponent_function)] ++ library A (log_name k)
+    else library A (log_name k).
   Lemma transformed_error_runs f0 f1 f2 a b :
-    kernel_of A (("@blend", f0) :: ("@basis", f1) :: ("@segment", f2) :: library A (log_name k)) (fun _ _ => None) (transformed_error_function k) [R_ a; R_ b] =
-    Some ([R_ (opp A (logarithm A (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
-  Proof. unfold transformed_error_function, log_name; destruct (single k); reflexivity. Qed.
+    kernel_of A (("@blend", f0) :: ("@basis", f1) :: ("@segment", f2) :: log_kernels) (fun _ _ => None) (transformed_error_function k) [R_ a; R_ b] =
+    Some ([R_ (opp A (log_of A k (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
+  Proof. unfold transformed_error_function, log_kernels, logarithm_statements, log_of, log_name; destruct (written_out k); [|destruct (single k)]; reflexivity. Qed.
 End Kernels.
 
 (* ------------------------------------------------------------------ their callers *)
@@ -118,7 +129,7 @@ Section Callers.
   Hypothesis blend_does : forall w0 w1 w2 w3 q0 q1 q2 q3,
     blend_ [R_ w0; R_ w1; R_ w2; R_ w3; R_ q0; R_ q1; R_ q2; R_ q3] = Some ([], Some (R_ (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
   Hypothesis transformed_error_does : forall a b, transformed_error_ [R_ a; R_ b] =
-    Some ([R_ (opp A (logarithm A (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
+    Some ([R_ (opp A (log_of A k (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
   Hypothesis law_does : forall g x e, law_ [R_ g; R_ x; R_ e] = Some ([], Some (R_ (opp A (mul A (mul A g x) e)))).
   Hypothesis table : forall z, (0 <= z < 2 * n * (K + 3))%Z -> arrays "@coefficients" z = Some (q z).
 
@@ -338,19 +349,25 @@ Section Execute.
   Lemma places_there y i : (0 <= i < n)%Z -> places_of y i = Some (x i).
   Proof. intros [H1 H2]. unfold places_of. apply Z.leb_le in H1. apply Z.ltb_lt in H2. now rewrite H1, H2. Qed.
 
+  Lemma kernels_after rest : all_kernels A (filter (fun g => negb (String.eqb (title g) "@control")) (helpers k ++ rest)) (library A (log_name k)) =
+    all_kernels A (filter (fun g => negb (String.eqb (title g) "@control")) rest) (log_kernels A k).
+  Proof. unfold helpers, log_kernels. destruct (written_out k); reflexivity. Qed.
+  Lemma found_after rest : List.find (fun g => String.eqb (title g) "@control") (helpers k ++ rest) = List.find (fun g => String.eqb (title g) "@control") rest.
+  Proof. unfold helpers. destruct (written_out k); reflexivity. Qed.
+
   Theorem control_executes : exists out,
     execute A (log_name k) program "@control" [R_ t] places_of =
       Some (out, Some (I_ (if outside_after A k t segment q x (number_of_dimensions k) then 1 else 0)%Z)) /\
     forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
   Proof.
-    unfold execute. cbn [List.find functions program].
-    cbv [emitted segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
+    unfold execute. cbn [functions program]. unfold emitted. rewrite kernels_after, found_after.
+    cbv [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
          filter title String.eqb Ascii.eqb Bool.eqb negb all_kernels List.find].
     fold segment_function.
     match goal with |- context [enter A ?ks ?tables ?f ?vs] => set (kernels := ks); set (arrays := tables); change f with (control_function k) end.
     match goal with kernels := _ :: (_, ?law) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?se) :: ?others |- _ =>
       destruct (control_runs A k se ba bl te law others (kernel_of A (tl kernels) (fun _ _ => None) (tube_function k)) t segment K q x arrays) as (out & env & E & St) end; try assumption.
-    - apply (segment_runs A k (library A (log_name k)) t segment); auto; unfold n in *; nia.
+    - apply (segment_runs A k (log_kernels A k) t segment); auto; unfold n in *; nia.
     - apply basis_runs.
     - intros; apply blend_runs.
     - intros; apply transformed_error_runs.

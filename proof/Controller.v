@@ -3,7 +3,7 @@ From Coq Require Import ZArith QArith Qreals Qabs Reals List Bool Lia Lra String
 From Coquelicot Require Import Coquelicot.
 From Flocq Require Import Core IEEE754.BinarySingleNaN.
 From Stt Require HeldLaw.
-From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law.
+From Stt Require Import Tube Loop Speed Rounding Emitted EmittedTube Syntax Read Run Emission Control Semantics Edge Law Logarithm.
 Import ListNotations.
 Open Scope R_scope.
 
@@ -40,6 +40,11 @@ Proof.
   - replace (2 * i)%nat with (2 * i + 0)%nat by lia. rewrite (nth_flat_map _ 2 0%Z (0, 0)%Z) by (auto; lia). reflexivity.
   - rewrite (nth_flat_map _ 2 0%Z (0, 0)%Z) by (auto; lia). reflexivity.
 Qed.
+
+(* what the law may lose, in relative terms and in epsilon: so much with the library's logarithm, and so much with one that is written out *)
+Definition loss (f : format) (k : constants) : Q := if written_out k then 1 # 16384 else 32 * half_ulp f.
+Lemma acts_more k c r r' limit a b u : r <= r' -> HeldLaw.acts k c r limit a b u -> HeldLaw.acts k c r' limit a b u.
+Proof. intros H (e1 & e2 & A & B & E). exists e1, e2. split; [lra|split; [lra|exact E]]. Qed.
 
 Section Controller.
   Variable f : format.
@@ -129,7 +134,7 @@ Section Controller.
   Hypothesis constants_checked : constants_check k coefficients unit task rows s gains clamps limits = true.
 
   Variable log_ : number -> number.
-  Hypothesis log_accurate : accurate prec emax log_.
+  Hypothesis log_accurate : written_out k = false -> accurate prec emax log_.
   Let A := machine prec emax pos_ below_ log_.
   Let prec_large := precision_large f.
   Let emax_large := exponent_large f.
@@ -294,7 +299,7 @@ Section Controller.
     execute A (log_name k) (Source lines (emitted_tables k coefficients) (Emission.emitted k)) "@control" [@R_ A t] (places_of A k xs) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < n task)%nat -> L i < value (x i) < U i) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < n task)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i)) (value v).
+      HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (Q2R (loss f k)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i)) (value v).
   Proof.
     destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr].
     destruct (matches_ok _ _ _ Tm) as [Ml _]. rewrite (flat_table_length _ _ Tr) in Ml.
@@ -310,9 +315,13 @@ Section Controller.
     - exact Lm.
     - rewrite Nd. destruct (zeros_ok (n task) ltac:(lia)) as [Z1 Z2].
       apply (at_most_ok prec emax (zeros A t xs (n task)) (lit zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
-    - assert (Ulp : 32 * unit_roundoff prec = 32 * Q2R (half_ulp f)) by (rewrite half_ulp_value; reflexivity).
+    - assert (Near := logarithm_is_near f log_ k log_accurate). assert (Lam : 0 <= log_loss k <= / 8192) by (unfold log_loss; destruct (written_out k); lra).
+      assert (Lost : 32 * unit_roundoff prec + 1.03 * log_loss k <= Q2R (loss f k)).
+      { unfold loss, log_loss. destruct (written_out k).
+        - pose proof (u_small prec (precision_large f)). replace (Q2R (1 # 16384)) with (/ 16384) by (unfold Q2R; cbn; lra). lra.
+        - rewrite Q2R_mult, half_ulp_value. change (bpow radix2 (- prec)) with (unit_roundoff prec). replace (Q2R 32) with 32 by (unfold Q2R; cbn; lra). lra. }
       assert (Acts : forall i, (i < n task)%nat ->
-        (HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (32 * Q2R (half_ulp f)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i))
+        (HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (Q2R (loss f k)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i))
            (value (control_input A k (Z.of_nat i) (Lf i) (Uf i) (x i))) /\
          is_finite (control_input A k (Z.of_nat i) (Lf i) (Uf i) (x i) : number) = true) /\
         (is_within A (Lf i) (Uf i) (x i) = true <-> L i < value (x i) < U i)).
@@ -324,14 +333,15 @@ Section Controller.
         - destruct (component_constants_ok k gains clamps limits i (Gs i Hi) log_) as ([Cv Cs] & Lg & Ug & Gr & Lk). fold A in Lg, Ug, Lk. unfold control_input. cbv zeta.
           destruct (nth i limits None) as [m|].
           + destruct Lk as (-> & [M1 M2] & M3).
-            assert (G := saturated_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate (of_component k (Z.of_nat i)) (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
+            assert (G := saturated_acts prec emax pos_ below_ prec_large emax_large log_ (of_component k (Z.of_nat i)) (log_loss k) Lam Near (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
               (high_gain A k (Z.of_nat i)) (low_gain A k (Z.of_nat i)) Lg Ug Cv Gr Cs
               (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl (own A (limit_table k) (Z.of_nat i)) M2 ltac:(rewrite M1; exact M3)).
-            rewrite L1, U1, Ulp, M1 in G. exact G.
+            rewrite L1, U1, M1 in G. split; [exact (acts_more _ _ _ _ _ _ _ _ Lost (proj1 G))|apply G].
           + rewrite Lk.
-            assert (G := law_acts prec emax pos_ below_ prec_large emax_large log_ log_accurate (of_component k (Z.of_nat i)) (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
+            assert (G := law_acts prec emax pos_ below_ prec_large emax_large log_ (of_component k (Z.of_nat i)) (log_loss k) Lam Near (precision_small f) (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q))
               (high_gain A k (Z.of_nat i)) (low_gain A k (Z.of_nat i)) Lg Ug Cv Gr Cs
-              (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl). rewrite L1, U1, Ulp in G. exact G.
+              (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi) Wl). rewrite L1, U1 in G.
+            split; [exact (acts_more _ _ _ _ _ _ _ _ Lost (proj1 G))|apply G].
         - assert (G := within_ok prec emax pos_ below_ prec_large emax_large log_ (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi)).
           rewrite L1, U1 in G. split; intro Q; [apply G in Q; lra|apply G; lra]. }
       exists out. eexists. split; [exact E|split; [|split]].

@@ -18,9 +18,10 @@ String Notation text text_of bytes_of : text_scope.
 Definition suffix (f : format) : string := match f with Single => "F" | Double => "" end.
 
 (* the directives of the file, each as it stands in its line *)
-Definition preamble (f : format) (task : string) : list string := [
+Definition preamble (f : format) (k : constants) (task : string) : list string := [
   String.append "#include """ (String.append task ".h""");
-  "#include <float.h>"; "#include <math.h>"; "#include <stdbool.h>"; "#include <stdint.h>";
+  "#include <float.h>"; "#include <math.h>"; "#include <stdbool.h>"; "#include <stdint.h>"] ++
+  (if written_out k then ["#include <string.h>"] else []) ++ [
   "#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && (__FINITE_MATH_ONLY__ > 0))";
   String.append "#error """ (String.append task ".c: compile without -ffast-math; it tests its inputs for NaN and infinity""");
   "#endif"] ++
@@ -67,7 +68,7 @@ Definition constants_of (f : format) (s : option source) : constants :=
   let gains := reals_chosen control "gain" in
   Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains)
     (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least") (table_named "@least_share" s)
-    (match f with Single => true | Double => false end).
+    (match f with Single => true | Double => false end) (existsb (fun g => String.eqb (title g) "@mantissa") fs).
 Definition coefficients_of : option source -> list decimal := table_named "@coefficients".
 
 Section Numbers.

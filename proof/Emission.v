@@ -16,7 +16,8 @@ Record constants := Constants {
   limit_table : list decimal; (* u_max by component where there is one; else empty *)
   clamp : decimal;      (* (1 - e_max) / 2 *)
   clamp_table : list decimal; (* the same by component where it differs; else empty *)
-  single : bool         (* binary32, else binary64 *)
+  single : bool;        (* binary32, else binary64 *)
+  written_out : bool    (* the logarithm: by exponent and mantissa, else the library's *)
 }.
 Definition any (l : list decimal) : bool := match l with [] => false | _ => true end.
 Definition several (k : constants) : bool := any (gain_table k).
@@ -26,6 +27,7 @@ Definition log_name (k : constants) : string := if single k then "logf" else "lo
 
 Definition zero := Decimal false 0 (-1).
 Definition one := Decimal false 10 (-1).
+Definition two := Decimal false 20 (-1).
 Definition three := Decimal false 30 (-1).
 
 Section Emission.
@@ -69,14 +71,34 @@ Section Emission.
     Let TReal "v6" (Binary Plus (Name "v2") (Name "v5"));
     Return (Some (Atom (Name "v6")))].
 
+  Definition exponent_function := Function "@exponent" "int32_t" [ByValue TReal "y"] [Return (Some (ExponentOf (Name "y")))].
+  Definition mantissa_function := Function "@mantissa" "@real" [ByValue TReal "y"] [Return (Some (MantissaOf (Name "y")))].
+
+  (* v1 = ln v0 *)
+  Definition bend := if single k then Decimal false 6766044 (-7) else Decimal false 6766043901443481 (-16).
+  Definition ln_two := if single k then Decimal false 6931472 (-7) else Decimal false 6931471805599453 (-16).
+  Definition logarithm_statements := if written_out k then [
+    Let TInt "exponent" (Apply "@exponent" [Name "v0"]);
+    Let TReal "base" (Cast TReal (Name "exponent"));
+    Let TReal "mantissa" (Apply "@mantissa" [Name "v0"]);
+    Let TReal "below" (Binary Minus (Name "mantissa") (Real one));
+    Let TReal "above" (Binary Plus (Name "mantissa") (Real one));
+    Let TReal "s" (Binary Over (Name "below") (Name "above"));
+    Let TReal "z" (Binary Times (Name "s") (Name "s"));
+    Let TReal "bent" (Binary Times (Name "z") (Real bend));
+    Let TReal "around" (Binary Plus (Name "bent") (Real two));
+    Let TReal "part" (Binary Times (Name "s") (Name "around"));
+    Let TReal "whole" (Binary Times (Name "base") (Real ln_two));
+    Let TReal "v1" (Binary Plus (Name "whole") (Name "part"))]
+  else [Let TReal "v1" (Apply (log_name k) [Name "v0"])].
+
   Definition transformed_error_function := Function "@transformed_error" "void"
-    [ByValue TReal "a"; ByValue TReal "b"; ByPointer TReal "epsilon"; ByPointer TReal "xi"] [
-    Let TReal "v0" (Binary Over (Name "b") (Name "a"));
-    Let TReal "v1" (Apply (log_name k) [Name "v0"]);
+    [ByValue TReal "a"; ByValue TReal "b"; ByPointer TReal "epsilon"; ByPointer TReal "xi"] ([
+    Let TReal "v0" (Binary Over (Name "b") (Name "a"))] ++ logarithm_statements ++ [
     Let TReal "v2" (Negate (Name "v1"));
     Let TReal "v3" (Binary Plus (Real one) (Name "v0"));
     Let TReal "v4" (Binary Over (Name "v3") (Name "b"));
-    Put "epsilon" (Atom (Name "v2")); Put "xi" (Atom (Name "v4"))].
+    Put "epsilon" (Atom (Name "v2")); Put "xi" (Atom (Name "v4"))]).
 
   Definition law_function := Function "@law" "@real" [ByValue TReal "k"; ByValue TReal "xi"; ByValue TReal "epsilon"] [
     Let TReal "v0" (Binary Times (Name "k") (Name "xi"));
@@ -189,10 +211,12 @@ Section Emission.
     (if clamps_differ k then [("@least_share", clamp_table k)] else []) ++ (if limited k then [("@u_max", limit_table k)] else []).
 
   (* the kernels and functions that the theorem is about; the file has others, which call nothing here and are called by nothing here *)
-  Definition emitted := [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].
+  Definition helpers := if written_out k then [exponent_function; mantissa_function] else [].
+  Definition emitted := helpers ++
+    [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].
 End Emission.
 
-Definition kept : list string := ["@segment"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"].
+Definition kept : list string := ["@exponent"; "@mantissa"; "@segment"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"].
 (* and what they read; of e_max by component there is a table that only `transform` reads *)
 Definition kept_tables : list string := ["@coefficients"; "@gain"; "@least_share"; "@u_max"].
 Definition keep (s : source) : source :=

@@ -48,8 +48,18 @@ Fixpoint definitions (fuel : nat) (big : string) (n : Z) (l : list token) : opti
   match fuel with
   | S f => (let* r := (eat_prefix (String.append "#define " (String.append big "T_C ")) l) or (eat_prefix (String.append "#define " (String.append big "DESIGN_HASH ")) l) or
                       (eat_count (String.append "#define " (String.append big "N ")) n l) or
-                      (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) in definitions f big n r) or (Some l)
+                      (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) or
+                      (eat_prefix (String.append "#define " (String.append big "TICK_PERIOD ")) l) or (eat_prefix (String.append "#define " (String.append big "TICKS ")) l) in definitions f big n r) or (Some l)
   | O => None
+  end.
+
+(* a macro that stands for nothing and whose name ends with the design's hash, and a function in a file of its own *)
+Definition is_hex (c : ascii) : bool := is_digit c || within 97 102 (N_of_ascii c).
+Definition selftest (big : string) (l : list token) : option (list token) :=
+  match l with
+  | Line v :: r => let* s := without (String.append "#define " (String.append big "SELFTEST_")) v in
+                   if each is_hex s then eat_words ["int"; "@selftest"; "("; "void"; ")"; ";"] r else None
+  | _ => None
   end.
 
 Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool :=
@@ -60,6 +70,7 @@ Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool
     let l := map (local task) l in
     let* r := eat_line (String.append "#ifndef " (String.append big "H")) l in
     let* r := eat_line (String.append "#define " (String.append big "H")) r in
+    let* r := (eat_line "#include <stdint.h>" r) or (Some r) in
     let* r := eat_line "#ifdef __cplusplus" r in
     let* r := eat_words ["extern"; """"; "C"; """"; "{"] r in
     let* r := eat_line "#endif" r in
@@ -70,6 +81,7 @@ Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool
     let* r := eat_words [","; "@BAD_INPUT"; "="] r in let* r := eat_integer 2 r in
     let* r := eat_words ["}"; "@status"; ";"] r in
     let* r := prototypes 20 r in
+    let* r := (selftest big r) or (Some r) in
     let* r := eat_line "#ifdef __cplusplus" r in let* r := eat_sign "}" r in let* r := eat_line "#endif" r in let* r := eat_line "#endif" r in
     Some r)
   with Some [] => true | _ => false end.

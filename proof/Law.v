@@ -178,9 +178,14 @@ Section Machine.
   (* the library's logarithm, within 4 units in the last place *)
   Definition accurate : Prop := forall y : number, is_finite y = true -> 0 < value y ->
     is_finite (log_ y) = true /\ Rabs (value (log_ y) - ln (value y)) <= 8 * u * Rabs (ln (value y)).
-  Hypothesis log_ok : accurate.
-
   Variable k : constants.
+
+  (* the logarithm of the text, the library's or one that is written out, from a little below 1 on *)
+  Variable lam : R.
+  Hypothesis lam_range : 0 <= lam <= / 8192.
+  Definition logarithm_near : Prop := forall y : number, is_finite y = true -> 0.9 <= value y <= bpow radix2 62 ->
+    is_finite (log_of A k y : number) = true /\ Rabs (value (log_of A k y) - ln (value y)) <= (8 * u + lam) * Rabs (ln (value y)).
+  Hypothesis log_ok : logarithm_near.
   Hypothesis prec_small : (prec <= 64)%Z.
   Variables gain_ c : R.
   Variables high low : number. (* the gain where the upper edge is nearer, and where the lower one is *)
@@ -379,10 +384,14 @@ Section Machine.
     lra.
   Qed.
 
-  Let log_ratio := log_ ratio_.
-  Lemma log_close : Rabs (value log_ratio - E) <= u * (10 + 9 * E) /\ is_finite log_ratio = true.
+  Let log_ratio : number := log_of A k ratio_.
+  Lemma log_close : Rabs (value log_ratio - E) <= u * (10 + 9 * E) + lam * E /\ is_finite log_ratio = true.
   Proof.
-    destruct ratio_ok as [R1 R2]. destruct (log_ok ratio_ R2 ltac:(apply R1)) as [G1 G2]. split; [|exact G1].
+    destruct ratio_ok as [R1 R2]. destruct (close_bounds u u_small 9 _ _ ltac:(lia) R1) as [_ R3]. destruct sizes as (_ & _ & _ & S4). pose proof lam_range as Lr.
+    assert (R4 : 0.9 <= value ratio_ <= bpow radix2 62).
+    { split; [|change (bpow radix2 62) with 4611686018427387904; lra]. destruct R1 as (_ & _ & R1 & _). pose proof (bernoulli u u_small 9) as Be. replace (INR 9) with 9 in Be by (cbn; lra).
+      pose proof u_small as Us. apply Rle_trans with (2 := R1). apply Rle_trans with (1 * (1 - 9 * u)); [lra|apply Rmult_le_compat; lra]. }
+    destruct (log_ok ratio_ R2 R4) as [G1 G2]. split; [|exact G1].
     assert (D := close_ln u u_small 9 _ _ ltac:(lia) R1). fold E in D. replace (INR 9) with 9 in D by (cbn; lra).
     fold log_ratio in G2. pose proof E_range as Er. pose proof u_small as Us.
     replace (value log_ratio - E) with ((value log_ratio - ln (value ratio_)) + (ln (value ratio_) - E)) by ring.
@@ -392,17 +401,20 @@ Section Machine.
     assert (H2 : Rabs (ln (value ratio_)) <= E + 9 * u * (1 + / 1000)).
     { replace (ln (value ratio_)) with ((ln (value ratio_) - E) + E) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq E) by lra. lra. }
     assert (8 * u * Rabs (ln (value ratio_)) <= 8 * u * (E + 9 * u * (1 + / 1000))) by (apply Rmult_le_compat_l; lra).
-    assert (0 <= u * E) by nra. nra.
+    assert (lam * Rabs (ln (value ratio_)) <= lam * (E + 9 * u * (1 + / 1000))) by (apply Rmult_le_compat_l; lra).
+    assert (lam * (9 * u * (1 + / 1000)) <= / 8192 * (9 * u * (1 + / 1000))) by (apply Rmult_le_compat_r; lra).
+    assert (8 * u * (9 * u * (1 + / 1000)) <= / 1000000 * (9 * u * (1 + / 1000))) by (apply Rmult_le_compat_r; lra).
+    assert (0 <= u * E) by (apply Rmult_le_pos; lra). lra.
   Qed.
 
   (* the sign of the side that the machine takes for the nearer one *)
   Let side := if upper_nearer A L U x then -1 else 1.
 
-  Lemma product_close v K e : close 18 v K -> Rabs (e - E) <= u * (10 + 9 * E) -> / 1152921504606846976 / 2 <= K ->
-    Rabs (v * e - K * E) <= u * K * (11 + 28 * E).
+  Lemma product_close v K e : close 18 v K -> Rabs (e - E) <= u * (10 + 9 * E) + lam * E -> / 1152921504606846976 / 2 <= K ->
+    Rabs (v * e - K * E) <= u * K * (11 + 28 * E) + 1.001 * lam * (K * E).
   Proof.
     intros (v0 & K0 & C1 & C2) He HK. pose proof (bernoulli u u_small 18) as Be. replace (INR 18) with 18 in Be by (cbn; lra).
-    pose proof u_small as Us. pose proof E_range as Er.
+    pose proof u_small as Us. pose proof E_range as Er. pose proof lam_range as Lr.
     assert (D1 : Rabs (v - K) <= u * K * 18.1).
     { assert (K * (1 - 18 * u) <= v) by (apply Rle_trans with (2 := C1); apply Rmult_le_compat_l; lra). assert (v * (1 - 18 * u) <= K) by (apply Rle_trans with (2 := C2); apply Rmult_le_compat_l; lra).
       assert (v <= K * (1 + 18.1 * u)).
@@ -412,20 +424,22 @@ Section Machine.
       apply Rabs_le. lra. }
     replace (v * e - K * E) with (K * (e - E) + (v - K) * E + (v - K) * (e - E)) by ring.
     eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_mult with (x := v - K).
-    assert (Q1 : Rabs (K * (e - E) + (v - K) * E) <= K * (u * (10 + 9 * E)) + u * K * 18.1 * E).
+    assert (Q1 : Rabs (K * (e - E) + (v - K) * E) <= K * (u * (10 + 9 * E) + lam * E) + u * K * 18.1 * E).
     { eapply Rle_trans; [apply Rabs_triang|]. rewrite !Rabs_mult. rewrite (Rabs_pos_eq K), (Rabs_pos_eq E) by lra.
       apply Rplus_le_compat; [apply Rmult_le_compat_l; lra|apply Rmult_le_compat_r; lra]. }
-    assert (Q2 : Rabs (v - K) * Rabs (e - E) <= (u * K * 18.1) * (u * (10 + 9 * E))) by (apply Rmult_le_compat; try apply Rabs_pos; assumption).
+    assert (Q2 : Rabs (v - K) * Rabs (e - E) <= (u * K * 18.1) * (u * (10 + 9 * E) + lam * E)) by (apply Rmult_le_compat; try apply Rabs_pos; assumption).
     assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (0 <= u * K * E) by (apply Rmult_le_pos; lra).
-    assert (Q3 : (u * K * 18.1) * (u * (10 + 9 * E)) <= u * K * (0.01 + 0.01 * E)).
-    { replace ((u * K * 18.1) * (u * (10 + 9 * E))) with (u * K * (18.1 * (u * (10 + 9 * E)))) by ring. apply Rmult_le_compat_l; [lra|].
+    assert (Q3 : (u * K * 18.1) * (u * (10 + 9 * E) + lam * E) <= u * K * (0.01 + 0.01 * E) + 0.001 * lam * (K * E)).
+    { replace ((u * K * 18.1) * (u * (10 + 9 * E) + lam * E)) with (u * K * (18.1 * (u * (10 + 9 * E))) + 18.1 * u * (lam * (K * E))) by ring.
+      replace (0.001 * lam * (K * E)) with (0.001 * (lam * (K * E))) by ring.
+      apply Rplus_le_compat; [apply Rmult_le_compat_l; [lra|]|apply Rmult_le_compat_r; [apply Rmult_le_pos; [lra|apply Rmult_le_pos; lra]|lra]].
       assert (u * (10 + 9 * E) <= / 16777216 * (10 + 9 * E)) by (apply Rmult_le_compat_r; lra). lra. }
     lra.
   Qed.
 
-  Lemma push_close : Rabs (value (push A k high low L U x) - side * (gain_ * X * E)) <= u * (gain_ * X) * (12 + 30 * E) /\ is_finite (push A k high low L U x) = true.
+  Lemma push_close : Rabs (value (push A k high low L U x) - side * (gain_ * X * E)) <= u * (gain_ * X) * (12 + 30 * E) + 1.01 * lam * (gain_ * X * E) /\ is_finite (push A k high low L U x) = true.
   Proof.
-    destruct xi_ok as [X1 X2]. destruct log_close as [G1 G2]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
+    destruct xi_ok as [X1 X2]. destruct log_close as [G1 G2]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us. pose proof lam_range as Lr.
     destruct gain_lower_ok as [L1 L2]. destruct gain_upper_ok as [U1 U2].
     assert (Z126 : IZR (2 ^ 126) = 85070591730234615865843651857942052864) by reflexivity.
     set (K := gain_ * X).
@@ -455,7 +469,9 @@ Section Machine.
     assert (P := product_close v K (value log_ratio) Cg G1 ltac:(lra)).
     set (e := value log_ratio) in *.
     assert (Kp : 0 < u * K) by (apply Rmult_lt_0_compat; lra). assert (KE : 0 <= K * E) by (apply Rmult_le_pos; lra). assert (KEb : u * (K * E) <= 1 * (K * E)) by (apply Rmult_le_compat_r; lra).
-    assert (Pz : Rabs (v * e) <= K * E + u * K * (11 + 28 * E)).
+    replace (1.001 * lam * (K * E)) with (1.001 * (lam * (K * E))) in P by ring. replace (1.01 * lam * (K * E)) with (1.01 * (lam * (K * E))) by ring. set (W := lam * (K * E)) in *.
+    assert (Wr : 0 <= W <= K * E) by (unfold W; split; [apply Rmult_le_pos; lra|apply Rle_trans with (1 * (K * E)); [apply Rmult_le_compat_r; lra|lra]]). clearbody W.
+    assert (Pz : Rabs (v * e) <= K * E + u * K * (11 + 28 * E) + 1.001 * W).
     { replace (v * e) with (K * E + (v * e - K * E)) by ring. eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (K * E)) by lra. lra. }
     destruct (opp_ok prec emax log_ratio) as [O1 O2].
     set (eps := Bopp log_ratio) in *.
@@ -479,24 +495,25 @@ Section Machine.
       replace (bpow radix2 (-150)) with (bpow radix2 (-64) * bpow radix2 (-86)) by (rewrite <- bpow_plus; reflexivity).
       assert (B86 : bpow radix2 (-86) = / 77371252455336267181195264) by reflexivity. rewrite B86.
       pose proof (bpow_gt_0 radix2 (-64)). rewrite Rmult_assoc. apply Rmult_le_compat; lra. }
-    assert (Rabs (v * e) * u <= (K * E + u * K * (11 + 28 * E)) * u) by (apply Rmult_le_compat_r; lra).
+    assert (Rabs (v * e) * u <= (K * E + u * K * (11 + 28 * E) + 1.001 * W) * u) by (apply Rmult_le_compat_r; lra).
+    assert (1.001 * W * u <= 1.001 * W * 0.001) by (apply Rmult_le_compat_l; lra).
     assert (u * K * (11 + 28 * E) * u <= u * K * (0.1 + 0.1 * E)).
     { replace (u * K * (11 + 28 * E) * u) with (u * K * (u * (11 + 28 * E))) by ring. apply Rmult_le_compat_l; [lra|].
       apply Rle_trans with (/ 16777216 * (11 + 28 * E)); [apply Rmult_le_compat_r; lra|lra]. }
-    nra.
+    assert (0 <= u * (K * E)) by (apply Rmult_le_pos; lra). lra.
   Qed.
 
-  (* the emitted law is the law (13) with e clamped, up to 30 u in relative terms and in epsilon *)
-  Theorem law_ok : Rabs (value (push A k high low L U x) - clamped_law c gain_ a b) <= 30 * u * (gain_ * X) * (1 + E) /\ is_finite (push A k high low L U x) = true.
+  (* the emitted law is the law (13) with e clamped, up to 30 u + 1.01 lam in relative terms and in epsilon *)
+  Theorem law_ok : Rabs (value (push A k high low L U x) - clamped_law c gain_ a b) <= (30 * u + 1.01 * lam) * (gain_ * X) * (1 + E) /\ is_finite (push A k high low L U x) = true.
   Proof.
     destruct push_close as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
-    destruct nearer_ok as [N1 N2]. destruct sizes as (S1 & S2 & S3 & S4).
-    assert (Kp : 0 < gain_ * X) by nra. assert (Up : 0 < u * (gain_ * X)) by nra. assert (0 <= u * (gain_ * X) * E) by nra.
+    destruct nearer_ok as [N1 N2]. destruct sizes as (S1 & S2 & S3 & S4). pose proof lam_range as Lr.
+    assert (Kp : 0 < gain_ * X) by (apply Rmult_lt_0_compat; lra). assert (Lk : 0 <= lam * (gain_ * X)) by (apply Rmult_le_pos; lra). assert (0 <= lam * (gain_ * X) * E) by (apply Rmult_le_pos; lra). assert (Up : 0 < u * (gain_ * X)) by (apply Rmult_lt_0_compat; lra). assert (0 <= u * (gain_ * X) * E) by (apply Rmult_le_pos; lra).
     assert (Law : clamped_law c gain_ a b = (if Rlt_dec b a then -1 else 1) * (gain_ * X * E)).
     { unfold clamped_law. cbv zeta. fold S. fold m. fold N. fold F. fold X. fold E. destruct (Rlt_dec b a); ring. }
     rewrite Law. unfold side in P. destruct (upper_nearer A L U x).
-    - destruct (Rlt_dec b a) as [Q|Q]; [|specialize (N1 eq_refl); lra]. eapply Rle_trans; [exact P|]. nra.
-    - specialize (N2 eq_refl). destruct (Rlt_dec b a) as [Q|Q]; [|eapply Rle_trans; [exact P|]; nra].
+    - destruct (Rlt_dec b a) as [Q|Q]; [|specialize (N1 eq_refl); lra]. eapply Rle_trans; [exact P|lra].
+    - specialize (N2 eq_refl). destruct (Rlt_dec b a) as [Q|Q]; [|eapply Rle_trans; [exact P|lra]].
       (* a tie after rounding: the logarithm is near 0, and the wrong sign does not matter *)
       assert (Eq : rnd a = rnd b) by (apply Rle_antisym; [exact N2|apply rnd_le; [exact prec_gt_0_|lra]]).
       assert (b0 : 0 < b).
@@ -514,21 +531,21 @@ Section Machine.
         assert (Q2 : ln (a / b) = ln a - ln b) by (unfold Rdiv; rewrite ln_mult, ln_Rinv by (try apply Rinv_0_lt_compat; lra); ring). rewrite Q2.
         apply Rabs_le_between in D. lra. }
       replace (value (push A k high low L U x) - -1 * (gain_ * X * E)) with ((value (push A k high low L U x) - 1 * (gain_ * X * E)) + 2 * (gain_ * X * E)) by ring.
-      eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (2 * (gain_ * X * E))) by nra.
-      assert (gain_ * X * E <= gain_ * X * (3 * u)) by (apply Rmult_le_compat_l; lra). nra.
+      eapply Rle_trans; [apply Rabs_triang|]. rewrite (Rabs_pos_eq (2 * (gain_ * X * E))) by (apply Rmult_le_pos; [lra|apply Rmult_le_pos; lra]).
+      assert (gain_ * X * E <= gain_ * X * (3 * u)) by (apply Rmult_le_compat_l; lra). lra.
   Qed.
 
   (* the same as an error of the factor and an error of the logarithm, as the certificate counts it *)
-  Theorem law_acts : HeldLaw.acts gain_ c (32 * u) None a b (value (push A k high low L U x)) /\ is_finite (push A k high low L U x) = true.
+  Theorem law_acts : HeldLaw.acts gain_ c (32 * u + 1.03 * lam) None a b (value (push A k high low L U x)) /\ is_finite (push A k high low L U x) = true.
   Proof.
     destruct law_ok as [P Fi]. split; [|exact Fi]. pose proof X_range as Xr. pose proof E_range as Er. pose proof gain_range as Gr. pose proof u_small as Us.
-    set (w := value (push A k high low L U x)) in *. assert (Kp : 0 < gain_ * X) by nra.
+    set (w := value (push A k high low L U x)) in *. assert (Kp : 0 < gain_ * X) by (apply Rmult_lt_0_compat; lra).
     set (sign := if Rlt_dec b a then -1 else 1). assert (Sg : sign * sign = 1 /\ Rabs sign = 1).
     { unfold sign. destruct (Rlt_dec b a); split; try ring; [rewrite Rabs_left; lra|apply Rabs_R1]. }
     assert (Law : clamped_law c gain_ a b = sign * (gain_ * X * E)).
     { unfold clamped_law, sign. cbv zeta. fold S. fold m. fold N. fold F. fold X. fold E. destruct (Rlt_dec b a); ring. }
     rewrite Law in P. set (d := (sign * w / (gain_ * X) - E) / (1 + E)).
-    assert (D : Rabs d <= 30 * u).
+    pose proof lam_range as Lr. assert (D : Rabs d <= 30 * u + 1.01 * lam).
     { unfold d. assert (Q : sign * w / (gain_ * X) - E = sign * (w - sign * (gain_ * X * E)) * / (gain_ * X)).
       { replace (sign * (w - sign * (gain_ * X * E))) with (sign * w - sign * sign * (gain_ * X * E)) by ring. destruct Sg as [-> _]. field. lra. }
       rewrite Q. unfold Rdiv. rewrite !Rabs_mult. destruct Sg as [_ ->].
@@ -543,7 +560,7 @@ Section Machine.
       replace (sign * (gain_ * X * (E + (sign * w / (gain_ * X) - E)))) with (sign * sign * w) by (field; lra). destruct Sg as [-> _]. ring. }
     exists d, (d / (1 + d)). split; [lra|split].
     - unfold Rdiv. rewrite Rabs_mult, (Rabs_pos_eq (/ (1 + d))) by (left; apply Rinv_0_lt_compat; lra).
-      apply (Rmult_le_reg_r (1 + d)); [lra|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. nra.
+      apply (Rmult_le_reg_r (1 + d)); [lra|]. rewrite Rmult_assoc, Rinv_l, Rmult_1_r by lra. apply Rle_trans with ((32 * u + 1.03 * lam) * 0.999); [lra|apply Rmult_le_compat_l; lra].
     - unfold HeldLaw.clamp. rewrite W. unfold HeldLaw.magnitude, HeldLaw.nearer. fold S. fold m. fold N. fold F. fold E. unfold HeldLaw.side, sign, X. destruct (Rlt_dec b a); ring.
   Qed.
 
@@ -567,7 +584,7 @@ Section Machine.
       unfold Rmax, Rmin in *; repeat destruct Rle_dec; lra.
   Qed.
   Theorem saturated_acts (limit : number) : is_finite limit = true -> 0 <= value limit ->
-    HeldLaw.acts gain_ c (32 * u) (Some (value limit)) a b (value (saturated A limit (push A k high low L U x))) /\ is_finite (saturated A limit (push A k high low L U x)) = true.
+    HeldLaw.acts gain_ c (32 * u + 1.03 * lam) (Some (value limit)) a b (value (saturated A limit (push A k high low L U x))) /\ is_finite (saturated A limit (push A k high low L U x)) = true.
   Proof.
     intros Fm m0. destruct law_acts as [(e1 & e2 & E1 & E2 & Eq) Fi]. destruct (saturated_ok limit _ Fm Fi m0) as [S1 S2].
     split; [|exact S2]. exists e1, e2. split; [exact E1|split; [exact E2|]]. rewrite S1, Eq. reflexivity.

@@ -21,7 +21,7 @@ Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
 Fixpoint joins (c : ascii) (s : string) : bool :=
   match s with
   | String d r => if is_blank d then joins c r else
-      if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "="
+      if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "=" || Ascii.eqb c ">" && Ascii.eqb d ">"
   | EmptyString => false
   end.
 Fixpoint plain (s : string) : bool :=
@@ -120,7 +120,7 @@ Fixpoint eat_signs (s : string) (l : list token) : option (list token) :=
   match s with EmptyString => Some l | String c s => let* l := eat_sign c l in eat_signs s l end.
 
 Definition keywords : list string :=
-  ["const"; "static"; "inline"; "void"; "bool"; "int32_t"; "if"; "else"; "for"; "while"; "do"; "return"; "true"; "false"; "isfinite"; "NAN"; "@real"; "@status";
+  ["const"; "static"; "inline"; "void"; "bool"; "int32_t"; "uint32_t"; "if"; "else"; "for"; "while"; "do"; "return"; "true"; "false"; "isfinite"; "NAN"; "@real"; "@status";
    "@OK"; "@OUTSIDE_TUBE"; "@BAD_INPUT"; "@N"].
 Definition name (l : list token) : option (string * list token) :=
   match l with Word w :: r => if existsb (String.eqb w) keywords then None else Some (w, r) | _ => None end.
@@ -136,6 +136,36 @@ Definition integer (w : string) : option Z :=
   | (v, n, EmptyString) => match w with String "0" _ => if (n =? 1)%Z then Some 0%Z else None | _ => if (n =? 0)%Z then None else Some v end
   | _ => None
   end.
+
+(* with a U: an unsigned one *)
+Definition unsigned (w : string) : option Z :=
+  match number w 0 0 with
+  | (v, n, String "U" EmptyString) => match w with String "0" _ => None | _ => if (n =? 0)%Z then None else Some v end
+  | _ => None
+  end.
+
+(* What says how a real number lies in memory is in these words and no others: that its type has so many bits, and of y = m 2^e, by its bits, e and m. *)
+Definition same (s t : token) : bool :=
+  match s, t with Word v, Word w | Number v, Number w => String.eqb v w | Sign c, Sign d => Ascii.eqb c d | _, _ => false end.
+Fixpoint eat_tokens (ts l : list token) : option (list token) :=
+  match ts, l with
+  | [], _ => Some l
+  | t :: ts, s :: r => if same t s then eat_tokens ts r else None
+  | _, [] => None
+  end.
+Definition tokens_of (s : string) : list token := match tokens s Between [] with Some l => map (local "p") l | None => [] end.
+Definition size_text (bytes : string) : string := "typedef char p_real_size[(sizeof(p_real) == " ++ bytes ++ ") ? 1 : -1];".
+Definition exponent_text (word cut shift : string) : string :=
+  "static inline int32_t p_exponent(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); return (int32_t)((bits - " ++ cut ++ ") >> " ++ shift ++ "); }".
+Definition mantissa_text (word cut mask : string) : string :=
+  "static inline p_real p_mantissa(p_real y) { " ++ word ++ " bits; (void)memcpy(&bits, &y, sizeof bits); bits = ((bits - " ++ cut ++ ") & " ++ mask ++ ") + " ++ cut ++ ";" ++
+  " p_real m; (void)memcpy(&m, &bits, sizeof m); return m; }".
+Record memory := Memory { size_words : list token; exponent_words : list token; mantissa_words : list token }.
+Definition memory_of (single : bool) : memory :=
+  if single
+  then Memory (tokens_of (size_text "4U")) (tokens_of (exponent_text "uint32_t" "0x3f3504f3U" "23")) (tokens_of (mantissa_text "uint32_t" "0x3f3504f3U" "0x7fffffU"))
+  else Memory (tokens_of (size_text "8U")) (tokens_of (exponent_text "uint64_t" "0x3fe6a09e667f3bcdU" "52"))
+         (tokens_of (mantissa_text "uint64_t" "0x3fe6a09e667f3bcdU" "0xfffffffffffffU")).
 
 Section Parse.
   Variable suffix : string. (* of a number in the program's own precision: "F" or "" *)
@@ -167,12 +197,12 @@ Section Parse.
     (fix go l := match l with [] => None | (y, a) :: r => if String.eqb x y then Some a else go r end) l.
 
   Definition type_ (l : list token) : option (type * list token) :=
-    match l with Word w :: r => let* t := find w [("@real", TReal); ("int32_t", TInt); ("bool", TBool)] in Some (t, r) | _ => None end.
+    match l with Word w :: r => let* t := find w [("@real", TReal); ("int32_t", TInt); ("bool", TBool); ("uint32_t", TUnsigned)] in Some (t, r) | _ => None end.
 
   Definition atom_ (l : list token) : option (atom * list token) :=
     match l with
     | Word w :: r => (let* a := find w constants in Some (a, r)) or (let* (x, r) := name l in Some (Name x, r))
-    | Number w :: r => (let* (d, e) := real w in Some (Real (Decimal false d e), r)) or (let* z := integer w in Some (Int z, r))
+    | Number w :: r => (let* (d, e) := real w in Some (Real (Decimal false d e), r)) or (let* z := integer w in Some (Int z, r)) or (let* z := unsigned w in Some (Unsigned z, r))
     | Sign "(" :: Sign "-" :: r => let* (v, r) := decimal_ (Sign "-" :: r) in let* r := eat_sign ")" r in Some (Real v, r)
     | Sign "(" :: r => let* r := eat_word "@real" r in let* r := eat_sign ")" r in let* r := eat_word "NAN" r in Some (NotANumber, r)
     | _ => None
@@ -271,7 +301,12 @@ Section Parse.
              (let* r := eat_sign "," r in let* (ps, r) := parameters_ f r in Some (p :: ps, r))
     end.
 
+  Variable bits : memory. (* what numbers of the program's own precision have there *)
+  Definition helper_ (l : list token) : option (function * list token) :=
+    (let* r := eat_tokens (exponent_words bits) l in Some (Function "@exponent" "int32_t" [ByValue TReal "y"] [Return (Some (ExponentOf (Name "y")))], r)) or
+    (let* r := eat_tokens (mantissa_words bits) l in Some (Function "@mantissa" "@real" [ByValue TReal "y"] [Return (Some (MantissaOf (Name "y")))], r)).
   Definition function_ (fuel : nat) (l : list token) : option (function * list token) :=
+    (helper_ l) or
     let r := match (let* r := eat_word "static" l in eat_word "inline" r) with Some r => r | None => l end in
     match r with
     | Word t :: r =>
@@ -309,12 +344,14 @@ Section Parse.
     | S f, Line w :: r => let* s := file f r in Some (Source (w :: directives s) (tables s) (functions s))
     | S f, _ =>
         (let* (x, vs, r) := table_ fuel l in let* s := file f r in after x s (Source [] ((x, vs) :: tables s) (functions s))) or
+        (let* r := eat_tokens (size_words bits) l in let* s := file f r in match directives s with [] => Some s | _ => None end) or
         (let* (g, r) := function_ fuel l in let* s := file f r in after (title g) s (Source [] (tables s) (g :: functions s)))
     end.
 
-  Definition read (task text : string) : option source :=
+  Definition parse (task text : string) : option source :=
     if negb (plain text) then None else
     let* l := tokens text Between [] in
     let l := map (local task) l in
     file (S (List.length l)) l.
 End Parse.
+Definition read (suffix task text : string) : option source := parse suffix (memory_of (String.eqb suffix "F")) task text.

@@ -1,5 +1,6 @@
 (* What the C does: an evaluator of the syntax over any arithmetic. It gives no result (None) for what C leaves undefined: an index outside an array, an
-   integer outside 32 bits, a conversion of a real number that has no integer, a variable without a value. So a theorem that a run has a result excludes these. *)
+   integer outside 32 bits, a conversion of a real number that has no integer, a variable without a value. So a theorem that a run has a result excludes these.
+   Unsigned integers have no value here: they are in functions that no theorem is about. *)
 From Coq Require Import ZArith List String Bool Lia.
 From Stt Require Import Syntax.
 Import ListNotations.
@@ -19,7 +20,9 @@ Record arithmetic := Arithmetic {
   literal : decimal -> float;
   of_integer : Z -> float;
   to_integer : float -> option Z; (* None where C leaves the conversion undefined *)
-  logarithm : float -> float
+  logarithm : float -> float;
+  exponent_of : float -> Z; (* of y = m 2^e, by the bits of y: e, within 32 bits (`exponent_range`), *)
+  mantissa_of : float -> float (* and m *)
 }.
 
 Section Run.
@@ -49,6 +52,7 @@ Section Run.
     | Name x => match get x env with Some Nothing => None | v => v end
     | Real v => Some (R_ (literal A v))
     | Int z => int32 z
+    | Unsigned _ => None
     | Truth b => Some (B_ b)
     | NotANumber => Some (R_ (nan A))
     end.
@@ -88,9 +92,11 @@ Section Run.
     | Select c a b => match value_of env c, value_of env a, value_of env b with Some (B_ c), Some x, Some y => select c x y | _, _, _ => None end
     | Cast TInt a => match value_of env a with Some (R_ x) => match to_integer A x with Some z => int32 z | None => None end | _ => None end
     | Cast TReal a => match value_of env a with Some (I_ x) => Some (R_ (of_integer A x)) | _ => None end
-    | Cast TBool _ => None
+    | Cast TBool _ | Cast TUnsigned _ => None
     | Load x i => match value_of env i with Some (I_ i) => match arrays x i with Some v => Some (R_ v) | None => None end | _ => None end
     | Finite a => match value_of env a with Some (R_ x) => Some (B_ (finite A x)) | _ => None end
+    | ExponentOf a => match value_of env a with Some (R_ x) => Some (I_ (exponent_of A x)) | _ => None end
+    | MantissaOf a => match value_of env a with Some (R_ x) => Some (R_ (mantissa_of A x)) | _ => None end
     | Apply f l => match get f kernels, values_of env l with
                    | Some k, Some vs => match k vs with Some ([], Some v) => Some v | _ => None end
                    | _, _ => None

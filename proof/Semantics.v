@@ -76,12 +76,48 @@ Section Semantics.
     destruct Q as [Q Fi]. split; [|exact Fi]. rewrite <- rational_ok. now apply Qeq_eqR, Qeq_bool_iff.
   Qed.
 
+  (* ---------------------------------------------------------------- bits *)
+
+  (* A number in memory as an unsigned integer: IEEE 754's interchange format. From the lowest bit: the fraction, the biased exponent, the sign.
+     There is one NaN, the quiet one. *)
+  Definition least_exponent : Z := 3 - emax - prec.
+  Definition step : Z := 2 ^ (prec - 1). (* of the exponent's field *)
+  Definition words : Z := 4 * emax * step. (* how many there are: 2^w *)
+  Definition bits (y : number) : Z :=
+    let signed (s : bool) (z : Z) := (if s then z + words / 2 else z)%Z in
+    match y with
+    | B754_zero s => signed s 0%Z
+    | B754_infinity s => signed s ((2 * emax - 1) * step)%Z
+    | B754_nan => ((2 * emax - 1) * step + step / 2)%Z
+    | B754_finite s m e _ => signed s (if (Zpos m <? step)%Z then Zpos m else (e - least_exponent + 1) * step + (Zpos m - step))%Z
+    end.
+  Definition of_bits (z : Z) : number :=
+    let s := (words / 2 <=? z)%Z in
+    let field := (z mod (words / 2) / step)%Z in
+    let fraction := (z mod step)%Z in
+    if (field =? 2 * emax - 1)%Z then (if (fraction =? 0)%Z then B754_infinity s else B754_nan)
+    else if (field =? 0)%Z then binary_normalize prec emax _ _ mode_NE (cond_Zopp s fraction) least_exponent s
+    else binary_normalize prec emax _ _ mode_NE (cond_Zopp s (fraction + step)) (field - 1 + least_exponent) s.
+
+  (* y = m 2^e with m from about 1/sqrt 2 to about sqrt 2, as the C has it in unsigned arithmetic; `cut` are the bits of the least m *)
+  Definition cut : Z := if (prec =? 24)%Z then 0x3f3504f3 else 0x3fe6a09e667f3bcd.
+  Definition exponent_by_bits (y : number) : Z := Z.shiftr ((bits y - cut) mod words) (prec - 1).
+  Definition mantissa_by_bits (y : number) : number := of_bits ((Z.land ((bits y - cut) mod words) (Z.ones (prec - 1)) + cut) mod words).
+
+  (* below 512 in binary32 and below 4096 in binary64 *)
+  Lemma exponent_range y : (0 <= exponent_by_bits y < 4 * emax)%Z.
+  Proof.
+    assert (S0 : (0 < step)%Z) by (apply Z.pow_pos_nonneg; lia). assert (W : (0 < words)%Z) by (unfold words; nia).
+    assert (M := Z.mod_pos_bound (bits y - cut) words W). unfold exponent_by_bits. rewrite Z.shiftr_div_pow2 by lia. fold step.
+    split; [apply Z.div_pos; lia|apply Z.div_lt_upper_bound; [exact S0|]]. unfold words in *. lia.
+  Qed.
+
   (* ---------------------------------------------------------------- the machine *)
 
   Definition of_int (z : Z) : number := binary_normalize prec emax _ _ mode_NE z 0 false.
   Definition machine (log_ : number -> number) : arithmetic :=
     Arithmetic number (Bplus mode_NE) (Bminus mode_NE) (Bmult mode_NE) (Bdiv mode_NE) Bopp Bltb Bleb is_finite B754_nan decimal_number of_int
-      (fun x => if is_finite x then Some (Btrunc x) else None) log_.
+      (fun x => if is_finite x then Some (Btrunc x) else None) log_ exponent_by_bits mantissa_by_bits.
 
   Definition most : R := bpow radix2 (emax - 1).
 

@@ -5,12 +5,13 @@ Import ListNotations.
 (* (-1)^minus digits 10^exponent, as it is written in the text *)
 Record decimal := Decimal { minus : bool; digits : Z; exponent : Z }.
 
-Inductive type := TReal | TInt | TBool.
+Inductive type := TReal | TInt | TBool | TUnsigned.
 
 Inductive atom :=
 | Name (x : string)
 | Real (v : decimal)
 | Int (z : Z)
+| Unsigned (z : Z)
 | Truth (b : bool)
 | NotANumber.
 
@@ -25,7 +26,9 @@ Inductive expression :=
 | Cast (t : type) (a : atom)
 | Load (array : string) (i : atom)
 | Finite (a : atom)                               (* isfinite(a) != 0 *)
-| Apply (f : string) (arguments : list atom).
+| Apply (f : string) (arguments : list atom)
+| ExponentOf (a : atom)                           (* of y = m 2^e, by its bits: e, *)
+| MantissaOf (a : atom).                          (* and m *)
 
 Inductive statement :=
 | Let (t : type) (x : string) (e : expression)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -145,6 +146,47 @@ MUTANTS = (
     ("rover", "[(-1); (-5)]%Z", "[0; 0]%Z", "tube_checked"),
     ("rover", "[(-1); (-5)]%Z", "[1; 5]%Z", "tube_checked"),
     ("rover", "[(-1); (-5)]%Z", "[]%Z", "tube_checked"),
+    # the logarithm written out: the bits of a float, and the statements
+    ("omni_board", "real) == 4U", "real) == 8U", "text_read"),
+    ("omni_board", ">> 23", ">> 22", "text_read"),
+    ("omni_board", ">> 23", "> > 23", "text_read"),
+    ("omni_board", ">> 23", "<< 23", "text_read"),
+    ("omni_board", "0x7fffffU", "0x3fffffU", "text_read"),
+    ("omni_board", "return (int32_t)((bits - 0x3f3504f3U)", "return (int32_t)((bits - 0x3f3504f2U)", "text_read"),
+    ("omni_board", "bits = ((bits - 0x3f3504f3U)", "bits = ((bits - 0x3f3504f2U)", "text_read"),
+    ("omni_board", "+ 0x3f3504f3U", "+ 0x3f3504f2U", "text_read"),
+    ("omni_board", "uint32_t bits", "uint64_t bits", "text_read"),
+    ("omni_board", "memcpy(&bits, &y, sizeof bits)", "memcpy(&y, &bits, sizeof bits)", "text_read"),
+    ("omni_board", "memcpy(&m, &bits, sizeof m)", "memcpy(&m, &y, sizeof m)", "text_read"),
+    ("omni_board", "sizeof m)", "sizeof y)", "text_read"),
+    ("omni_board", "return m;", "return y;", "text_read"),
+    ("omni_board", "#include <string.h>", "#include <strings.h>", "text_read"),
+    ("omni_board", "exponent = omni_board_exponent(v0)", "exponent = omni_board_mantissa(v0)", "text_read"),
+    ("omni_board", "mantissa = omni_board_mantissa(v0)", "mantissa = omni_board_exponent(v0)", "text_read"),
+    ("omni_board", "mantissa = omni_board_mantissa(v0)", "mantissa = omni_board_mantissa(a)", "text_read"),
+    ("omni_board", "mantissa - 1.0F", "mantissa + 1.0F", "text_read"),
+    ("omni_board", "mantissa + 1.0F", "mantissa - 1.0F", "text_read"),
+    ("omni_board", "below / above", "above / below", "text_read"),
+    ("omni_board", "0.6766044F", "0.6766045F", "text_read"),
+    ("omni_board", "bent + 2.0F", "bent + 2.1F", "text_read"),
+    ("omni_board", "s * around", "z * around", "text_read"),
+    ("omni_board", "0.6931472F", "0.6931473F", "text_read"),
+    ("omni_board", "whole + part", "whole - part", "text_read"),
+    # ticks have no meaning in what the theorem is about; a header has them, and a selftest
+    ("omni_board", "int32_t segment = (int32_t)u", "uint32_t segment = (uint32_t)u", "text_read"),
+    ("omni_board", "segment * 4;", "segment * 4U;", "text_read"),
+    ("omni_board", "omni_board_segment(t, &row, &s)", "omni_board_segment_at_tick(t, &row, &s)", "text_read"),
+    ("omni_board", "#include <stdint.h>", "#include <tgmath.h>", "header_read"),
+    ("omni_board", "_SELFTEST_23e458e2bad7f4ef", "_SELFTEST_(x) x", "header_read"),
+    ("omni_board", "_TICKS 9000U", "_TICKS 9000U\n#define v0 1.0F", "header_read"),
+)
+MUTANTS_DOUBLE = (
+    ("omni_board", "real) == 8U", "real) == 4U", "text_read"),
+    ("omni_board", ">> 52", ">> 23", "text_read"),
+    ("omni_board", "0xfffffffffffffU", "0x7fffffU", "text_read"),
+    ("omni_board", "0x3fe6a09e667f3bcdU", "0x3f3504f3U", "text_read"),
+    ("omni_board", "0.6766043901443481", "0.6766044901443481", "text_read"),
+    ("omni_board", "0.6931471805599453", "0.6931481805599453", "text_read"),
 )
 
 
@@ -165,10 +207,13 @@ def text(name: str, scalar: str) -> str:
     return deep_of(ROOT / "tasks" / f"{name}.toml", ROOT / "generated" / name / "refined" / scalar)
 
 
-@pytest.mark.parametrize("name", ["omni_s1", "trolley", "rover"])
+@pytest.mark.parametrize("name", ["omni_s1", "trolley", "rover", "omni_board", "crawler"])
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
-    answer = asking.ask_coq(text(name, scalar).encode(), name)
+    told = text(name, scalar)
+    about = told.partition("*)")[0]
+    assert ("library" in about) == (name not in ("omni_board", "crawler"))  # its logarithm is assumed where it is called
+    answer = asking.ask_coq(told.encode(), name)
     assert answer.holds, answer.what
     assert set(answer.axioms) <= asking.AXIOMS
 
@@ -181,9 +226,11 @@ def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
         ("omni_s1", "gain = 0.5", "gain = 0.5\ne_max = [0.99, 0.98]"),  # clamps alone
         ("trolley", 'gain = "auto"', 'gain = "auto"\ne_max = [0.99, 0.98]'),  # all three
         ("crawler", r"\[emit\].*", ""),  # gains alone, with a period: a crawler in seconds, on a machine with a library
+        ("omni_s1", r"\Z", "\n[emit]\ntick_period = 0.001\n"),  # ticks, and the library's logarithm
+        ("omni_s1", r"gain = 0.5(.*)", r'gain = [0.5, 0.7]\nu_max = [3.1, 40.0]\1\n[emit]\nmath = "inline"\n'),
     ],
 )
-def test_gains_and_limits_have_it_one_without_the_other(name: str, old: str, new: str, tmp_path: Path) -> None:
+def test_parts_have_it_one_without_the_other(name: str, old: str, new: str, tmp_path: Path) -> None:
     task = tmp_path / f"{name}.toml"
     before = (ROOT / "tasks" / f"{name}.toml").read_text()
     task.write_text(re.sub(old, new, before, flags=re.S))
@@ -216,18 +263,37 @@ def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None
     assert "emitted_tube" in answer.what
 
 
-@pytest.mark.parametrize(("name", "old", "new", "lemma"), MUTANTS)
-def test_changed_texts_have_none(name: str, old: str, new: str, lemma: str) -> None:
-    whole = text(name, "float")
+@pytest.mark.parametrize(
+    ("name", "scalar", "old", "new", "lemma"),
+    [(name, "float", *rest) for name, *rest in MUTANTS] + [(name, "double", *rest) for name, *rest in MUTANTS_DOUBLE],
+)
+def test_changed_texts_have_none(name: str, scalar: str, old: str, new: str, lemma: str) -> None:
+    whole = text(name, scalar)
     assert old in whole
     answer = asking.ask_coq(whole.replace(old, new, 1).encode(), name)
     assert not answer.holds
     assert answer.what.startswith(lemma), answer.what
 
 
-def test_ticks_are_not_covered() -> None:
-    with pytest.raises(BadInput, match="times in ticks"):
-        text("omni_board", "float")
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        (".c", "held = running ? tick : 9000U", "held = running ? tick : 8999U"),
+        (".c", "passed / 1125", "passed / 1124"),
+        (".c", "part / 1125.0F", "part / 1124.0F"),
+        (".h", "_TICKS 9000U", "_TICKS 8999U"),
+    ],
+)
+def test_ticks_are_the_checkers_word(file: str, old: str, new: str, tmp_path: Path) -> None:
+    """Coq reads such functions and says nothing of them; the command asks the checker first."""
+    shutil.copytree(ROOT / "generated/omni_board/refined/float", tmp_path / "c")
+    place = tmp_path / f"c/omni_board{file}"
+    before = place.read_text()
+    place.write_text(before.replace(old, new, 1))
+    assert place.read_text() != before
+    assert "Times are in seconds" in deep_of(ROOT / "tasks/omni_board.toml", tmp_path / "c")
+    done = run("theorem", "tasks/omni_board.toml", str(tmp_path / "c/omni_board.c"))
+    assert done.returncode == 1, done.stdout
 
 
 ATTACKS = (

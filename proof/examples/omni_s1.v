@@ -619,7 +619,7 @@ Definition the_limits : list (option Q) := Eval vm_compute in limits_of Single t
 Definition the_clamps : list Q := Eval vm_compute in clamps_of Single the_constants.
 Definition the_steps : list Z := Eval vm_compute in steps_of (Tube.n the_task) the_table.
 Definition the_late : Q := Eval vm_compute in late_of Single (Tube.T the_task) the_table the_scale.
-Definition the_program : source := Source (preamble Single "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
+Definition the_program : source := Source (preamble Single the_constants "omni_s1"%string) (emitted_tables the_constants the_coefficients) (Emission.emitted the_constants).
 
 (* The text is this program: the tables, and the functions that `tube` and `control` are made of. *)
 Lemma text_read : option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some the_program.
@@ -655,11 +655,11 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
     execute A (log_name the_constants) program "@control" [@R_ A t] (places_of A the_constants (fun i => x (Z.to_nat i))) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < 2)%nat -> (L i < B2R (x i) < U i)%R) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < 2)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
-      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamps 0%Q)) (32 * Q2R (half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
+      HeldLaw.acts (Q2R (nth i the_gains 0%Q)) (Q2R (nth i the_clamps 0%Q)) (Q2R (32 * half_ulp Single)) (option_map Q2R (nth i the_limits None)) (B2R (x i) - L i) (U i - B2R (x i)) (B2R v).
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
-  destruct (control_acts Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
-    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ accurate t x Ft Fx Sx tau Rt) as (out & status & H).
+  destruct (control_acts Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
+    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) t x Ft Fx Sx tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
@@ -673,7 +673,7 @@ Definition the_conditions : conditions := (Conditions (1 # 1000) (0 # 1) (19 # 2
 Definition the_rhos : list Q := [(39 # 1); (39 # 1)]%Q.
 Definition the_shifts : list Q := [(149 # 16777216); (149 # 16777216)]%Q.
 (* P9's numbers, of all of these. *)
-Definition the_sampling : sampling := sampled_by 2 the_conditions (32 * half_ulp Single) the_gains the_clamps the_limits the_rhos the_shifts.
+Definition the_sampling : sampling := sampled_by 2 the_conditions (loss Single the_constants) the_gains the_clamps the_limits the_rhos the_shifts.
 (* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
 Definition the_hints : list (list (Q * Q)) := [
   [((1294644935 # 8388608), (3842323 # 1048576)); ((642610395 # 4194304), (61477077 # 16777216))];
@@ -746,9 +746,9 @@ Theorem closed_loop : forall (log_ : number -> number), accurate (precision Sing
 Proof.
   intros log_ accurate taken switch x push G clock measured program Text L U input Times Clock Sensors Continuous Start Plant.
   rewrite text_read in Text. injection Text as <-.
-  exact (controller_sound Single the_constants the_coefficients (preamble Single "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
+  exact (controller_sound Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamps the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
-    log_ accurate taken switch x push G clock measured Times Clock Sensors Continuous Start Plant).
+    log_ (fun _ => accurate) taken switch x push G clock measured Times Clock Sensors Continuous Start Plant).
 Qed.
 
 Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).

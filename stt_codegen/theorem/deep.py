@@ -43,7 +43,7 @@ def example(found: Facts) -> Sampling | None:
     for k in range(98, 0, -1):
         share = Fraction(k, 100)
         rho = ((1 + share) / (1 - share),) * n
-        lost = Fraction(32, 1 << FORMATS[found.scalar][1])
+        lost = Fraction(1, 1 << 14) if found.inline else Fraction(32, 1 << FORMATS[found.scalar][1])
         numbers = Sampling(Fraction(1, 1000), Fraction(0), share, wind, one, one, none, rho, shift, lost, noise)
         if holds(found, numbers):
             return numbers
@@ -72,8 +72,9 @@ KEYS = {
     "emit": "scalar math tick_period selftest rust",
     "plant": "f_max w_max g_min g_max g_cross noise",
 }
+CALLED, WRITTEN_OUT = "(fun _ => accurate)", "(fun called => False_ind _ (Bool.diff_true_false called))"  # of the logarithm
 SPELT = re.compile(r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+")  # in the task, what proof/Toml.v does not read
-BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|([+&|-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
 
 
 def _foreign(task: bytes) -> str:
@@ -96,8 +97,6 @@ def uncovered(found: Facts, *texts: bytes) -> str:
     it does."""
     task, *code = texts
     reasons = {
-        "times in ticks": found.ticks,
-        "logarithms written out": any(f"{found.name}_mantissa".encode() in text for text in texts),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
         "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
         "a guard": any(f"{found.name}_guard".encode() in text for text in code),
@@ -142,6 +141,10 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         header=quoted(header.decode("ascii")),
         text=quoted(source.decode("ascii")),
         task=the_task(found),
+        inline=found.inline,
+        accuracy=WRITTEN_OUT if found.inline else CALLED,
+        ticks=found.ticks,
+        lost="(1 # 16384)" if found.inline else f"(32 * half_ulp {FORMATS[found.scalar][0]})",
         unit=rational(found.unit),
         error=rational(found.error * found.unit),
         format=FORMATS[found.scalar][0],

@@ -87,6 +87,7 @@ class Facts:
     e_max: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...] | None
     ticks: bool
+    inline: bool  # the logarithm is written out
     sampling: Sampling | None
 
     @property
@@ -174,6 +175,7 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
         e_max=tuple(task.e_max),
         u_max=None if u_max is None else tuple(u_max),
         ticks=task.tick is not None,
+        inline=task.inline,
         sampling=None if task.period is None else _sampling(task, c, document["sampled"], error * tube.unit),
     )
 
