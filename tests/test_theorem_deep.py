@@ -104,6 +104,7 @@ MUTANTS = (
     ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 /*/", "header_read"),
     ("omni_s1", "} omni_s1_status;", "} omni_s1_status; /* *\\\n/\n#define OMNI_S1_OUTSIDE_TUBE OMNI_S1_OK /* */", "header_read"),
     ("omni_s1", "upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
+    ("omni_s1", "the_error : Q := (1 # 131072)", "the_error : Q := (1 # 1048576)", "rounding_checked"),
     # what the task states of samples and plant
     ("trolley", "period = 0.02 ", "period = 0.021 ", "conditions_read"),
     ("trolley", "latency = 0.002", "latency = 0.0021", "conditions_read"),

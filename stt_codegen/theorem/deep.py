@@ -97,6 +97,7 @@ def uncovered(found: Facts, *texts: bytes) -> str:
     it does."""
     task, *code = texts
     reasons = {
+        found.beyond: bool(found.beyond),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
         "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
         "a guard": any(f"{found.name}_guard".encode() in text for text in code),

@@ -7,6 +7,7 @@ comparisons, indices, the law) is that checker's word: `stt_codegen.theorem.aski
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
@@ -61,8 +62,9 @@ Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, 
 @dataclass(frozen=True)
 class Facts:
     """Sets have the body added; `unsafe` by name, `normals` for each of them; walls, goals: half-spaces that cut state space and
-    target. unit: of the table; error: P7's bound in units, the largest of the dimensions. rate, last: K/t_c and the last spline
-    time, as the C has them. code: `basis` and then `blend`, on s, q0 .. q3."""
+    target. unit: of the table; error: P7's bound in units, at least the certificate's of every dimension. rate, last: K/t_c and
+    the last spline time, as the C has them. code: `basis` and then `blend`, on s, q0 .. q3. beyond: what of this task the
+    theorems about the loop are not yet about."""
 
     name: str
     scalar: str
@@ -88,6 +90,7 @@ class Facts:
     u_max: tuple[Fraction, ...] | None
     ticks: bool
     inline: bool  # the logarithm is written out
+    beyond: str
     sampling: Sampling | None
 
     @property
@@ -105,8 +108,6 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
         raise BadInput(f"theorem: a {certificate.get('design')} tube has none; theorems are about refined ones")
     if certificate.get("scalar") not in ("float", "double"):
         raise BadInput("theorem: not yet about controllers in integers; use --scalar float or double")
-    if certificate.get("order") != 1:
-        raise BadInput("theorem: not yet about plant.order 2")
     try:
         read = checker.Task(task)
     except checker.Unusable as problem:
@@ -115,12 +116,20 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
     for there, what in (
         (read.mission is not None, "missions"),
         (moving, "sets that move, or are unsafe only for a while"),
-        (read.scales, 'saturate = "scale"'),
-        (read.gain is not None and min(read.gain) < 0, "negative gains"),
     ):
         if there:
             raise BadInput(f"theorem: not yet about {what}")
     return read
+
+
+def beyond(task: checker.Task) -> str:
+    """What the theorems about the loop are not yet about; that about the emitted tube is, for it goes by no law."""
+    kinds = {
+        "plant.order 2": task.order != 1,
+        'saturate = "scale"': task.scales,
+        "negative gains": task.gain is not None and min(task.gain) < 0,
+    }
+    return next((what for what, there in kinds.items() if there), "")
 
 
 def facts(task: bytes, source: bytes, certificate: bytes) -> Facts:
@@ -140,14 +149,19 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = spline_time(c, task.n)
-    control, error = document["control"], max(document["edge_error"])
+    control, error = document["control"], max(*document["edge_error"], loose(c, tube))
     hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == "P4"}
     gain = checker.fractions(control["gain"], task.n)
     u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
-    if task.gain not in (None, gain) or min(gain) <= 0 or type(error) is not int:
+    looped = not beyond(task)
+    if task.gain not in (None, gain) or (looped and min(gain) <= 0) or type(error) is not int:
         raise Unread("the certificate's gain is not the task's, or an error is no whole number")
     for name, values in (("gain", gain), ("u_max", u_max)):
-        if values is not None and c.tables.get(name, values) not in (values, [checker.rounded(v, c.bits) for v in values]):
+        if (
+            looped
+            and values is not None
+            and c.tables.get(name, values) not in (values, [checker.rounded(v, c.bits) for v in values])
+        ):
             raise Unread(f"the C has another {name} than the certificate")
     if (u_max is None) != (task.u_max is None) or any(a > b for a, b in zip(u_max or [], task.u_max or [], strict=True)):
         raise Unread("the certificate's u_max is not the task's")
@@ -176,8 +190,20 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
         u_max=None if u_max is None else tuple(u_max),
         ticks=task.tick is not None,
         inline=task.inline,
-        sampling=None if task.period is None else _sampling(task, c, document["sampled"], error * tube.unit),
+        beyond=beyond(task),
+        sampling=None if task.period is None or not looped else _sampling(task, c, document["sampled"], error * tube.unit),
     )
+
+
+def loose(source: checker.Source, tube: checker.Tube) -> int:
+    """P7's bound in units as proof/EmittedTube.v has it, with the largest coefficient of all dimensions for each of them."""
+    eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
+    largest = max(abs(v) for row in tube.table for edges in row for v in edges) * tube.unit
+    weights = checker._errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
+    (edge,) = checker._errors(source, "blend", [*weights, *[(-largest, largest, Fraction(0))] * 4], eps, tiny)
+    late = tube.segments * 4 * eps * (1 + eps) + tiny
+    wrong = max(edge[2] / tube.unit + late * tube.fastest(i, 1) for i in range(tube.n))
+    return math.ceil(wrong + Fraction(1, 1 << 30))
 
 
 def _edges(box: checker.Box) -> Edges:

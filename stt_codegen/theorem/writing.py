@@ -89,12 +89,17 @@ def words(facts: Facts) -> str:
         f"normal, by so much that every point between them is at least {clear} away, in some dimension, from every point of the "
         "set. At t = 0 they are in the initial set, and the initial state is between them. From t = "
         f"{t_c} s on they are in the target set.",
-        "2. The closed loop in continuous time. Take any plant xdot_i = f_i + g_i u_i, i = 1 .. n, whose |f_i| (drift and "
-        "disturbance) is bounded along the trajectory, and whose g_i is at least some positive number; neither bound need be "
-        "known. Let u be the law (13) of the exact tube, without limits and without rounding, with the gain of the certificate. "
-        f"Then every trajectory that begins strictly inside the tube is, until t = {t_c} s, in the state space, and the "
-        f"clearance away from every unsafe set; at t = {t_c} s it is in the target set.",
     ]
+    if facts.beyond:
+        told.append(f"There is no theorem yet about the closed loop with {facts.beyond}.")
+    else:
+        told.append(
+            "2. The closed loop in continuous time. Take any plant xdot_i = f_i + g_i u_i, i = 1 .. n, whose |f_i| (drift and "
+            "disturbance) is bounded along the trajectory, and whose g_i is at least some positive number; neither bound need "
+            "be known. Let u be the law (13) of the exact tube, without limits and without rounding, with the gain of the "
+            f"certificate. Then every trajectory that begins strictly inside the tube is, until t = {t_c} s, in the state space, "
+            f"and the clearance away from every unsafe set; at t = {t_c} s it is in the target set."
+        )
     if facts.sampling is not None:
         told.append(_sampled_words(facts, facts.sampling))
     told += [
@@ -202,6 +207,9 @@ def written(facts: Facts) -> bytes:
         format=format_,
         gain="; ".join(real(k) for k in facts.gain),
         sampled=None if facts.sampling is None else _sampled(facts, facts.sampling),
-        theorems="emitted_tube, closed_loop" + (", sampled_loop" if facts.sampling is not None else ""),
+        beyond=facts.beyond,
+        theorems="emitted_tube"
+        if facts.beyond
+        else "emitted_tube, closed_loop" + (", sampled_loop" if facts.sampling is not None else ""),
     )
     return text.encode()
