@@ -280,7 +280,7 @@ def test_changed_texts_have_none(name: str, scalar: str, old: str, new: str, lem
     ("file", "old", "new"),
     [
         (".c", "held = running ? tick : 9000U", "held = running ? tick : 8999U"),
-        (".c", "passed / 1125", "passed / 1124"),
+        (".c", "place / 1125", "place / 1124"),
         (".c", "part / 1125.0F", "part / 1124.0F"),
         (".h", "_TICKS 9000U", "_TICKS 8999U"),
     ],
