@@ -19,7 +19,7 @@ def theorem(
     1 when one does not, 4 without Coq."""
     from stt_codegen.theorem.asking import ask
 
-    with patience(f"theorems of {source} (and once the library, which takes two minutes)"):
+    with patience(f"theorems of {source} (and once the library, which takes a minute)"):
         answer = ask(task, source, source.with_suffix(".certificate.json"))
     if json:
         print_json(answer.document())

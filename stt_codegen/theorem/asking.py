@@ -65,7 +65,7 @@ def coqc() -> str:
 
 
 def library() -> Path:
-    """The compiled library, of these sources and this Coq; made where it is not there yet, in two minutes. Raises
+    """The compiled library, of these sources and this Coq; made where it is not there yet, in a minute. Raises
     `MissingTool`."""
     compiler, source = coqc(), library_folder()
     digest = hashlib.sha256(subprocess.run([compiler, "--version"], capture_output=True, check=False).stdout)
