@@ -181,7 +181,14 @@ Section Machine.
       { apply (Rmult_le_reg_r (bpow radix2 (- prec))); [apply bpow_gt_0|]. rewrite Rmult_assoc, <- bpow_plus, Z.add_opp_diag_r. change (bpow radix2 0) with 1. lra. }
       rewrite <- Pb in H0. assert (9 * (2 * P) <= 10 * Zpos M)%Z; [|lia]. apply le_IZR. rewrite !mult_IZR in *. lra. }
     set (D0 := ((E + prec) * P + (Zpos M - P - low))%Z) in *.
-    assert (Small : (0 <= D0 < words prec emax)%Z) by (unfold D0, words; nia).
+    assert (W : (words prec emax = 4 * (emax * P))%Z) by (unfold words; fold P; ring).
+    assert (W2 : (128 * P <= emax * P)%Z) by (apply Z.mul_le_mono_nonneg_r; lia).
+    assert (Small : (0 <= D0 < words prec emax)%Z).
+    { assert (Up : ((E + prec) * P <= 63 * P)%Z) by (apply Z.mul_le_mono_nonneg_r; lia).
+      assert (Below : (0 <= D0)%Z).
+      { unfold D0. destruct (Z.eq_dec (E + prec) 0) as [Q|Q]; [rewrite Q, Z.mul_0_l; apply First, Q|].
+        assert ((1 * P <= (E + prec) * P)%Z) by (apply Z.mul_le_mono_nonneg_r; lia). lia. }
+      split; [exact Below|]. rewrite W. unfold D0. lia. }
     unfold exponent_by_bits, mantissa_by_bits. cbv zeta. rewrite Bits, (Z.mod_small D0) by exact Small.
     rewrite Z.shiftr_div_pow2, Z.land_ones by lia. fold P.
     assert (Two : bpow radix2 1 = 2) by reflexivity. assert (Pp : 0 < bpow radix2 (- prec)) by apply bpow_gt_0.
@@ -192,7 +199,7 @@ Section Machine.
     - assert (Dv : (D0 / P = E + prec)%Z) by (unfold D0; rewrite Z.div_add_l, Z.div_small by lia; ring).
       assert (Md : (D0 mod P = Zpos M - P - low)%Z) by (unfold D0; rewrite Z.add_comm, Z.mod_add, Z.mod_small by lia; reflexivity).
       rewrite Dv, Md, cut_parts. replace (Zpos M - P - low + ((emax - 2) * P + low))%Z with ((emax - 2) * P + (Zpos M - P))%Z by ring.
-      rewrite (Z.mod_small ((emax - 2) * P + (Zpos M - P))) by (unfold words; nia).
+      rewrite (Z.mod_small ((emax - 2) * P + (Zpos M - P))) by (rewrite W, Z.mul_sub_distr_r; lia).
       destruct (of_bits_ok (emax - 2) (Zpos M - P) ltac:(lia) ltac:(lia)) as [O1 O2]. rewrite V, O1.
       replace (Zpos M - P + P)%Z with (Zpos M) by ring. replace (emax - 2 + 2 - emax - prec)%Z with (- prec)%Z by ring.
       split; [exact O2|]. split; [rewrite Rmult_assoc, <- bpow_plus; f_equal; f_equal; ring|]. split; [lia|]. split; [|exists (Zpos M); reflexivity].
@@ -203,7 +210,7 @@ Section Machine.
       assert (Md : (D0 mod P = Zpos M - low)%Z).
       { unfold D0. replace ((E + prec) * P + (Zpos M - P - low))%Z with ((Zpos M - low) + (E + prec - 1) * P)%Z by ring. rewrite Z.mod_add, Z.mod_small by lia. reflexivity. }
       rewrite Dv, Md, cut_parts. replace (Zpos M - low + ((emax - 2) * P + low))%Z with ((emax - 1) * P + (Zpos M - P))%Z by ring.
-      rewrite (Z.mod_small ((emax - 1) * P + (Zpos M - P))) by (unfold words; nia).
+      rewrite (Z.mod_small ((emax - 1) * P + (Zpos M - P))) by (rewrite W, Z.mul_sub_distr_r; lia).
       destruct (of_bits_ok (emax - 1) (Zpos M - P) ltac:(lia) ltac:(lia)) as [O1 O2]. rewrite V, O1.
       replace (Zpos M - P + P)%Z with (Zpos M) by ring. replace (emax - 1 + 2 - emax - prec)%Z with (1 + - prec)%Z by ring.
       split; [exact O2|]. split; [rewrite Rmult_assoc, <- bpow_plus; f_equal; f_equal; ring|]. split; [lia|]. rewrite bpow_plus, Two. split; [|exists (2 * Zpos M)%Z; rewrite mult_IZR; ring].
