@@ -519,7 +519,8 @@ Section Machine.
       assert (b0 : 0 < b).
       { apply Rnot_le_lt; intro C. assert (R0 : rnd b <= 0) by (rewrite <- (rnd_0 prec emax); now apply rnd_le). 
         assert (D := rnd_difference prec emax prec_gt_0_ prec_large (value x) (value L) (number_format _ _ _) (number_format _ _ _)). fold a in D. fold u in D.
-        pose proof width as Wd. unfold S in Wd. rewrite Rabs_pos_eq with (x := a) in D by lra. apply Rabs_le_between in D. nra. }
+        pose proof width as Wd. unfold S in Wd. rewrite Rabs_pos_eq with (x := a) in D by lra. apply Rabs_le_between in D.
+        assert (u * a <= / 16777216 * a) by (apply Rmult_le_compat_r; lra). lra. }
       assert (Ca : close 1 (rnd a) a) by (apply close_rounded; [exact u_small|lra|apply rnd_difference; try apply number_format; assumption]).
       assert (Cb : close 1 (rnd b) b) by (apply close_rounded; [exact u_small|lra|apply rnd_difference; try apply number_format; assumption]).
       rewrite Eq in Ca. assert (Cab : close 2 a b) by (change 2%nat with (1 + 1)%nat; apply close_trans with (y := rnd b); [exact u_small|apply close_sym; first [exact u_small|exact Ca]|exact Cb]).
