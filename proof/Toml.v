@@ -37,7 +37,7 @@ Fixpoint tokens (s : string) (st : state) (acc : list token) : option (list toke
 
 Inductive value := VNumber (q : Q) | VText (s : string) | VTruth (b : bool) | VList (l : list value).
 
-(* [-] digits [. digits] [e [-] digits] *)
+(* [-] digits [. digits] [e or E [- or +] digits] *)
 Definition power (e : Z) : Q := if (0 <=? e)%Z then inject_Z (10 ^ e) else (1 # Z.to_pos (10 ^ (- e)))%Q.
 Definition unsigned (w : string) : option Q :=
   let '(v, a, r) := number w 0 0 in
@@ -46,9 +46,11 @@ Definition unsigned (w : string) : option Q :=
   if (b <? 0)%Z then None else
   match r with
   | EmptyString => Some (inject_Z v * power (- b))%Q
-  | String "e" (String "-" r) => match number r 0 0 with (x, c, EmptyString) => if (c =? 0)%Z then None else Some (inject_Z v * power (- b - x))%Q | _ => None end
-  | String "e" r => match number r 0 0 with (x, c, EmptyString) => if (c =? 0)%Z then None else Some (inject_Z v * power (x - b))%Q | _ => None end
-  | _ => None
+  | String c r =>
+      if (Ascii.eqb c "e" || Ascii.eqb c "E")%bool then
+        let '(sign, r) := match r with String "-" r => ((-1)%Z, r) | String "+" r => (1%Z, r) | _ => (1%Z, r) end in
+        match number r 0 0 with (x, c, EmptyString) => if (c =? 0)%Z then None else Some (inject_Z v * power (sign * x - b))%Q | _ => None end
+      else None
   end.
 Definition number_ (w : string) : option Q :=
   match w with

@@ -9,6 +9,7 @@ import operator
 import re
 import shutil
 from collections.abc import Callable, Iterable
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,11 +22,11 @@ from test_theorem_deep import SHAPES
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem import asking
-from stt_codegen.theorem.deep import KEYS
+from stt_codegen.theorem.deep import KEYS, quoted
 from stt_codegen.theorem.reading import Facts, Unread, facts
 from stt_codegen.theorem.shapes import multipliers, sets, solid
 from stt_codegen.theorem.text import theorem_text
-from stt_codegen.theorem.writing import written
+from stt_codegen.theorem.writing import listed, rational, written
 
 pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
 
@@ -221,6 +222,42 @@ def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str])
     done = run("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop")
+
+
+PLANTS = (
+    "",
+    "[plant]\ng_min = 0.5",
+    "[plant]\ng_min = 2.5",
+    "[plant]\ng_max = 0.5",
+    "[plant]\ng_max = [3, 0.25]\nf_max = 1e-2",
+    "[plant]\ng_min = [0.5, 3.0]\ng_max = 4\nnoise = 2.5e-4",
+    "[plant]\nf_max = [0.1, 0.2]\nw_max = [0.03, 0]\ng_cross = [0, 0.125]",
+    "[plant]\nw_max = 0.1 # gusts\ng_cross = 1E-1",
+)
+CONTROLS = ("period = 0.02", "period = 2E-2\nlatency = 3.0e-3", "latency = 1\nperiod = 0.5e+1")
+
+
+@pytest.mark.slow
+def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[str], str]) -> None:
+    """Bounds that are missing, for all components, or by component: one lemma for each text."""
+    tool("coqc")
+    before = (ROOT / "tasks/trolley.toml").read_text().partition("[control]")[0]
+    lemmas = []
+    for plant, control, share in itertools.product(PLANTS, CONTROLS, ("share = 0.9", "")):
+        text = f"{before.replace('share = 0.9 ', f'{share} ')}[control]\n{control}\n{plant}\n"
+        task = checker.Task(text.encode())
+        force, low, high, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
+        assert task.period is not None
+        numbers = (task.period, task.latency, task.share, (task.plant["noise"] or [Fraction(0)])[0])
+        expected = " ".join([*map(rational, numbers), *map(listed, (force, low, high, cross))])
+        lemmas.append(
+            f"Goal conditions_in {quoted(text)} = Some (Conditions {expected})%Q.\nProof. vm_compute. reflexivity. Qed."
+        )
+    head = "From Coq Require Import QArith String List.\nFrom Stt Require Import Sound Toml.\nImport ListNotations.\nOpen Scope string_scope."
+    answer = asking.ask_coq(
+        "\n".join([head, *lemmas, "Print Assumptions ClassicalDedekindReals.sig_forall_dec."]).encode(), "conditions"
+    )
+    assert answer.holds, answer.what
 
 
 # ------------------------------------------------------------------------------------------------ what is changed
