@@ -1,7 +1,7 @@
 (* omni_s1.v: theorems about the controller in omni_s1.c. The texts of the task, of omni_s1.h and of omni_s1.c are below, and Coq reads them.
 
-   For every time and state in finite numbers of ordinary size, `omni_s1_control` ends, with nothing that C leaves undefined; what it
-   stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
+   For every finite time and every state below 2^30, `omni_s1_control` ends, with nothing that C leaves undefined, u being another
+   array than x; what it stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
    32 units of rounding in the factor and in epsilon; its status says whether the state is between L and U in every dimension.
    For every time, L and U are those of the tube theorem: as wide as demanded, within the state space, clear of every unsafe set,
    in the initial set at 0 and in the target set from t_c on.
