@@ -1,4 +1,4 @@
-(* The program that the generator prints for a refined tube of boxes, order 1, up to its constants: the reader's result is compared with it.
+(* The program that the generator prints for a refined tube, order 1, up to its constants: the reader's result is compared with it.
    Gains that differ and limits of u are tables, by component; where there are none, so are the statements that use them. *)
 From Coq Require Import ZArith List String.
 From Stt Require Import Syntax.

@@ -118,7 +118,7 @@ Qed.
 Fixpoint total_Q (m : nat) (u : nat -> Q) : Q := match m with O => 0%Q | S j => (u j + total_Q j u)%Q end.
 Definition weigh (v q : Q) : Q := match Qnum v with Z0 => 0%Q | _ => (v * q)%Q end. (* factors of 0 are most, and cost nothing *)
 
-Definition box_reach (n : nat) (v : nat -> Q) (b : box) : Q :=
+Definition box_support (n : nat) (v : nat -> Q) (b : box) : Q :=
   total_Q n (fun i => weigh (v i) (nth i (if (0 <? Qnum (v i))%Z then hi b else lo b) 0%Q)).
 
 Definition greatest (l : list Q) : Q := match l with [] => 0%Q | a :: r => fold_right Qmax a r end.
@@ -129,11 +129,11 @@ Fixpoint joined (faces : list (list Q * Q)) (ms : list Q) (i : nat) : Q :=
 Fixpoint offset (faces : list (list Q * Q)) (ms : list Q) : Q :=
   match faces, ms with f :: faces, m :: ms => (Qmax 0 m * snd f + offset faces ms)%Q | _, _ => 0%Q end.
 
-(* By the duality of linear programs some multipliers give the reach itself; any give a bound. *)
-Definition core_reach (n : nat) (v : nat -> Q) (ms : list Q) (c : core) : Q :=
+(* By the duality of linear programs some multipliers give the support itself; any give a bound. *)
+Definition core_support (n : nat) (v : nat -> Q) (ms : list Q) (c : core) : Q :=
   match c with
   | Hull points => greatest (map (fun p => total_Q n (fun i => weigh (v i) (nth i p 0%Q))) points)
-  | Cut room faces => (offset faces ms + box_reach n (fun i => Qred (v i - joined faces ms i)) room)%Q
+  | Cut room faces => (offset faces ms + box_support n (fun i => Qred (v i - joined faces ms i)) room)%Q
   end.
 
 Fixpoint squares (n : nat) (v : nat -> Z) (axes : list nat) : Z :=
@@ -141,8 +141,8 @@ Fixpoint squares (n : nat) (v : nat -> Z) (axes : list nat) : Z :=
 (* the Euclidean norm of v in these dimensions, rounded up to a multiple of 2^-32 *)
 Definition norm_up (n : nat) (v : nat -> Z) (axes : list nat) : Q := (Z.sqrt_up (squares n v axes * 2 ^ 64) # 4294967296)%Q.
 
-Definition reach (n : nat) (v : nat -> Z) (ms : list Q) (o : shape) : Q :=
-  (core_reach n (fun i => inject_Z (v i)) ms (middle o) + box_reach n (fun i => inject_Z (v i)) (extent o) + Qabs (radius o) * norm_up n v (ball_in o))%Q.
+Definition support (n : nat) (v : nat -> Z) (ms : list Q) (o : shape) : Q :=
+  (core_support n (fun i => inject_Z (v i)) ms (middle o) + box_support n (fun i => inject_Z (v i)) (extent o) + Qabs (radius o) * norm_up n v (ball_in o))%Q.
 
 Lemma total_Q_ok n u : Q2R (total_Q n u) = total n (fun i => Q2R (u i)).
 Proof. induction n; cbn; [unfold Q2R; cbn; lra|]. now rewrite Q2R_plus, IHn. Qed.
@@ -150,10 +150,10 @@ Proof. induction n; cbn; [unfold Q2R; cbn; lra|]. now rewrite Q2R_plus, IHn. Qed
 Lemma weigh_ok v q : Q2R (weigh v q) = Q2R v * Q2R q.
 Proof. unfold weigh. destruct v as [[|p|p] d]; cbn [Qnum]; rewrite ?Q2R_mult; try reflexivity. unfold Q2R; cbn. ring. Qed.
 
-Lemma box_reach_ok n v b y : (forall i, (i < n)%nat -> at_ (lo b) i <= y i <= at_ (hi b) i) ->
-  total n (fun i => Q2R (v i) * y i) <= Q2R (box_reach n v b).
+Lemma box_support_ok n v b y : (forall i, (i < n)%nat -> at_ (lo b) i <= y i <= at_ (hi b) i) ->
+  total n (fun i => Q2R (v i) * y i) <= Q2R (box_support n v b).
 Proof.
-  intro H. unfold box_reach. rewrite total_Q_ok. apply total_le. intros i Hi. specialize (H i Hi). rewrite weigh_ok. unfold at_ in H.
+  intro H. unfold box_support. rewrite total_Q_ok. apply total_le. intros i Hi. specialize (H i Hi). rewrite weigh_ok. unfold at_ in H.
   assert (D : 0 < / IZR (Zpos (Qden (v i)))) by (apply Rinv_0_lt_compat, (IZR_lt 0); reflexivity).
   assert (V : Q2R (v i) = IZR (Qnum (v i)) * / IZR (Zpos (Qden (v i)))) by reflexivity.
   destruct (Z.ltb_spec 0 (Qnum (v i))) as [P|P].
@@ -198,9 +198,9 @@ Proof.
   - intros i _. rewrite Q2R_plus, Q2R_mult. unfold at_. ring.
 Qed.
 
-Lemma core_reach_ok n v ms c q : in_core n c q -> total n (fun i => Q2R (v i) * q i) <= Q2R (core_reach n v ms c).
+Lemma core_support_ok n v ms c q : in_core n c q -> total n (fun i => Q2R (v i) * q i) <= Q2R (core_support n v ms c).
 Proof.
-  destruct c as [points|room faces]; cbn [in_core core_reach].
+  destruct c as [points|room faces]; cbn [in_core core_support].
   - intros (ws & Len & Pos & One & Hq).
     rewrite (total_eq n _ (fun i => Q2R (v i) * combination ws points i)) by (intros i Hi; now rewrite Hq).
     rewrite combination_total. set (m := greatest _). replace (Q2R m) with (fold_right Rplus 0 ws * Q2R m) by (rewrite One; ring).
@@ -208,7 +208,7 @@ Proof.
     intros p Hp. eapply Rle_trans; [|apply greatest_ok, (in_map _ _ _ Hp)]. cbv beta. rewrite total_Q_ok. apply total_le. intros i _. rewrite weigh_ok. unfold at_. lra.
   - intros [B F]. rewrite Q2R_plus.
     rewrite (total_eq n _ (fun i => Q2R (joined faces ms i) * q i + Q2R (Qred (v i - joined faces ms i)) * q i)).
-    + rewrite total_plus. apply Rplus_le_compat; [now apply joined_ok|now apply box_reach_ok].
+    + rewrite total_plus. apply Rplus_le_compat; [now apply joined_ok|now apply box_support_ok].
     + intros i _. rewrite (Qeq_eqR _ _ (Qred_correct _)), Q2R_minus. ring.
 Qed.
 
@@ -258,13 +258,13 @@ Qed.
 
 Lemma Q2R_whole z : Q2R (inject_Z z) = IZR z. Proof. unfold Q2R; cbn; lra. Qed.
 
-Theorem reach_ok n v ms o y : in_set n o y -> total n (fun i => IZR (v i) * y i) <= Q2R (reach n v ms o).
+Theorem support_ok n v ms o y : in_set n o y -> total n (fun i => IZR (v i) * y i) <= Q2R (support n v ms o).
 Proof.
-  intros (q & b & r & Hq & Hb & Ho & Hr & Y). unfold reach. rewrite !Q2R_plus, Q2R_mult.
+  intros (q & b & r & Hq & Hb & Ho & Hr & Y). unfold support. rewrite !Q2R_plus, Q2R_mult.
   rewrite (total_eq n _ (fun i => (Q2R (inject_Z (v i)) * q i + Q2R (inject_Z (v i)) * b i) + IZR (v i) * r i)).
   - rewrite !total_plus. apply Rplus_le_compat; [apply Rplus_le_compat|].
-    + now apply core_reach_ok.
-    + now apply box_reach_ok.
+    + now apply core_support_ok.
+    + now apply box_support_ok.
     + assert (E : Q2R (Qabs (radius o)) = Rabs (Q2R (radius o))).
       { destruct (Qlt_le_dec (radius o) 0) as [L|L].
         - rewrite (Qeq_eqR _ _ (Qabs_neg _ (Qlt_le_weak _ _ L))), Q2R_opp. apply Qlt_Rlt in L. replace (Q2R 0) with 0 in L by (unfold Q2R; cbn; lra). rewrite Rabs_left; lra.

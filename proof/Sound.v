@@ -34,7 +34,8 @@ Definition applied (f : format) (log_ : binary_float (precision f) (largest_expo
   | None => 0
   end.
 
-(* P9's numbers: the law as the text has it, the conditions, and two lists of the certificate's: rho, and what a distance that the law sees is wrong by. *)
+(* What `period_check` decides on: the law as the text has it, the conditions, and two lists, of the certificate or chosen: rho, and what a distance that the law
+   sees is wrong by. *)
 Definition sampled_by (n : nat) (d : conditions) (lost : Q) (gains clamps : list Q) (limits : list (option Q)) (rhos shifts : list Q) : sampling :=
   Sampling (period d + latency d) (latency d) (share d) lost (map (fun i =>
     Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0) (nth i (least_gains d) 0) (nth i (most_gains d) 0)

@@ -39,7 +39,7 @@ Inductive value := VNumber (q : Q) | VText (s : string) | VTruth (b : bool) | VL
 
 (* [-] digits [. digits] [e or E [- or +] digits] *)
 Definition power (e : Z) : Q := if (0 <=? e)%Z then inject_Z (10 ^ e) else (1 # Z.to_pos (10 ^ (- e)))%Q.
-Definition unsigned (w : string) : option Q :=
+Definition magnitude (w : string) : option Q :=
   let '(v, a, r) := number w 0 0 in
   if (a =? 0)%Z then None else
   let '(v, b, r) := match r with String "." r => let '(v, b, r) := number r v 0 in (v, if (b =? 0)%Z then (-1)%Z else b, r) | _ => (v, 0%Z, r) end in
@@ -54,8 +54,8 @@ Definition unsigned (w : string) : option Q :=
   end.
 Definition number_ (w : string) : option Q :=
   match w with
-  | String "-" r => match unsigned r with Some q => Some (Qred (- q)) | None => None end
-  | _ => match unsigned w with Some q => Some (Qred q) | None => None end
+  | String "-" r => match magnitude r with Some q => Some (Qred (- q)) | None => None end
+  | _ => match magnitude w with Some q => Some (Qred q) | None => None end
   end.
 
 Fixpoint skip (l : list token) : list token := match l with End :: r => skip r | _ => l end.
@@ -98,11 +98,11 @@ Fixpoint document (fuel : nat) (l : list token) (now : section) (done : list sec
   | _, _ => None
   end.
 
+Definition every {A B} (f : A -> option B) (l : list A) : option (list B) :=
+  fold_right (fun a acc => match f a, acc with Some b, Some r => Some (b :: r) | _, _ => None end) (Some []) l.
+Definition of_length {A} (d : nat) (l : list A) : option (list A) := if Nat.eqb (List.length l) d then Some l else None.
 Definition numbers (v : value) : option (list Q) :=
-  match v with
-  | VList l => fold_right (fun v acc => match v, acc with VNumber q, Some r => Some (q :: r) | _, _ => None end) (Some []) l
-  | _ => None
-  end.
+  match v with VList l => every (fun v => match v with VNumber q => Some q | _ => None end) l | _ => None end.
 Definition the_numbers (k : string) (e : entries) : option (list Q) := match find k e with Some v => numbers v | None => None end.
 Definition the_number (k : string) (e : entries) : option Q := match find k e with Some (VNumber q) => Some q | _ => None end.
 Definition number_or (d : Q) (k : string) (e : entries) : option Q := match find k e with None => Some d | Some (VNumber q) => Some q | _ => None end.
@@ -119,11 +119,8 @@ Definition box_of (n : nat) (shrink : list Q) (e : entries) : option box :=
 
 (* ------------------------------------------------------------------ unsafe sets *)
 
-Definition every {A B} (f : A -> option B) (l : list A) : option (list B) :=
-  fold_right (fun a acc => match f a, acc with Some b, Some r => Some (b :: r) | _, _ => None end) (Some []) l.
 Definition texts (v : value) : option (list string) :=
   match v with VList l => every (fun v => match v with VText w => Some w | _ => None end) l | _ => None end.
-Definition of_length {A} (d : nat) (l : list A) : option (list A) := if Nat.eqb (List.length l) d then Some l else None.
 Definition the_vector (d : nat) (k : string) (e : entries) : option (list Q) := let* l := the_numbers k e in of_length d l.
 Definition the_vectors (d : nat) (k : string) (e : entries) : option (list (list Q)) :=
   match find k e with Some (VList (v :: r)) => every (fun v => let* l := numbers v in of_length d l) (v :: r) | _ => None end.
@@ -210,7 +207,7 @@ Definition part_of (h : string) (ss : list section) : entries := match List.find
 
 (* A number for each of n components, or one for all. *)
 Definition each (n : nat) (v : value) : option (list Q) :=
-  match v with VNumber q => Some (repeat q n) | _ => let* l := numbers v in if Nat.eqb (List.length l) n then Some l else None end.
+  match v with VNumber q => Some (repeat q n) | _ => let* l := numbers v in of_length n l end.
 Definition each_or (n : nat) (d : Q) (k : string) (e : entries) : option (list Q) := match find k e with None => Some (repeat d n) | Some v => each n v end.
 
 Definition task_in (text : string) : option (string * task) :=

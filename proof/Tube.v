@@ -374,7 +374,7 @@ Section Compile.
     let w i := nth i (fst v) 0%Z in
     match facing m w with
     | [] => [] (* a normal of 0 separates nothing *)
-    | es => [Atom es (above (reach m w (snd v) o + (c + err) * inject_Z (norm_1 m w)))]
+    | es => [Atom es (above (support m w (snd v) o + (c + err) * inject_Z (norm_1 m w)))]
     end.
   Fixpoint clear_of (m : nat) (c : Q) (os : list shape) (vs : list (list normal)) : list requirement :=
     match os with [] => [] | o :: os => flat_map (beyond m c o) (axes m ++ hd [] vs) :: clear_of m c os (tl vs) end.
@@ -572,11 +572,11 @@ Section Compile.
     intros (a & I & M). apply in_flat_map in I. destruct I as (v & _ & I). unfold beyond in I.
     set (w := fun i => nth i (fst v) 0%Z) in *. destruct (facing (n k) w) eqn:F; [easy|]. rewrite <- F in I.
     assert (Nz := facing_nonzero w (n k) ltac:(rewrite F; easy)). destruct I as [<-|[]].
-    set (q := (reach _ _ _ _ + _)%Q) in *. pose proof (above_ok q) as A. unfold q in A.
+    set (q := (support _ _ _ _ + _)%Q) in *. pose proof (above_ok q) as A. unfold q in A.
     rewrite Q2R_plus, Q2R_mult, Q2R_plus, Q2R_Z, norm_1_ok in A. fold q in A.
     exists (fun i => IZR (w i)). split.
     - destruct Nz as (i & Hi & Ne). exists i. split; [exact Hi|]. intro E. apply Ne. now apply eq_IZR.
-    - intros x y Hx Hy. assert (B := reach_ok (n k) w (snd v) o y Hy).
+    - intros x y Hx Hy. assert (B := support_ok (n k) w (snd v) o y Hy).
       assert (C := facing_ok w _ x t Hx M). lra.
   Qed.
 

@@ -9,14 +9,15 @@ import textwrap
 import tomllib
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from stt_codegen.certify import checker
 from stt_codegen.emit.render import template
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.hints import cells, hints, holds
-from stt_codegen.theorem.reading import Facts, Sampling, facts
-from stt_codegen.theorem.writing import FORMATS, box, half_spaces, listed, rational, sampled_claim, search, shape
+from stt_codegen.theorem.reading import FORMATS, Facts, Sampling, facts
+from stt_codegen.theorem.writing import box, half_spaces, hinted, listed, rational, sampled_claim, search, shape
 
 
 def quoted(text: str) -> str:
@@ -34,6 +35,7 @@ def the_task(found: Facts) -> str:
     )
 
 
+@cache
 def example(found: Facts) -> Sampling | None:
     """For tasks that have no period: one millisecond, inputs that act at once, xdot = u + w, |w| <= 1/20, x measured to 2^-20,
     rounding apart; from the largest share of a grid that is proved, or None."""
@@ -73,7 +75,9 @@ KEYS = {
     "plant": "f_max w_max g_min g_max g_cross noise",
 }
 CALLED, WRITTEN_OUT = "(fun _ => accurate)", "(fun called => False_ind _ (Bool.diff_true_false called))"  # of the logarithm
-SPELT = re.compile(r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+")  # in the task, what proof/Toml.v does not read
+SPELT = re.compile(  # keys with quotes or dots are read by no one here; nor other spellings of numbers and texts
+    r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+|\b0[xob]|^\s*\[\[?\s*\"|^\s*\"[^\"\n]*\"\s*[.=]|^\s*[\w-]+\s*\.[^\n=]*=", re.M
+)  # in the task, what proof/Toml.v does not read
 BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
 
 
@@ -98,6 +102,7 @@ def uncovered(found: Facts, *texts: bytes) -> str:
     task, *code = texts
     reasons = {
         found.beyond: bool(found.beyond),
+        "e_max below 0.5, or nearly 1": not all((1 - e) * (1 << 29) >= 1 and e >= Fraction(1, 2) for e in found.e_max),
         "texts beyond ASCII": not all(text.isascii() for text in texts),
         "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
         "a guard": any(f"{found.name}_guard".encode() in text for text in code),
@@ -121,9 +126,9 @@ def words(found: Facts) -> str:
         numbers, whose = _example(found), ", by example: the task has no control.period, and these numbers are not its own"
     claim = sampled_claim(found, numbers, (sensed(found, numbers.noise),) * found.n)
     told = (
-        f"The closed loop{whose}. Inputs are held: each is what `{found.name}_control` stores for the time and the state of a "
-        "sample. The first is taken at 0 and acts from then on; "
-        f"{claim} State space and unsafe sets have the body added."
+        f"The closed loop{whose}. Inputs are held: each is what `{found.name}_control` stores for the time, exact "
+        "or rounded once, and the measured state of a sample. The first is taken at 0 and acts from then on; "
+        f"{claim} Unsafe sets are grown and the state space is shrunk by the body."
     )
     return textwrap.fill(told, 125, initial_indent="   ", subsequent_indent="   ")
 
@@ -166,14 +171,13 @@ def _example(found: Facts) -> Sampling:
 
 
 def _sampled(found: Facts, s: Sampling) -> dict[str, Any]:
-    """The record `conditions` of proof/Sound.v, and the numbers of the certificate."""
+    """The record `conditions` of proof/Sound.v, and what P9 takes besides, of the certificate or chosen."""
     bounds = hints(found, s)
-    rows = ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in bounds]
     scalars = (s.period, s.latency, s.share, s.noise)
     return {
         "conditions": " ".join([*map(rational, scalars), *map(listed, (s.force, s.g_min, s.g_max, s.g_cross))]),
         "rho": listed(s.rho),
         "shift": listed(map(short, s.shift)),
-        "hints": ";\n  ".join(f"[{row}]" for row in rows),
+        "hints": ";\n  ".join(f"[{row}]" for row in hinted(bounds)),
         "cells": cells(found, s, bounds),
     }

@@ -17,6 +17,8 @@ from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.theorem.shapes import Edges, Face, Normal, Sets, Shape, normals, sets
 
+LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
+FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}  # for Coq, bits, half the least number is 2^- that
 KERNEL = re.compile(r"const \w+ (\w+) = (\S+) ([-+*]) (\S+)")
 TIME = (  # the statements of `segment`; what is rounded in them are the two constants
     r"const bool positive = 0\.0F? < t",
@@ -61,10 +63,10 @@ Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, 
 
 @dataclass(frozen=True)
 class Facts:
-    """Sets have the body added; `unsafe` by name, `normals` for each of them; walls, goals: half-spaces that cut state space and
-    target. unit: of the table; error: P7's bound in units, at least the certificate's of every dimension. rate, last: K/t_c and
-    the last spline time, as the C has them. code: `basis` and then `blend`, on s, q0 .. q3. beyond: what of this task the
-    theorems about the loop are not yet about."""
+    """Unsafe sets are grown by the body and the state space shrunk; `unsafe` by name, `normals` for each of them; walls, goals:
+    half-spaces that cut state space and target. unit: of the table; error: P7's bound in units, at least the certificate's of
+    every dimension. rate, last: K/t_c and the last spline time, as the C has them. code: `basis` and then `blend`, on s,
+    q0 .. q3. beyond: what of this task the theorems about the loop are not yet about."""
 
     name: str
     scalar: str
@@ -149,13 +151,13 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
     c = checker.Source(source, task, document["scalar"] == "float")
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = spline_time(c, task.n)
-    control, error = document["control"], max(*document["edge_error"], loose(c, tube))
+    control, error = document["control"], max(*document["edge_error"], rounding_bound(c, tube))
     hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == "P4"}
     gain = checker.fractions(control["gain"], task.n)
     u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
     looped = not beyond(task)
     if task.gain not in (None, gain) or (looped and min(gain) <= 0) or type(error) is not int:
-        raise Unread("the certificate's gain is not the task's, or an error is no whole number")
+        raise Unread("the certificate's gain is not the task's, or not positive, or an error is no whole number")
     for name, values in (("gain", gain), ("u_max", u_max)):
         if (
             looped
@@ -195,15 +197,19 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
     )
 
 
-def loose(source: checker.Source, tube: checker.Tube) -> int:
-    """P7's bound in units as proof/EmittedTube.v has it, with the largest coefficient of all dimensions for each of them."""
-    eps, tiny = Fraction(1, 1 << source.bits), Fraction(2) ** (-150 if source.single else -1075)
-    largest = max(abs(v) for row in tube.table for edges in row for v in edges) * tube.unit
-    weights = checker._errors(source, "basis", [(Fraction(0), Fraction(1), Fraction(0))], eps, tiny)
-    (edge,) = checker._errors(source, "blend", [*weights, *[(-largest, largest, Fraction(0))] * 4], eps, tiny)
-    late = tube.segments * 4 * eps * (1 + eps) + tiny
-    wrong = max(edge[2] / tube.unit + late * tube.fastest(i, 1) for i in range(tube.n))
-    return math.ceil(wrong + Fraction(1, 1 << 30))
+def lateness(segments: int, t_c: Fraction, scalar: str) -> Fraction:
+    """What the emitted spline time may be wrong by, in segments."""
+    _, bits, least = FORMATS[scalar]
+    eps = Fraction(1, 1 << bits)
+    return segments * LATE * eps * (1 + eps) + Fraction(1, 1 << least) * (1 + segments / t_c)
+
+
+def rounding_bound(source: checker.Source, tube: checker.Tube) -> int:
+    """P7's bound in units as proof/EmittedTube.v has it: for each dimension the largest loss in `basis` and `blend` of all."""
+    late = lateness(tube.segments, tube.t_c, source.scalar)
+    moved = [late * tube.fastest(i, 1) for i in range(tube.n)]
+    lost = [v / tube.unit - m for v, m in zip(checker.arithmetic(source, tube), moved, strict=True)]
+    return math.ceil(max(lost) + max(moved) + Fraction(1, 1 << 30))
 
 
 def _edges(box: checker.Box) -> Edges:

@@ -86,6 +86,8 @@ def _shape(table: dict[str, Any], names: list[str], space: Edges, body: Point) -
         room = laid([space[0][i] for i in own]), laid([space[1][i] for i in own])
         faces = zip(map(laid, table["normals"]), _point(table["offsets"]), strict=True)
         return Shape((), room, tuple(faces), extent, tuple(own))
+    if not {"lower", "vertices", "segment", "centre"} & table.keys():
+        raise checker.Unusable("the task has an unsafe set that is said in no way that is known here")
     told = table.get("vertices") or table.get("segment") or ([table["centre"]] if "centre" in table else [])
     return Shape(tuple(map(laid, told)), (zero, zero), (), extent, tuple(own), Fraction(table.get("radius", 0)))
 

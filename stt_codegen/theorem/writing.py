@@ -12,13 +12,11 @@ from typing import Any
 from stt_codegen.decimals import above, below
 from stt_codegen.decimals import exact_decimal as exact
 from stt_codegen.emit.render import template
-from stt_codegen.theorem.hints import cells, hints, steps
-from stt_codegen.theorem.reading import Facts, Sampling, Statement
+from stt_codegen.theorem.hints import Hint, cells, hints, steps
+from stt_codegen.theorem.reading import FORMATS, Facts, Sampling, Statement, lateness
 from stt_codegen.theorem.shapes import Edges, Face, Point, Shape, solid
 
 DEPTH = 20  # times that a segment may be halved
-LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
-FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}
 SIGNS = {"+": "Add", "-": "Sub", "*": "Mul"}
 
 
@@ -103,12 +101,13 @@ def words(facts: Facts) -> str:
     if facts.sampling is not None:
         told.append(_sampled_words(facts, facts.sampling))
     told += [
-        "State space and unsafe sets have the body added. "
+        "Unsafe sets are grown and the state space is shrunk by the body. "
         f"Unsafe sets: {', '.join(_plain(name) for name, _ in facts.unsafe) or 'none'}.",
         "What connects these with the C: the table, the constants of time, and the statements of `basis` and `blend` are those "
-        "of the C text, found by the stand-alone checker's reader; that `segment`, loops and indices use them so, and that the "
-        "law is this one and loses no more, is the checker's word. Assumed: IEEE-754 arithmetic without contraction, and that no "
-        "number overflows.",
+        "of the C text, found by the stand-alone checker's reader; that `segment`, loops and indices use them so"
+        f"{'' if facts.beyond else ', and that the law is this one and loses no more,'} is the checker's word. What is taken "
+        "from the task was written out by Python. Assumed: IEEE-754 arithmetic without contraction, and that no number "
+        "overflows.",
     ]
     if facts.ticks:
         told.append("Times in ticks are not meant: statement 1 is about the function that takes seconds.")
@@ -146,6 +145,11 @@ def sampled_claim(facts: Facts, sampling: Sampling, sensors: Sequence[Fraction])
     )
 
 
+def hinted(rows: Sequence[Sequence[Hint]]) -> list[str]:
+    """Bounds on |u| and on the logarithm in it, one line a window."""
+    return ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in rows]
+
+
 def _each(values: Sequence[Fraction]) -> str:
     """Of every component, once where all are the same."""
     said = list(dict.fromkeys(exact(v) for v in values))
@@ -171,16 +175,14 @@ def _sampled(facts: Facts, sampling: Sampling) -> dict[str, Any]:
         "share": rational(sampling.share),
         "lost": rational(sampling.lost),
         "components": components,
-        "hints": ["; ".join(f"({rational(u)}, {rational(log)})" for u, log in row) for row in rows],
+        "hints": hinted(rows),
         "cells": cells(facts, sampling, rows),
     }
 
 
 def written(facts: Facts) -> bytes:
     """The text of `<p>.v`."""
-    format_, bits, least = FORMATS[facts.scalar]
-    eps = Fraction(1, 1 << bits)
-    exact = facts.segments * LATE * eps * (1 + eps) + Fraction(1, 1 << least) * (1 + facts.segments / facts.t_c)
+    late = lateness(facts.segments, facts.t_c, facts.scalar)
     text = template("theorem.v.j2").render(
         name=facts.name,
         words=words(facts),
@@ -203,8 +205,8 @@ def written(facts: Facts) -> bytes:
         scale=f"{dyadic(facts.rate)} {dyadic(facts.last)}",
         error=rational(facts.error * facts.unit),
         steps=f"[{'; '.join(map(whole, steps(facts)))}]",
-        late=rational(Fraction(math.ceil(exact * 2**90), 2**90)),
-        format=format_,
+        late=rational(Fraction(math.ceil(late * 2**90), 2**90)),
+        format=FORMATS[facts.scalar][0],
         gain="; ".join(real(k) for k in facts.gain),
         sampled=None if facts.sampling is None else _sampled(facts, facts.sampling),
         beyond=facts.beyond,
