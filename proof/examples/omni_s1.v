@@ -7,12 +7,13 @@
    in the initial set at 0 and in the target set from t_c on.
 
    The closed loop, by example: the task has no control.period, and these numbers are not its own. Inputs are held: each is
-   what `omni_s1_control` stores for the time and the state of a sample. The first is taken at 0 and acts from then on; an
-   input acts at most 0 s after its sample for the first time, and never when that is older than 0.001 s. What is measured is
-   wrong by at most 1.25169e-06. Take any plant xdot_i = f_i + sum over j of g_ij u_j with |f_i| (drift and disturbance) at
-   most 0.05, g_ii from 1 to 1, g_ij = 0 for other j. Then every trajectory from every start with |e| at most 0.95 keeps |e|
-   at most 0.95 for as long as there are inputs, e being that of the exact tube; it is in the state space and the clearance
-   away from every unsafe set, and from t = 9 s on in the target set. State space and unsafe sets have the body added.
+   what `omni_s1_control` stores for the time, exact or rounded once, and the measured state of a sample. The first is taken
+   at 0 and acts from then on; an input acts at most 0 s after its sample for the first time, and never when that is older
+   than 0.001 s. What is measured is wrong by at most 1.25169e-06. Take any plant xdot_i = f_i + sum over j of g_ij u_j with
+   |f_i| (drift and disturbance) at most 0.05, g_ii from 1 to 1, g_ij = 0 for other j. Then every trajectory from every start
+   with |e| at most 0.95 keeps |e| at most 0.95 for as long as there are inputs, e being that of the exact tube; it is in the
+   state space and the clearance away from every unsafe set, and from t = 9 s on in the target set. Unsafe sets are grown and
+   the state space is shrunk by the body.
 
    Assumed: IEEE 754 arithmetic without contraction, and a library whose logarithm is within 4 units in the last place. *)
 From Coq Require Import ZArith QArith Qreals Reals List String.
@@ -588,7 +589,7 @@ void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real u
 }
 "%text.
 
-(* The task that is read in the first. Sets have the body added; all numbers are exact. *)
+(* The task that is read in the first. Unsafe sets are grown and the state space is shrunk by the body; all numbers are exact. *)
 Definition the_task : Tube.task := (Task 2 (9 # 1) [(1 # 4); (19 # 4)]
   (Box [(0 # 1); (0 # 1)] [(5 # 1); (5 # 1)]) (* state space *)
   (Box [(0 # 1); (9 # 2)] [(1 # 2); (5 # 1)]) (* initial set *)
@@ -672,7 +673,7 @@ Definition the_conditions : conditions := (Conditions (1 # 1000) (0 # 1) (19 # 2
 (* Chosen, and checked: |e| stays at most (rho - 1)/(rho + 1); what a distance that the law sees is wrong by. *)
 Definition the_rhos : list Q := [(39 # 1); (39 # 1)]%Q.
 Definition the_shifts : list Q := [(149 # 16777216); (149 # 16777216)]%Q.
-(* P9's numbers, of all of these. *)
+(* What `period_check` decides on, made of all of these. *)
 Definition the_sampling : sampling := sampled_by 2 the_conditions (loss Single the_constants) the_gains the_clamps the_limits the_rhos the_shifts.
 (* By window and component a bound on |u| and one on the logarithm in it: they help Coq and are not believed. *)
 Definition the_hints : list (list (Q * Q)) := [
