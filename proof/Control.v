@@ -1,4 +1,4 @@
-(* The emitted functions run: `tube` and `control` always end, without anything that C leaves undefined, and what they store is this formula. *)
+(* The emitted functions run: `control` and `control_tick` always end, without anything that C leaves undefined, and what they store is this formula. *)
 From Coq Require Import ZArith List String Bool Ascii Lia.
 From Stt Require Import Syntax Run Emission.
 Import ListNotations.
