@@ -1,4 +1,4 @@
-(* The emitted functions run: `tube` and `control` always end, without anything that C leaves undefined, and what they store is this formula. *)
+(* The emitted functions run: `control` and `control_tick` always end, without anything that C leaves undefined, and what they store is this formula. *)
 From Coq Require Import ZArith List String Bool Ascii Lia.
 From Stt Require Import Syntax Run Emission.
 Import ListNotations.
@@ -8,7 +8,7 @@ Open Scope list_scope.
 (* The constants that component i goes by: where clamps differ, its own. *)
 Definition of_component (k : constants) (i : Z) : constants :=
   Constants (dimensions k) (rate k) (last k) (gain_upper k) (gain_lower k) (gain_table k) (limit_table k)
-    (if clamps_differ k then nth (Z.to_nat i) (clamp_table k) zero else clamp k) (clamp_table k) (single k) (written_out k).
+    (if clamps_differ k then nth (Z.to_nat i) (clamp_table k) zero else clamp k) (clamp_table k) (single k) (written_out k) (tick_constants k).
 
 Section Formulas.
   Variable A : arithmetic.
@@ -21,6 +21,12 @@ Section Formulas.
     let scaled := mul A started (lit (rate k)) in
     if less A scaled (lit (last k)) then scaled else lit (last k).
   Definition place (u : F) (segment : Z) : F := sub A u (of_integer A segment).
+
+  (* of a count of ticks: how many of the divisor's are passed, the segment, and the part of it *)
+  Definition tick_place (c : tick_numbers) (tick : Z) : Z := Z.min (Z.min tick (tick_limit c) * tick_multiplier c) (tick_divisor c * tick_segments c).
+  Definition tick_segment (c : tick_numbers) (tick : Z) : Z := Z.min (tick_place c tick / tick_divisor c) (tick_segments c - 1).
+  Definition tick_rest (c : tick_numbers) (tick : Z) : Z := (tick_place c tick - tick_segment c tick * tick_divisor c)%Z.
+  Definition share_of_tick (c : tick_numbers) (tick : Z) : F := div A (of_integer A (tick_rest c tick)) (lit (tick_share c)).
 
   Definition v0 s := sub A (lit one) s.
   Definition v5 s := mul A (lit three) (add A (lit one) (mul A (v0 s) s)).
@@ -65,11 +71,27 @@ Fixpoint stored {A} (x : string) (i : Z) (out : stores A) : option (float A) :=
   match out with [] => None | (y, j, v) :: r => if String.eqb x y then if (i =? j)%Z then Some v else stored x i r else stored x i r end.
 
 Ltac reduce := cbv beta iota zeta delta
-  [exponent_function mantissa_function segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
+  [exponent_function mantissa_function segment_function segment_at_tick_function basis_function blend_function transformed_error_function law_function tube_function control_function control_tick_function
    kernel_of enter bind of_type parameters code run run_block expression_value value_of values_of get put put_all binary select results_of leave
    String.eqb Ascii.eqb Bool.eqb app rev List.length skipn Nat.sub negb
-   place_statements lower_statements upper_statements law_statements clamp_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
+   common_statements inputs_statements inside_statements place_statements lower_statements upper_statements law_statements clamp_statements gain_statements limit_statements held_statements control_body tube_body inputs_body blended
    library log_name].
+
+(* The integers of a text with ticks stay within 31 bits. *)
+Definition ticks_small (c : tick_numbers) : Prop := (0 < tick_multiplier c <= 2147483647 /\ 0 < tick_divisor c /\ 0 < tick_segments c /\ 0 <= tick_limit c <= 2147483647 /\
+  tick_limit c * tick_multiplier c <= 2147483647 /\ tick_divisor c * tick_segments c <= 2147483647)%Z.
+Lemma tick_range c tick : ticks_small c -> (0 <= tick)%Z ->
+  (0 <= tick_place c tick <= tick_divisor c * tick_segments c /\ 0 <= tick_segment c tick < tick_segments c /\ 0 <= tick_rest c tick <= tick_divisor c)%Z.
+Proof.
+  intros ([M _] & D & K & L & LM & DK) T. unfold tick_rest.
+  assert (P : (0 <= tick_place c tick <= tick_divisor c * tick_segments c)%Z) by (unfold tick_place; nia).
+  assert (Dv := Z.div_mod (tick_place c tick) (tick_divisor c) ltac:(lia)). assert (Md := Z.mod_pos_bound (tick_place c tick) (tick_divisor c) D).
+  assert (Q0 : (0 <= tick_place c tick / tick_divisor c)%Z) by (apply Z.div_pos; lia).
+  split; [exact P|]. unfold tick_segment.
+  destruct (Z.min_spec (tick_place c tick / tick_divisor c) (tick_segments c - 1)) as [[C ->]|[C ->]]; split; nia.
+Qed.
+Lemma if_less (a b : Z) : (if (a <? b)%Z then a else b) = Z.min a b.
+Proof. destruct (Z.ltb_spec a b); lia. Qed.
 
 (* ------------------------------------------------------------------ the kernels *)
 Section Kernels.
@@ -87,6 +109,26 @@ Section Kernels.
     intros E H1 H2 H3. unfold spline_time in E. cbv zeta in E.
     reduce. rewrite E. repeat (rewrite !int32_ok by assumption; cbv beta iota). reflexivity.
   Qed.
+  Lemma segment_at_tick_runs c tick : ticks_small c -> (0 <= tick <= 4294967295)%Z -> (0 < dimensions k /\ 2 * dimensions k * tick_segments c <= 2147483647)%Z ->
+    kernel_of A ks (fun _ _ => None) (segment_at_tick_function k c) [U_ tick] =
+    Some ([I_ (tick_segment c tick * (2 * dimensions k))%Z; R_ (share_of_tick A c tick)], None).
+  Proof.
+    intros S T N. assert (R := tick_range c tick S (proj1 T)). destruct R as ([P1 P2] & [S1 S2] & [R1 R2]). destruct S as ([M M1] & D & K & [L0 L1] & LM & DK).
+    assert (Q : Z.quot (tick_place c tick) (tick_divisor c) = (tick_place c tick / tick_divisor c)%Z) by (apply Z.quot_div_nonneg; lia).
+    assert (W : (-2147483648 <= tick_place c tick / tick_divisor c <= 2147483647)%Z).
+    { split; [apply Z.le_trans with 0%Z; [lia|apply Z.div_pos; lia]|]. apply Z.le_trans with (tick_place c tick); [apply Z.div_le_upper_bound; nia|lia]. }
+    assert (Z1 : (-2147483648 <= Z.min tick (tick_limit c) <= 2147483647)%Z) by lia.
+    assert (Z2 : (-2147483648 <= Z.min tick (tick_limit c) * tick_multiplier c <= 2147483647)%Z) by nia.
+    assert (Z3 : (-2147483648 <= tick_segment c tick * tick_divisor c <= 2147483647)%Z) by nia.
+    assert (Z4 : (-2147483648 <= tick_segment c tick * (2 * dimensions k) <= 2147483647)%Z) by nia.
+    assert (Z5 : (-2147483648 <= tick_rest c tick <= 2147483647)%Z) by nia.
+    assert (Z6 : (0 < dimensions k /\ 2 * dimensions k <= 2147483647)%Z) by nia.
+    assert (Z8 : (tick_divisor c <= 2147483647 /\ tick_segments c <= 2147483647)%Z) by nia.
+    assert (Z9 : (0 <= tick_divisor c * tick_segments c)%Z) by nia.
+    reduce. rewrite uint32_ok by lia. cbv beta iota. rewrite if_less, !int32_ok by lia. cbv beta iota.
+    rewrite if_less. fold (tick_place c tick). rewrite (proj2 (Z.ltb_lt _ _) D), Q, int32_ok by exact W. cbv beta iota. rewrite !int32_ok by lia. cbv beta iota. rewrite if_less. fold (tick_segment c tick).
+    rewrite int32_ok by exact Z3. cbv beta iota. fold (tick_rest c tick). rewrite int32_ok by exact Z5. cbv beta iota. rewrite int32_ok by lia. cbv beta iota. rewrite int32_ok by exact Z4. reflexivity.
+  Qed.
   Lemma basis_runs s : kernel_of A ks (fun _ _ => None) basis_function [R_ s] =
     Some ([R_ (weight0 A s); R_ (weight1 A s); R_ (weight2 A s); R_ (weight3 A s)], None).
   Proof. reflexivity. Qed.
@@ -100,10 +142,13 @@ Section Kernels.
     then [("@mantissa", kernel_of A (("@exponent", kernel_of A (library A (log_name k)) (fun _ _ => None) exponent_function) :: library A (log_name k)) (fun _ _ => None) mantissa_function);
           ("@exponent", kernel_of A (library A (log_name k)) (fun _ _ => None) exponent_function)] ++ library A (log_name k)
     else library A (log_name k).
-  Lemma transformed_error_runs f0 f1 f2 a b :
-    kernel_of A (("@blend", f0) :: ("@basis", f1) :: ("@segment", f2) :: log_kernels) (fun _ _ => None) (transformed_error_function k) [R_ a; R_ b] =
+  Lemma transformed_error_runs f0 f1 segments_ a b : (exists f2, segments_ = [("@segment", f2)]) \/ (exists f2 f3, segments_ = [("@segment_at_tick", f3); ("@segment", f2)]) ->
+    kernel_of A (("@blend", f0) :: ("@basis", f1) :: segments_ ++ log_kernels) (fun _ _ => None) (transformed_error_function k) [R_ a; R_ b] =
     Some ([R_ (opp A (log_of A k (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
-  Proof. unfold transformed_error_function, log_kernels, logarithm_statements, log_of, log_name; destruct (written_out k); [|destruct (single k)]; reflexivity. Qed.
+  Proof.
+    unfold transformed_error_function, log_kernels, logarithm_statements, log_of, log_name.
+    intros [[f2 ->]|(f2 & f3 & ->)]; (destruct (written_out k); [|destruct (single k)]; reflexivity).
+  Qed.
 End Kernels.
 
 (* ------------------------------------------------------------------ their callers *)
@@ -112,19 +157,20 @@ Section Callers.
   Variable k : constants.
   Notation F := (float A).
   Let lit := literal A.
-  Variables segment_ basis_ blend_ transformed_error_ law_ : kernel A.
-  Variable others : list (string * kernel A).
-  Variable tube_ : kernel A.
-  Let kernels := ("@tube", tube_) :: ("@law", law_) :: ("@transformed_error", transformed_error_) :: ("@blend", blend_) :: ("@basis", basis_) :: ("@segment", segment_) :: others.
+  Variables basis_ blend_ transformed_error_ law_ : kernel A.
+  Variable kernels : list (string * kernel A).
+  Hypothesis basis_there : get "@basis" kernels = Some basis_.
+  Hypothesis blend_there : get "@blend" kernels = Some blend_.
+  Hypothesis transformed_error_there : get "@transformed_error" kernels = Some transformed_error_.
+  Hypothesis law_there : get "@law" kernels = Some law_.
 
-  Variables (t : F) (segment K : Z) (q x : Z -> F) (arrays : string -> Z -> option F).
+  (* the place, wherever it comes from: a segment, and s in it *)
+  Variables (segment K : Z) (s : F) (q x : Z -> F) (arrays : string -> Z -> option F).
   Let n := dimensions k.
-  Let s := place A (spline_time A k t) segment.
   Let row := (segment * (2 * n))%Z.
 
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
-  Hypothesis segment_does : segment_ [R_ t] = Some ([I_ row; R_ s], None).
   Hypothesis basis_does : basis_ [R_ s] = Some ([R_ (weight0 A s); R_ (weight1 A s); R_ (weight2 A s); R_ (weight3 A s)], None).
   Hypothesis blend_does : forall w0 w1 w2 w3 q0 q1 q2 q3,
     blend_ [R_ w0; R_ w1; R_ w2; R_ w3; R_ q0; R_ q1; R_ q2; R_ q3] = Some ([], Some (R_ (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
@@ -171,8 +217,18 @@ Section Callers.
   Hypothesis clamps_there : clamps_differ k = true -> forall i, (0 <= i < n)%Z -> arrays "@least_share" i = Some (own A (clamp_table k) i).
   Hypothesis limits_there : limited k = true -> forall i, (0 <= i < n)%Z -> arrays "@u_max" i = Some (own A (limit_table k) i).
 
-  (* the variables of `control` before its loop *)
-  Definition checked (z : F) (f : bool) : environment A := [("bad", B_ (negb f)); ("finite", B_ f); ("zero", R_ z); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)].
+  (* the variables before the loop; those below belong to `control` or to `control_tick` alone *)
+  Variable below : environment A.
+  Definition checked (z : F) (f : bool) : environment A := ("bad", B_ (negb f)) :: ("finite", B_ f) :: ("zero", R_ z) :: below.
+
+  (* a block is left by dropping what is newer, however much there is below *)
+  Inductive ends (inner : environment A) : environment A -> Prop := here : ends inner inner | later v l : ends inner l -> ends inner (v :: l).
+  Lemma leave_ends outer inner l : ends inner l -> List.length inner = List.length outer -> leave A outer l = inner.
+  Proof.
+    intros E Ln. assert (G : exists front, l = front ++ inner) by (induction E as [|v l E [front ->]]; [now exists []|now exists (v :: front)]).
+    destruct G as [front ->]. unfold leave. rewrite app_length, Ln, Nat.add_sub. clear. induction front; [reflexivity|exact IHfront].
+  Qed.
+  Ltac left_is := apply leave_ends; [repeat first [apply here | apply later] | reflexivity].
 
   (* the variables of its loop once the edges are known, before anything that differs from text to text *)
   Definition known (i : Z) (outside : bool) (z : F) (f : bool) : environment A :=
@@ -185,8 +241,8 @@ Section Callers.
      ("lower_q0", R_ (q at_)); ("at", I_ at_); ("pair", I_ (i * 2)%Z); ("i", I_ i); ("outside", B_ outside)] ++
     places (checked z f).
   (* in one pass, for every pass leaves a term in the proof *)
-  Ltac evaluate := cbv beta iota zeta delta
-    [kernels places known checked expression_value value_of values_of get binary select String.eqb Ascii.eqb Bool.eqb negb app];
+  Ltac evaluate := cbv beta iota zeta delta [expression_value]; rewrite ?blend_there, ?law_there; cbv beta iota zeta delta
+    [places known checked expression_value value_of values_of get binary select String.eqb Ascii.eqb Bool.eqb negb app];
     repeat first [ rewrite int32_ok by (unfold row, n in *; nia) | rewrite table by (unfold row, n in *; nia) | rewrite inputs by assumption
                  | rewrite gains_there by first [assumption | reflexivity] | rewrite clamps_there by first [assumption | reflexivity] | rewrite limits_there by first [assumption | reflexivity]
                  | rewrite blend_does | rewrite law_does ]; reflexivity.
@@ -224,17 +280,18 @@ Section Callers.
         do 2 step; named (R_ (near A own_k L U (x i))); named (R_ (far A own_k L U (x i))); named (@B_ A (is_within A L U (x i))); step;
         try named (R_ (own A (limit_table k) i)); do 2 step;
         (eapply call_step with (rs := [R_ (epsilon A own_k L U (x i)); R_ (xi A own_k L U (x i))]);
-          [reflexivity|reflexivity|apply transformed_error_does|reflexivity|]);
+          [exact transformed_error_there|reflexivity|apply transformed_error_does|reflexivity|]);
         named (R_ (push A own_k high low L U (x i)));
         (* one of limits *)
         try (do 4 step; named (R_ (saturated A (own A (limit_table k) i) (push A own_k high low L U (x i)))));
         (eapply store_step; [reflexivity|evaluate|exact Hw|]);
         (eapply set_step; [evaluate|reflexivity|]); reflexivity
-      | reflexivity ]).
+      | left_is ]).
   Qed.
 
-  (* the test of the inputs: t and every x, times 0 and added up *)
-  Fixpoint zeros (m : nat) : F := match m with O => mul A t (lit zero) | S m => add A (zeros m) (mul A (x (Z.of_nat m)) (lit zero)) end.
+  (* the test of the inputs: what there is to begin with and every x, times 0 and added up *)
+  Variable first : F.
+  Fixpoint zeros (m : nat) : F := match m with O => first | S m => add A (zeros m) (mul A (x (Z.of_nat m)) (lit zero)) end.
   Definition number_of_dimensions := Z.to_nat n.
   Hypothesis finite_inputs : at_most A (zeros number_of_dimensions) (lit zero) = true.
 
@@ -242,17 +299,15 @@ Section Callers.
     match m with O => false | S m => let i := Z.of_nat m in if is_within A (lower i) (upper i) (x i) then outside_after m else true end.
 
   Lemma inputs_run : exists out env,
-    run_loop A (run A kernels arrays) "j" inputs_body (Z.to_nat n) 0 [("zero", R_ (mul A t (lit zero))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] [] =
-      Some (env, out, None) /\
-    env = [("zero", R_ (zeros number_of_dimensions)); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] /\ out = [].
+    run_loop A (run A kernels arrays) "j" inputs_body (Z.to_nat n) 0 (("zero", R_ first) :: below) [] = Some (env, out, None) /\
+    env = ("zero", R_ (zeros number_of_dimensions)) :: below /\ out = [].
   Proof.
     destruct (run_loop_keeps A kernels arrays "j" inputs_body
-      (fun j env out => env = [("zero", R_ (zeros (Z.to_nat j))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] /\ out = []) (Z.to_nat n) 0
-      [("zero", R_ (mul A t (lit zero))); ("t_zero", R_ (mul A t (lit zero))); ("t", R_ t)] []) as (env & out & E & H1 & H2).
+      (fun j env out => env = ("zero", R_ (zeros (Z.to_nat j))) :: below /\ out = []) (Z.to_nat n) 0 (("zero", R_ first) :: below) []) as (env & out & E & H1 & H2).
     - intros j env out Hj [-> ->]. assert (Hi : (0 <= j < n)%Z) by (unfold n in *; lia).
       do 2 eexists. split; [|split; [|reflexivity]].
       + unfold inputs_body. do 4 step. reflexivity.
-      + reduce. replace (Z.to_nat (j + 1)) with (S (Z.to_nat j)) by lia. cbn [zeros]. now rewrite Z2Nat.id by lia.
+      + replace (Z.to_nat (j + 1)) with (S (Z.to_nat j)) by lia. cbn [zeros]. rewrite Z2Nat.id by lia. left_is.
     - split; reflexivity.
     - exists out, env. split; [exact E|]. split; [|exact H2]. rewrite H1. now rewrite Z.add_0_l, Nat2Z.id.
   Qed.
@@ -282,23 +337,29 @@ Section Callers.
       intros i Hi. apply H2. unfold n in *; lia.
   Qed.
 
-  Theorem control_runs : exists out env,
-    enter A kernels arrays (control_function k) [R_ t] = Some (env, out, Some (Some (I_ (if outside_after number_of_dimensions then 1 else 0)%Z))) /\
+  (* The place comes from a kernel of the time or the count of ticks. *)
+  Variables (name clock : string) (segment_ : kernel A) (value : value A).
+  Hypothesis segment_there : get name kernels = Some segment_.
+  Hypothesis clock_there : forall z f, values_of A (("s", Nothing) :: ("row", Nothing) :: checked z f) [Name clock] = Some [value].
+  Hypothesis segment_does : segment_ [value] = Some ([I_ row; R_ s], None).
+
+  Theorem common_runs : exists out env,
+    run_block A (run A kernels arrays) (common_statements k name clock) (("zero", R_ first) :: below) [] =
+      Some (env, out, Some (Some (I_ (if outside_after number_of_dimensions then 1 else 0)%Z))) /\
     forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (lower i) (upper i) (x i)).
   Proof.
     destruct (bodies_run (zeros number_of_dimensions) true) as (out & env & E & -> & St).
     destruct inputs_run as (out0 & env0 & E0 & -> & ->).
     exists out. eexists. split; [|exact St].
-    unfold enter, control_function. cbn [parameters bind of_type code]. cbv [place_statements app].
-    do 2 step.
+    cbv [common_statements inputs_statements inside_statements place_statements app].
     eapply loop_step; [exact E0|].
     eapply let_step; [reduce; fold lit; rewrite finite_inputs; reflexivity|reflexivity|].
     eapply let_step; [evaluate|reflexivity|].
     eapply pass_step; [evaluate|].
     do 2 step.
-    eapply call_step; [reflexivity|reduce; reflexivity|exact segment_does|reduce; reflexivity|].
+    eapply call_step; [exact segment_there|exact (clock_there (zeros number_of_dimensions) true)|exact segment_does|reduce; reflexivity|].
     do 4 step.
-    eapply call_step; [reflexivity|reduce; reflexivity|exact basis_does|reduce; reflexivity|].
+    eapply call_step; [exact basis_there|reduce; reflexivity|exact basis_does|reduce; reflexivity|].
     step.
     eapply loop_step; [exact E|].
     apply return_step. unfold places. reduce. rewrite !int32_ok by lia. reflexivity.
@@ -312,23 +373,21 @@ Section Execute.
   Variables (k : constants) (coefficients : list decimal).
   Notation F := (float A).
   Let n := dimensions k.
-  Variables (t : F) (segment K : Z) (x : Z -> F).
+  Variables (segment K : Z) (s : F) (x : Z -> F).
   Variable lines : list string. (* directives, which the evaluator does not read *)
   Let program := Source lines (emitted_tables k coefficients) (emitted k).
-  Hypothesis segment_ok : to_integer A (spline_time A k t) = Some segment.
   Hypothesis segment_range : (0 <= segment < K)%Z.
   Hypothesis small : (0 < n /\ 2 * n * (K + 3) <= 2147483647)%Z.
   Hypothesis table_length : (Z.of_nat (List.length coefficients) = 2 * n * (K + 3))%Z.
   Hypothesis gains_length : several k = true -> Z.of_nat (List.length (gain_table k)) = n.
   Hypothesis clamps_length : clamps_differ k = true -> Z.of_nat (List.length (clamp_table k)) = n.
   Hypothesis limits_length : limited k = true -> Z.of_nat (List.length (limit_table k)) = n.
-  Hypothesis finite_inputs : at_most A (zeros A t x (number_of_dimensions k)) (literal A zero) = true.
 
   Definition q (z : Z) : F := literal A (nth (Z.to_nat z) coefficients zero).
   (* `x` and `u` have n places *)
   Definition places_of (name : string) (i : Z) : option F := if (0 <=? i)%Z then if (i <? n)%Z then Some (x i) else None else None.
-  Let L i := lower A k t segment q i.
-  Let U i := upper A k t segment q i.
+  Let L i := lower A k segment s q i.
+  Let U i := upper A k segment s q i.
 
   Lemma get_coefficients : get "@coefficients" (tables program) = Some coefficients.
   Proof. reflexivity. Qed.
@@ -349,37 +408,106 @@ Section Execute.
   Lemma places_there y i : (0 <= i < n)%Z -> places_of y i = Some (x i).
   Proof. intros [H1 H2]. unfold places_of. apply Z.leb_le in H1. apply Z.ltb_lt in H2. now rewrite H1, H2. Qed.
 
-  Lemma kernels_after rest : all_kernels A (filter (fun g => negb (String.eqb (title g) "@control")) (helpers k ++ rest)) (library A (log_name k)) =
-    all_kernels A (filter (fun g => negb (String.eqb (title g) "@control")) rest) (log_kernels A k).
-  Proof. unfold helpers, log_kernels. destruct (written_out k); reflexivity. Qed.
-  Lemma found_after rest : List.find (fun g => String.eqb (title g) "@control") (helpers k ++ rest) = List.find (fun g => String.eqb (title g) "@control") rest.
-  Proof. unfold helpers. destruct (written_out k); reflexivity. Qed.
-
-  Theorem control_executes : exists out,
-    execute A (log_name k) program "@control" [R_ t] places_of =
-      Some (out, Some (I_ (if outside_after A k t segment q x (number_of_dimensions k) then 1 else 0)%Z)) /\
-    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
+  Lemma kernels_after f rest : f <> "@exponent" -> f <> "@mantissa" -> all_kernels A (filter (fun g => negb (String.eqb (title g) f)) (helpers k ++ rest)) (library A (log_name k)) =
+    all_kernels A (filter (fun g => negb (String.eqb (title g) f)) rest) (log_kernels A k).
   Proof.
-    unfold execute. cbn [functions program]. unfold emitted. rewrite kernels_after, found_after.
-    cbv [segment_function basis_function blend_function transformed_error_function law_function tube_function control_function
-         filter title String.eqb Ascii.eqb Bool.eqb negb all_kernels List.find].
-    fold segment_function.
-    match goal with |- context [enter A ?ks ?tables ?f ?vs] => set (kernels := ks); set (arrays := tables); change f with (control_function k) end.
-    match goal with kernels := _ :: (_, ?law) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?se) :: ?others |- _ =>
-      destruct (control_runs A k se ba bl te law others (kernel_of A (tl kernels) (fun _ _ => None) (tube_function k)) t segment K q x arrays) as (out & env & E & St) end; try assumption.
-    - apply (segment_runs A k (log_kernels A k) t segment); auto; unfold n in *; nia.
-    - apply basis_runs.
-    - intros; apply blend_runs.
-    - intros; apply transformed_error_runs.
-    - intros; apply law_runs.
-    - intros z Hz. unfold arrays. rewrite get_coefficients. apply table_entry; lia.
-    - intros i Hi. unfold arrays. rewrite get_other by reflexivity. now apply places_there.
-    - intros i Hi. exists (x i). unfold arrays. rewrite get_other by reflexivity. now apply places_there.
-    - intros Sv i Hi. unfold arrays. rewrite (get_gains Sv). apply table_entry; rewrite ?(gains_length Sv); lia.
-    - intros Cd i Hi. unfold arrays. rewrite (get_clamps Cd). apply table_entry; rewrite ?(clamps_length Cd); lia.
-    - intros Li i Hi. unfold arrays. rewrite (get_limits Li). apply table_entry; rewrite ?(limits_length Li); lia.
-    - exists out. split; [|exact St].
-      match type of E with enter A ?l ?a ?f ?v = _ => change (enter A kernels arrays f v) with (enter A l a f v) end.
-      rewrite E. reflexivity.
+    intros H1 H2. apply not_eq_sym in H1, H2. apply String.eqb_neq in H1, H2. unfold helpers, log_kernels. destruct (written_out k); [|reflexivity].
+    cbn [app filter title exponent_function mantissa_function]. rewrite H1, H2. reflexivity.
+  Qed.
+  Lemma found_after f rest : f <> "@exponent" -> f <> "@mantissa" ->
+    List.find (fun g => String.eqb (title g) f) (helpers k ++ rest) = List.find (fun g => String.eqb (title g) f) rest.
+  Proof.
+    intros H1 H2. apply not_eq_sym in H1, H2. apply String.eqb_neq in H1, H2. unfold helpers. destruct (written_out k); [|reflexivity].
+    cbn [app List.find title exponent_function mantissa_function]. now rewrite H1, H2.
+  Qed.
+
+  Definition arrays_of (y : string) (i : Z) : option F :=
+    match get y (tables program) with
+    | Some t => if (i <? 0)%Z then None else match nth_error t (Z.to_nat i) with Some v => Some (literal A v) | None => None end
+    | None => places_of y i
+    end.
+
+  (* What is stored once the place is known. *)
+  Section Common.
+    Variables (kernels : list (string * kernel A)) (basis_ blend_ transformed_error_ law_ segment_ : kernel A).
+    Hypothesis there : get "@basis" kernels = Some basis_ /\ get "@blend" kernels = Some blend_ /\ get "@transformed_error" kernels = Some transformed_error_ /\ get "@law" kernels = Some law_.
+    Hypothesis basis_does : basis_ [R_ s] = Some ([R_ (weight0 A s); R_ (weight1 A s); R_ (weight2 A s); R_ (weight3 A s)], None).
+    Hypothesis blend_does : forall w0 w1 w2 w3 q0 q1 q2 q3,
+      blend_ [R_ w0; R_ w1; R_ w2; R_ w3; R_ q0; R_ q1; R_ q2; R_ q3] = Some ([], Some (R_ (blend A w0 w1 w2 w3 q0 q1 q2 q3))).
+    Hypothesis transformed_error_does : forall a b, transformed_error_ [R_ a; R_ b] =
+      Some ([R_ (opp A (log_of A k (div A b a))); R_ (div A (add A (literal A one) (div A b a)) b)], None).
+    Hypothesis law_does : forall g x e, law_ [R_ g; R_ x; R_ e] = Some ([], Some (R_ (opp A (mul A (mul A g x) e)))).
+    Variables (below : environment A) (first : F) (name clock : string) (v : value A).
+    Hypothesis finite_inputs : at_most A (zeros A x first (number_of_dimensions k)) (literal A zero) = true.
+    Hypothesis segment_there : get name kernels = Some segment_.
+    Hypothesis clock_there : forall z f, values_of A (("s", Nothing) :: ("row", Nothing) :: checked A below z f) [Name clock] = Some [v].
+    Hypothesis segment_does : segment_ [v] = Some ([I_ (segment * (2 * n))%Z; R_ s], None).
+
+    Lemma common_executes : exists out env,
+      run_block A (run A kernels arrays_of) (common_statements k name clock) (("zero", R_ first) :: below) [] =
+        Some (env, out, Some (Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z))) /\
+      forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
+    Proof.
+      destruct there as (T1 & T2 & T3 & T4).
+      apply (common_runs A k basis_ blend_ transformed_error_ law_ kernels T1 T2 T3 T4 segment K s q x arrays_of segment_range small basis_does blend_does transformed_error_does law_does) with (segment_ := segment_) (value := v); try assumption.
+      - intros z Hz. unfold arrays_of. rewrite get_coefficients. apply table_entry; lia.
+      - intros i Hi. unfold arrays_of. rewrite get_other by reflexivity. now apply places_there.
+      - intros i Hi. exists (x i). unfold arrays_of. rewrite get_other by reflexivity. now apply places_there.
+      - intros Sv i Hi. unfold arrays_of. rewrite (get_gains Sv). apply table_entry; rewrite ?(gains_length Sv); lia.
+      - intros Cd i Hi. unfold arrays_of. rewrite (get_clamps Cd). apply table_entry; rewrite ?(clamps_length Cd); lia.
+      - intros Li i Hi. unfold arrays_of. rewrite (get_limits Li). apply table_entry; rewrite ?(limits_length Li); lia.
+    Qed.
+  End Common.
+
+  Definition acts_at (f : string) (v : value A) : Prop := exists out,
+    execute A (log_name k) program f [v] places_of =
+      Some (out, Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z)) /\
+    forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
+
+  Ltac found := cbv [segment_function segment_at_tick_function basis_function blend_function transformed_error_function law_function tube_function control_function control_tick_function
+    filter title String.eqb Ascii.eqb Bool.eqb negb all_kernels List.find app].
+  (* the kernels that the function sees, and what they do *)
+  Ltac executed kernels g ba bl te la se segments_ below first name clock v Fi Run :=
+    destruct (common_executes kernels ba bl te la se ltac:(repeat split; reflexivity) ltac:(apply basis_runs) ltac:(intros; apply blend_runs)
+      ltac:(let a := fresh in let b := fresh in intros a b; apply (transformed_error_runs A k bl ba segments_ a b); first [left; eexists; reflexivity | right; do 2 eexists; reflexivity])
+      ltac:(intros; apply law_runs) below first name clock v Fi ltac:(reflexivity) ltac:(intros; reflexivity) Run) as (out & env & E & St);
+    exists out; split; [|exact St];
+    assert (En : enter A kernels arrays_of g [v] = run_block A (run A kernels arrays_of) (common_statements k name clock) (("zero", R_ first) :: below) []);
+    [ unfold enter, control_function, control_tick_function; cbn [parameters bind of_type code app];
+      repeat (eapply (let_step A kernels arrays_of); [reflexivity|reflexivity|]); reflexivity
+    | rewrite En, E; reflexivity ].
+
+  Theorem control_executes t : to_integer A (spline_time A k t) = Some segment -> s = place A (spline_time A k t) segment ->
+    at_most A (zeros A x (mul A t (literal A zero)) (number_of_dimensions k)) (literal A zero) = true -> acts_at "@control" (R_ t).
+  Proof.
+    intros Sk Es Fi. unfold acts_at, execute. cbn [functions program]. change (fun y i => match get y (tables program) with Some _ => _ | None => _ end) with arrays_of.
+    unfold emitted. rewrite kernels_after, found_after by discriminate.
+    assert (Run : kernel_of A (log_kernels A k) (fun _ _ => None) (segment_function k) [R_ t] = Some ([I_ (segment * (2 * n))%Z; R_ s], None)).
+    { rewrite Es. apply (segment_runs A k (log_kernels A k) t segment); auto; unfold n in *; nia. }
+    unfold with_ticks. destruct (tick_constants k) as [c|]; found;
+    match goal with |- context [enter A ?ks arrays_of ?f ?vs] => set (kernels := ks); change f with (control_function k) end;
+    match goal with
+    | kernels := _ :: (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?st) :: (_, ?se) :: log_kernels A k |- _ =>
+        executed kernels (control_function k) ba bl te la se [("@segment_at_tick", st); ("@segment", se)] [("t_zero", R_ (mul A t (literal A zero))); ("t", R_ t)] (mul A t (literal A zero)) "@segment" "t" (@R_ A t) Fi Run
+    | kernels := (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?se) :: log_kernels A k |- _ =>
+        executed kernels (control_function k) ba bl te la se [("@segment", se)] [("t_zero", R_ (mul A t (literal A zero))); ("t", R_ t)] (mul A t (literal A zero)) "@segment" "t" (@R_ A t) Fi Run
+    end.
+  Qed.
+
+  Theorem control_tick_executes c tick : tick_constants k = Some c -> ticks_small c -> tick_segments c = K -> (0 <= tick <= 4294967295)%Z ->
+    segment = tick_segment c tick -> s = share_of_tick A c tick ->
+    at_most A (zeros A x (literal A zero) (number_of_dimensions k)) (literal A zero) = true -> acts_at "@control_tick" (U_ tick).
+  Proof.
+    intros Tk Sm Ks Tr Sk Es Fi. unfold acts_at, execute. cbn [functions program]. change (fun y i => match get y (tables program) with Some _ => _ | None => _ end) with arrays_of.
+    unfold emitted. rewrite kernels_after, found_after by discriminate.
+    assert (Run : forall ks, kernel_of A ks (fun _ _ => None) (segment_at_tick_function k c) [U_ tick] = Some ([I_ (segment * (2 * n))%Z; R_ s], None)).
+    { intro ks. rewrite Es, Sk. apply (segment_at_tick_runs A k ks c tick); auto; rewrite Ks; unfold n in *; nia. }
+    unfold with_ticks. rewrite Tk. found.
+    match goal with |- context [enter A ?ks arrays_of ?f ?vs] => set (kernels := ks); change f with (control_tick_function k) end.
+    match goal with
+    | kernels := (_, ?co) :: (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?st) :: (_, ?se) :: log_kernels A k |- _ =>
+        executed kernels (control_tick_function k) ba bl te la st [("@segment_at_tick", st); ("@segment", se)] [("tick", @U_ A tick)] (literal A zero) "@segment_at_tick" "tick" (@U_ A tick) Fi
+          (Run (("@segment", se) :: log_kernels A k))
+    end.
   Qed.
 End Execute.

@@ -139,42 +139,36 @@ Section Controller.
   Let prec_large := precision_large f.
   Let emax_large := exponent_large f.
 
-  (* what `control` is called with *)
-  Variables (t : number) (x : nat -> number).
-  Hypothesis finite_t : is_finite t = true.
+  (* what `control` or `control_tick` is called with, besides the time *)
+  Variable x : nat -> number.
   Hypothesis finite_x : forall i, (i < n task)%nat -> is_finite (x i) = true.
   Hypothesis size_x : forall i, (i < n task)%nat -> Rabs (value (x i)) <= 1073741824.
-  (* times are right but for one rounding *)
-  Variable tau : R.
-  Hypothesis reads_t : reads f (value t) tau.
-
-  Let L (i : nat) : R := EmittedTube.emitted f unit rows s fst i (value t).
-  Let U (i : nat) : R := EmittedTube.emitted f unit rows s snd i (value t).
   Let xs (i : Z) : number := x (Z.to_nat i).
 
   Lemma small_ok v : small v = true -> Rabs (Q2R v) <= 1073741824.
   Proof. unfold small. intro H. apply Qle_bool_R in H. rewrite Q2R_abs, Q2R_Z in H. exact H. Qed.
 
-  Lemma zeros_ok m : (m <= n task)%nat -> value (zeros A t xs m) = 0 /\ is_finite (zeros A t xs m) = true.
+  Lemma literal_zero_ok : value (lit zero) = 0 /\ is_finite (lit zero) = true.
+  Proof. split; reflexivity. Qed.
+  Lemma times_zero (v : number) : is_finite v = true -> value (Bmult mode_NE v (lit zero)) = 0 /\ is_finite (Bmult mode_NE v (lit zero)) = true.
   Proof.
-    assert (Z : value (lit zero) = 0 /\ is_finite (lit zero) = true) by (split; reflexivity). destruct Z as [Z1 Z2].
-    assert (M : Rabs 0 <= most emax) by (rewrite Rabs_R0; unfold most; apply bpow_ge_0).
-    assert (T : forall v : number, is_finite v = true -> value (Bmult mode_NE v (lit zero)) = 0 /\ is_finite (Bmult mode_NE v (lit zero)) = true).
-    { intros v Fv. destruct (mul_ok prec emax _ _ prec_large emax_large v (lit zero) Fv Z2) as [Q1 Q2]; [rewrite Z1, Rmult_0_r; exact M|].
-      rewrite Q1, Z1, Rmult_0_r. split; [apply rnd_0|exact Q2]. }
-    induction m; intro Hm; cbn [zeros].
-    - apply T, finite_t.
-    - destruct (IHm ltac:(lia)) as [I1 I2]. destruct (T (xs (Z.of_nat m))) as [X1 X2]; [unfold xs; rewrite Nat2Z.id; apply finite_x; lia|].
-      destruct (add_ok prec emax _ _ prec_large emax_large (zeros A t xs m) (Bmult mode_NE (xs (Z.of_nat m)) (lit zero)) I2 X2) as [Q1 Q2].
-      { rewrite I1, X1, Rplus_0_l. exact M. }
-      change (add A) with (@Bplus prec emax pos_ below_ mode_NE). change (mul A) with (@Bmult prec emax pos_ below_ mode_NE).
-      change (literal A zero) with (lit zero). rewrite Q1, I1, X1, Rplus_0_l. split; [apply rnd_0|exact Q2].
+    intro Fv. destruct literal_zero_ok as [Z1 Z2].
+    destruct (mul_ok prec emax _ _ prec_large emax_large v (lit zero) Fv Z2) as [Q1 Q2]; [rewrite Z1, Rmult_0_r, Rabs_R0; unfold most; apply bpow_ge_0|].
+    rewrite Q1, Z1, Rmult_0_r. split; [apply rnd_0|exact Q2].
+  Qed.
+  Lemma zeros_ok (first : number) m : value first = 0 /\ is_finite first = true -> (m <= n task)%nat -> value (zeros A xs first m) = 0 /\ is_finite (zeros A xs first m) = true.
+  Proof.
+    intros First. induction m; intro Hm; cbn [zeros]; [exact First|].
+    destruct (IHm ltac:(lia)) as [I1 I2]. destruct (times_zero (xs (Z.of_nat m))) as [X1 X2]; [unfold xs; rewrite Nat2Z.id; apply finite_x; lia|].
+    destruct (add_ok prec emax _ _ prec_large emax_large (zeros A xs first m) (Bmult mode_NE (xs (Z.of_nat m)) (lit zero)) I2 X2) as [Q1 Q2].
+    { rewrite I1, X1, Rplus_0_l, Rabs_R0. unfold most. apply bpow_ge_0. }
+    change (add A) with (@Bplus prec emax pos_ below_ mode_NE). change (mul A) with (@Bmult prec emax pos_ below_ mode_NE).
+    change (literal A zero) with (lit zero). rewrite Q1, I1, X1, Rplus_0_l. split; [apply rnd_0|exact Q2].
   Qed.
 
   Let K := segments rows.
   Let cs := F2R (Float radix2 (rate_m s) (rate_e s)).
   Let ls := F2R (Float radix2 (last_m s) (last_e s)).
-  Let seg := segment_of f cs ls t.
 
   (* the checks, as statements about real numbers *)
   Record checked : Prop := {
@@ -235,6 +229,16 @@ Section Controller.
       apply small_ok in Q1, Q2. apply Rabs_le_between in Q1, Q2. unfold at_. lra.
   Qed.
 
+  (* A place that fits a time, as the machine has it: the segment, and s in it. *)
+  Section Placed.
+  Variables (seg : Z) (part : number) (tau : R).
+  Let p : nat * R := (Z.to_nat seg, value part).
+  Hypothesis seg_range : (0 <= seg < Z.of_nat K)%Z.
+  Hypothesis part_sized : sized prec emax 0 part.
+  Hypothesis place_fits : fits_time task rows late tau p.
+  Let L (i : nat) : R := at_place f unit rows fst i p.
+  Let U (i : nat) : R := at_place f unit rows snd i p.
+
   (* one coefficient of the C's table *)
   Lemma coefficient_ok i j side : (i < n task)%nat -> (j <= 3)%nat -> (side = 0 \/ side = 1)%Z ->
     value (q A coefficients (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))) =
@@ -243,7 +247,7 @@ Section Controller.
   Proof.
     destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr]. intros Hi Hj Hs.
     destruct (matches_ok _ _ _ Tm) as [Ml Mv]. rewrite (flat_table_length _ _ Tr) in Ml.
-    destruct (segment_range f rows cs ls Rs Ls t) as [S1 S2]. fold seg in S1, S2. fold K in S2.
+    destruct seg_range as [S1 S2].
     destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
     set (r := (Z.to_nat seg + j)%nat). assert (Hr : (r < List.length rows)%nat) by (unfold r; lia).
     destruct (flat_table_nth _ _ _ _ Tr Hr Hi) as [F1 F2].
@@ -255,8 +259,8 @@ Section Controller.
       rewrite E. rewrite column_nth by reflexivity. rewrite <- F2. apply Mv. rewrite Ml. apply Nat.lt_le_trans with (2 * n task * (r + 1))%nat; [lia|apply Nat.mul_le_mono_l; lia].
   Qed.
 
-  Let Lf (i : nat) : number := Control.lower A k t seg (q A coefficients) (Z.of_nat i).
-  Let Uf (i : nat) : number := Control.upper A k t seg (q A coefficients) (Z.of_nat i).
+  Let Lf (i : nat) : number := Control.lower A k seg part (q A coefficients) (Z.of_nat i).
+  Let Uf (i : nat) : number := Control.upper A k seg part (q A coefficients) (Z.of_nat i).
 
   Lemma edges_ok i : (i < n task)%nat -> (value (Lf i) = L i /\ is_finite (Lf i) = true) /\ (value (Uf i) = U i /\ is_finite (Uf i) = true).
   Proof.
@@ -264,17 +268,16 @@ Section Controller.
     assert (G : forall side j z, (j <= 3)%nat -> (side = 0 \/ side = 1)%Z -> z = (seg * (2 * dimensions k) + Z.of_nat i * 2 + (2 * dimensions k * Z.of_nat j + side))%Z ->
       value (q A coefficients z) = Q2R unit * IZR (nth (Z.to_nat seg + j) (column (if (side =? 0)%Z then fst else snd) i rows) 0%Z) /\ is_finite (q A coefficients z) = true).
     { intros side j z Hj Hs ->. now apply coefficient_ok. }
-    assert (Pm := place_of_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t). destruct (place_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t) as [_ Ps].
-    unfold L, U, EmittedTube.emitted, at_place. fold cs ls. rewrite Pm. split.
+    unfold L, U, at_place. split.
     - unfold Lf, Control.lower. cbv zeta.
-      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ Ps i fst).
+      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ part_sized i fst).
       + apply (G 0%Z 0%nat); [lia|now left|ring].
       + apply (G 0%Z 1%nat); [lia|now left|ring].
       + apply (G 0%Z 2%nat); [lia|now left|ring].
       + apply (G 0%Z 3%nat); [lia|now left|ring].
       + intro j. apply Ts. now left.
     - unfold Uf, Control.upper. cbv zeta.
-      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ Ps i snd).
+      apply (edge_of_machine f log_ rows (Q2R unit) (Z.to_nat seg) _ part_sized i snd).
       + apply (G 1%Z 0%nat); [lia|now right|ring].
       + apply (G 1%Z 1%nat); [lia|now right|ring].
       + apply (G 1%Z 2%nat); [lia|now right|ring].
@@ -285,37 +288,31 @@ Section Controller.
   (* the emitted tube is wide enough, and within the state space *)
   Lemma edges_range i : (i < n task)%nat -> L i + Q2R (min_width task) <= U i /\ at_ (lo (space task)) i <= L i /\ U i <= at_ (hi (space task)) i.
   Proof.
-    intro Hi. set (clock := fun r => if Req_EM_T r tau then value t else r).
-    assert (Cl : forall r, reads f (clock r) r).
-    { intro r. unfold clock. destruct (Req_EM_T r tau) as [->|_]; [exact reads_t|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
-      apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
-    destruct (emitted_tube_sound f unit err how task rows Vs s late tube_checked slopes_checked rounding_checked clock Cl) as (P1 & _ & P3 & _).
-    assert (Et : clock tau = value t) by (unfold clock; destruct (Req_EM_T tau tau); [reflexivity|congruence]).
-    specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box in P3. rewrite Et in P1, P3. unfold L, U. split; [exact P1|exact P3].
+    intro Hi.
+    assert (Up : positive unit = true).
+    { pose proof tube_checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
+    destruct (emission_near f unit err how task rows Vs s late tube_checked slopes_checked rounding_checked) as [_ Near].
+    set (Lt := fun i r => if Req_EM_T r tau then L i else Tube.lower unit task rows i r). set (Ut := fun i r => if Req_EM_T r tau then U i else Tube.upper unit task rows i r).
+    assert (Close : forall i r, (i < n task)%nat -> Rabs (Lt i r - Tube.lower unit task rows i r) <= Q2R err /\ Rabs (Ut i r - Tube.upper unit task rows i r) <= Q2R err).
+    { intros j r Hj. destruct (Near j tau p Hj place_fits) as [N1 N2]. pose proof (Rabs_pos (at_place f unit rows fst j p - Tube.lower unit task rows j tau)).
+      unfold Lt, Ut. destruct (Req_EM_T r tau) as [->|_]; [split; [exact N1|exact N2]|]. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. split; lra. }
+    destruct (tube_sound unit err Up task rows how tube_checked Lt Ut Close) as (P1 & _ & P3 & _).
+    specialize (P1 i tau Hi). specialize (P3 i tau Hi). unfold in_box, Lt, Ut in P1, P3. destruct (Req_EM_T tau tau) as [_|Ne]; [|congruence]. split; [exact P1|exact P3].
   Qed.
 
-  (* The emitted `control`: it ends without anything undefined, stores finite inputs that act as the law (13) with e clamped, and says whether the state is inside. *)
-  Theorem control_acts : exists out status,
-    execute A (log_name k) (Source lines (emitted_tables k coefficients) (Emission.emitted k)) "@control" [@R_ A t] (places_of A k xs) = Some (out, Some (I_ status)) /\
+  (* From a run to what it means: finite inputs that act as the law (13) with e clamped, and a status that says whether the state is inside. *)
+  Definition acts_between (name : string) (v : Run.value A) (L U : nat -> R) : Prop := exists out status,
+    execute A (log_name k) (Source lines (emitted_tables k coefficients) (Emission.emitted k)) name [v] (places_of A k xs) = Some (out, Some (I_ status)) /\
     (status = 0%Z <-> forall i, (i < n task)%nat -> L i < value (x i) < U i) /\ (status = 0 \/ status = 1)%Z /\
     forall i, (i < n task)%nat -> exists v : number, stored (A := A) "u" (Z.of_nat i) out = Some v /\ is_finite v = true /\
       HeldLaw.acts (Q2R (nth i gains 0%Q)) (Q2R (nth i clamps 0%Q)) (Q2R (loss f k)) (option_map Q2R (nth i limits None)) (value (x i) - L i) (U i - value (x i)) (value v).
+
+  Lemma placed_acts name v : acts_at A k coefficients seg part xs lines name v -> acts_between name v L U.
   Proof.
+    intros (out & E & St). unfold acts_between.
     destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr].
-    destruct (matches_ok _ _ _ Tm) as [Ml _]. rewrite (flat_table_length _ _ Tr) in Ml.
-    destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
     assert (Nd : number_of_dimensions k = n task) by (unfold number_of_dimensions; rewrite D; apply Nat2Z.id).
-    destruct (control_executes A k coefficients t seg (Z.of_nat K) xs lines) as (out & E & St).
-    - apply (segment_machine f log_ k rows cs ls Rv Lv Rs Ls t finite_t).
-    - apply (segment_range f rows cs ls Rs Ls t).
-    - rewrite D in *. lia.
-    - rewrite D, Ml, Kl. nia.
-    - exact Gm.
-    - exact Cm.
-    - exact Lm.
-    - rewrite Nd. destruct (zeros_ok (n task) ltac:(lia)) as [Z1 Z2].
-      apply (at_most_ok prec emax (zeros A t xs (n task)) (lit zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
-    - assert (Near := logarithm_is_near f log_ k log_accurate). assert (Lam : 0 <= log_loss k <= / 8192) by (unfold log_loss; destruct (written_out k); lra).
+    assert (Near := logarithm_is_near f log_ k log_accurate). assert (Lam : 0 <= log_loss k <= / 8192) by (unfold log_loss; destruct (written_out k); lra).
       assert (Lost : 32 * unit_roundoff prec + 1.03 * log_loss k <= Q2R (loss f k)).
       { unfold loss, log_loss. destruct (written_out k).
         - pose proof (u_small prec (precision_large f)). replace (Q2R (1 # 16384)) with (/ 16384) by (unfold Q2R; cbn; lra). lra.
@@ -345,17 +342,97 @@ Section Controller.
         - assert (G := within_ok prec emax pos_ below_ prec_large emax_large log_ (Lf i) (Uf i) (x i) L2 U2 (finite_x i Hi) ZL ZU (size_x i Hi)).
           rewrite L1, U1 in G. split; intro Q; [apply G in Q; lra|apply G; lra]. }
       exists out. eexists. split; [exact E|split; [|split]].
-      + rewrite Nd. assert (O : forall m, (m <= n task)%nat -> outside_after A k t seg (q A coefficients) xs m = false <-> forall i, (i < m)%nat -> L i < value (x i) < U i).
+      + rewrite Nd. assert (O : forall m, (m <= n task)%nat -> outside_after A k seg part (q A coefficients) xs m = false <-> forall i, (i < m)%nat -> L i < value (x i) < U i).
         { induction m; intro Hm; cbn [outside_after]; [split; [intros _ i Hi; lia|reflexivity]|].
           specialize (IHm ltac:(lia)). destruct (Acts m ltac:(lia)) as [_ W]. cbv zeta. fold (Lf m) (Uf m). unfold xs at 1. rewrite Nat2Z.id.
           destruct (is_within A (Lf m) (Uf m) (x m)).
           - rewrite IHm. split; intros H i Hi; [destruct (Nat.eq_dec i m) as [->|Ne]; [now apply W|apply H; lia]|apply H; lia].
           - split; [discriminate|]. intro H. assert (Q := H m ltac:(lia)). apply W in Q. discriminate. }
-        specialize (O (n task) ltac:(lia)). destruct (outside_after A k t seg (q A coefficients) xs (n task)).
+        specialize (O (n task) ltac:(lia)). destruct (outside_after A k seg part (q A coefficients) xs (n task)).
         * split; [discriminate|]. intro H. apply O in H. discriminate.
         * split; [|reflexivity]. intros _. now apply O.
-      + destruct (outside_after A k t seg (q A coefficients) xs (number_of_dimensions k)); auto.
+      + destruct (outside_after A k seg part (q A coefficients) xs (number_of_dimensions k)); auto.
       + intros i Hi. exists (control_input A k (Z.of_nat i) (Lf i) (Uf i) (x i)). destruct (Acts i Hi) as [[A1 A2] _]. split; [|split; [exact A2|exact A1]].
         rewrite (St (Z.of_nat i)) by (rewrite D; lia). unfold xs. rewrite Nat2Z.id. reflexivity.
+  Qed.
+  End Placed.
+
+  Lemma table_fits : (0 < dimensions k /\ 2 * dimensions k * (Z.of_nat K + 3) <= 2147483647)%Z /\ (Z.of_nat (List.length coefficients) = 2 * dimensions k * (Z.of_nat K + 3))%Z.
+  Proof.
+    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr].
+    destruct (matches_ok _ _ _ Tm) as [Ml _]. rewrite (flat_table_length _ _ Tr) in Ml.
+    destruct (regular_ok _ _ Tr) as [L4 _]. assert (Kl : (List.length rows = K + 3)%nat) by (unfold K, segments; lia).
+    split; [rewrite D in *; lia|]. rewrite D, Ml, Kl. nia.
+  Qed.
+  Lemma inputs_finite (first : number) : value first = 0 /\ is_finite first = true -> at_most A (zeros A xs first (number_of_dimensions k)) (literal A zero) = true.
+  Proof.
+    intro First. assert (Nd : number_of_dimensions k = n task) by (unfold number_of_dimensions; rewrite (dimensions_ok all_checked); apply Nat2Z.id).
+    rewrite Nd. destruct (zeros_ok first (n task) First ltac:(lia)) as [Z1 Z2].
+    apply (at_most_ok prec emax (zeros A xs first (n task)) (lit zero) Z2 eq_refl). rewrite Z1. right. reflexivity.
+  Qed.
+
+  (* The emitted `control`, for times that are right but for one rounding: it ends without anything undefined. *)
+  Theorem control_acts (t : number) : is_finite t = true -> forall tau, reads f (value t) tau ->
+    acts_between "@control" (@R_ A t) (fun i => EmittedTube.emitted f unit rows s fst i (value t)) (fun i => EmittedTube.emitted f unit rows s snd i (value t)).
+  Proof.
+    intros finite_t tau reads_t.
+    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr]. destruct table_fits as [Fit Len].
+    destruct (emission_near f unit err how task rows Vs s late tube_checked slopes_checked rounding_checked) as [Time _].
+    assert (Fits := Time _ _ reads_t). assert (Pm := place_of_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t). destruct (place_machine f log_ k rows cs ls Rv Lv Rs Ls Ks t finite_t) as [_ Ps].
+    fold cs ls in Fits. unfold EmittedTube.emitted. fold cs ls. rewrite Pm in *.
+    assert (Sr := segment_range f rows cs ls Rs Ls t).
+    apply (placed_acts _ _ tau Sr Ps Fits).
+    apply (control_executes A k coefficients (segment_of f cs ls t) (Z.of_nat K) _ xs lines Sr Fit Len Gm Cm Lm).
+    - apply (segment_machine f log_ k rows cs ls Rv Lv Rs Ls t finite_t).
+    - reflexivity.
+    - apply inputs_finite, times_zero, finite_t.
+  Qed.
+
+  (* and `control_tick`, for every count of ticks. *)
+  Definition counted (c : tick_numbers) (period : Q) : EmittedTube.ticks := Ticks (tick_limit c) (tick_multiplier c) (tick_divisor c) period.
+  Definition tick_constants_check (period : Q) : bool :=
+    match tick_constants k with
+    | Some c => (ticks_check f task rows late (counted c period) && (tick_segments c =? Z.of_nat K)%Z && is_number prec emax (tick_share c) (inject_Z (tick_divisor c)) &&
+        (tick_divisor c <=? 2 ^ 24)%Z && (tick_multiplier c <=? 2147483647)%Z && (0 <=? tick_limit c)%Z && (tick_limit c <=? 2147483647)%Z &&
+        (tick_limit c * tick_multiplier c <=? 2147483647)%Z && (tick_divisor c * Z.of_nat K <=? 2147483647)%Z)%bool
+    | None => false
+    end.
+  Definition tick_place_of (tick : Z) : nat * R :=
+    match tick_constants k with Some c => place_of_tick f rows (tick_limit c) (tick_multiplier c) (tick_divisor c) tick | None => (0%nat, 0) end.
+
+  Lemma tick_place_fits period tick : tick_constants_check period = true -> (0 <= tick)%Z -> fits_time task rows late (IZR tick * Q2R period) (tick_place_of tick).
+  Proof.
+    unfold tick_constants_check, tick_place_of. destruct (tick_constants k) as [c|]; [|discriminate]. rewrite !andb_true_iff. intros H T0. destruct H as [[[[[[[[H _] _] _] _] _] _] _] _].
+    exact (ticks_fit f unit err how task rows late (counted c period) tick tube_checked H T0).
+  Qed.
+
+  Theorem control_tick_acts period tick : tick_constants_check period = true -> (0 <= tick <= 4294967295)%Z ->
+    acts_between "@control_tick" (@U_ A tick) (fun i => at_place f unit rows fst i (tick_place_of tick)) (fun i => at_place f unit rows snd i (tick_place_of tick)).
+  Proof.
+    intros H T0. assert (Fits := tick_place_fits period tick H (proj1 T0)). revert H Fits. unfold tick_constants_check, tick_place_of.
+    destruct (tick_constants k) as [c|] eqn:Tk; [|discriminate]. rewrite !andb_true_iff. intros [[[[[[[[H H1] H2] H3] H4] H5] H6] H7] H8] Fits.
+    unfold ticks_check in H. cbv zeta in H. cbn [final multiplier divisor seconds counted] in H. rewrite !andb_true_iff in H. destruct H as [[[[M0 D0] _] _] _].
+    apply Z.eqb_eq in H1. apply Z.ltb_lt in M0, D0. apply Z.leb_le in H3, H4, H5, H6, H7, H8.
+    destruct all_checked as [D N0 Ks Is Rv Lv Gm Lm Cm Gs Rs Ls Ts Ws Ss Tm Tr]. destruct table_fits as [Fit Len].
+    assert (K0 : (0 < Z.of_nat K)%Z) by (destruct (regular_ok _ _ Tr); unfold K, segments; lia).
+    assert (Sm : ticks_small c) by (unfold ticks_small; rewrite H1; lia).
+    destruct (tick_range c tick Sm (proj1 T0)) as (_ & Sr & Rr). rewrite H1 in Sr.
+    apply is_number_ok with (prec_gt_0_ := pos_) (prec_lt_emax_ := below_) in H2. destruct H2 as [S1 S2]. rewrite Q2R_Z in S1.
+    assert (Dp := IZR_lt _ _ D0). assert (R1 := IZR_le _ _ (proj1 Rr)). assert (R2 := IZR_le _ _ (proj2 Rr)).
+    destruct (of_int_ok prec emax _ _ prec_large emax_large (tick_rest c tick) ltac:(lia)) as [I1 I2].
+    assert (X : 0 <= IZR (tick_rest c tick) / IZR (tick_divisor c) <= 1) by (split; [apply Rcomplements.Rle_div_r; lra|apply Rcomplements.Rle_div_l; lra]).
+    assert (Part : value (share_of_tick A c tick) = to_format f (IZR (tick_rest c tick) / IZR (tick_divisor c)) /\ sized prec emax 0 (share_of_tick A c tick)).
+    { unfold share_of_tick. change (Run.div A) with (@Bdiv prec emax pos_ below_ mode_NE). change (of_integer A (tick_rest c tick)) with (of_int prec emax pos_ below_ (tick_rest c tick)).
+      change (literal A (tick_share c)) with (lit (tick_share c)).
+      assert (Small : Rabs (value (of_int prec emax pos_ below_ (tick_rest c tick)) / value (lit (tick_share c))) <= bpow radix2 0) by (rewrite I1, S1; cbn [bpow]; apply Rabs_le; lra).
+      destruct (div_ok prec emax _ _ prec_large emax_large (of_int prec emax pos_ below_ (tick_rest c tick)) (lit (tick_share c)) I2) as [Q1 Q2];
+        [rewrite S1; lra|apply (within_most emax emax_large 0); [lia|exact Small]|].
+      split; [rewrite Q1, I1, S1; apply rnd_format_of|]. split; [exact Q2|]. rewrite Q1. apply (rnd_sized prec emax _ _ prec_large emax_large); [lia|exact Small]. }
+    destruct Part as [P1 P2].
+    assert (Pl : place_of_tick f rows (tick_limit c) (tick_multiplier c) (tick_divisor c) tick = (Z.to_nat (tick_segment c tick), value (share_of_tick A c tick))).
+    { rewrite P1. unfold place_of_tick, ticked, tick_rest, tick_segment, tick_place. cbv zeta. rewrite H1. reflexivity. }
+    rewrite Pl in *. apply (placed_acts _ _ (IZR tick * Q2R period) Sr P2 Fits).
+    apply (control_tick_executes A k coefficients (tick_segment c tick) (Z.of_nat K) _ xs lines Sr Fit Len Gm Cm Lm c tick Tk Sm H1 T0 eq_refl eq_refl).
+    apply inputs_finite, literal_zero_ok.
   Qed.
 End Controller.

@@ -59,6 +59,19 @@ Fixpoint reals_chosen (l : list statement) (x : string) : decimal * decimal :=
   end.
 Fixpoint loop_count (l : list statement) : Z := match l with For _ n _ :: _ => n | _ :: r => loop_count r | [] => 0%Z end.
 
+(* of const x = .. op literal, and of const x = .. ? .. : literal *)
+Fixpoint integer_right (l : list statement) (x : string) : Z :=
+  match l with
+  | Let _ y (Binary _ _ (Int z)) :: r | Let _ y (Binary _ _ (Unsigned z)) :: r | Let _ y (Select _ _ (Int z)) :: r => if String.eqb x y then z else integer_right r x
+  | _ :: r => integer_right r x
+  | [] => 0%Z
+  end.
+Definition tick_constants_of (fs : list function) : option tick_numbers :=
+  match function_named "@segment_at_tick" fs with
+  | [] => None
+  | l => Some (TickNumbers (integer_right l "running") (integer_right l "passed") (integer_right l "whole") (integer_right l "segment" + 1) (real_right l "share"))
+  end.
+
 Definition table_named (x : string) (s : option source) : list decimal :=
   match s with Some s => match List.find (fun t => String.eqb (fst t) x) (tables s) with Some (_, t) => t | None => [] end | None => [] end.
 Definition constants_of (f : format) (s : option source) : constants :=
@@ -68,7 +81,7 @@ Definition constants_of (f : format) (s : option source) : constants :=
   let gains := reals_chosen control "gain" in
   Constants (loop_count control) (real_right segment "scaled") (real_right segment "early") (fst gains) (snd gains)
     (table_named "@gain" s) (table_named "@u_max" s) (real_right control "least") (table_named "@least_share" s)
-    (match f with Single => true | Double => false end) (existsb (fun g => String.eqb (title g) "@mantissa") fs).
+    (match f with Single => true | Double => false end) (existsb (fun g => String.eqb (title g) "@mantissa") fs) (tick_constants_of fs).
 Definition coefficients_of : option source -> list decimal := table_named "@coefficients".
 
 Section Numbers.

@@ -6,6 +6,15 @@ Import ListNotations.
 Open Scope string_scope.
 Open Scope list_scope.
 
+(* Of a task with ticks: the first that is not before t_c, of how many the divisor's a tick is in a segment, and how many segments there are. *)
+Record tick_numbers := TickNumbers {
+  tick_limit : Z;
+  tick_multiplier : Z;
+  tick_divisor : Z;
+  tick_segments : Z;
+  tick_share : decimal (* the divisor once more, as a real number *)
+}.
+
 Record constants := Constants {
   dimensions : Z;
   rate : decimal;       (* spline time a second *)
@@ -17,7 +26,8 @@ Record constants := Constants {
   clamp : decimal;      (* (1 - e_max) / 2 *)
   clamp_table : list decimal; (* the same by component where it differs; else empty *)
   single : bool;        (* binary32, else binary64 *)
-  written_out : bool    (* the logarithm: by exponent and mantissa, else the library's *)
+  written_out : bool;   (* the logarithm: by exponent and mantissa, else the library's *)
+  tick_constants : option tick_numbers
 }.
 Definition any (l : list decimal) : bool := match l with [] => false | _ => true end.
 Definition several (k : constants) : bool := any (gain_table k).
@@ -44,6 +54,23 @@ Section Emission.
     Let TReal "place" (Binary Minus (Name "u") (Name "base"));
     Let TInt "first" (Binary Times (Name "segment") (Int (2 * dimensions k)));
     Put "row" (Atom (Name "first")); Put "s" (Atom (Name "place"))].
+
+  Definition segment_at_tick_function (c : tick_numbers) := Function "@segment_at_tick" "void" [ByValue TUnsigned "tick"; ByPointer TInt "row"; ByPointer TReal "s"] [
+    Let TBool "running" (Binary Less (Name "tick") (Unsigned (tick_limit c)));
+    Let TUnsigned "held" (Select (Name "running") (Name "tick") (Unsigned (tick_limit c)));
+    Let TInt "count" (Cast TInt (Name "held"));
+    Let TInt "passed" (Binary Times (Name "count") (Int (tick_multiplier c)));
+    Let TBool "early" (Binary Less (Name "passed") (Int (tick_divisor c * tick_segments c)));
+    Let TInt "place" (Select (Name "early") (Name "passed") (Int (tick_divisor c * tick_segments c)));
+    Let TInt "whole" (Binary Over (Name "place") (Int (tick_divisor c)));
+    Let TBool "before_last" (Binary Less (Name "whole") (Int (tick_segments c - 1)));
+    Let TInt "segment" (Select (Name "before_last") (Name "whole") (Int (tick_segments c - 1)));
+    Let TInt "base" (Binary Times (Name "segment") (Int (tick_divisor c)));
+    Let TInt "rest" (Binary Minus (Name "place") (Name "base"));
+    Let TReal "part" (Cast TReal (Name "rest"));
+    Let TReal "share" (Binary Over (Name "part") (Real (tick_share c)));
+    Let TInt "first" (Binary Times (Name "segment") (Int (2 * dimensions k)));
+    Put "row" (Atom (Name "first")); Put "s" (Atom (Name "share"))].
 
   Definition basis_function := Function "@basis" "void" [ByValue TReal "s"; ByPointer TReal "w0"; ByPointer TReal "w1"; ByPointer TReal "w2"; ByPointer TReal "w3"] [
     Let TReal "v0" (Binary Minus (Real one) (Name "s"));
@@ -106,9 +133,9 @@ Section Emission.
     Let TReal "v2" (Negate (Name "v1"));
     Return (Some (Atom (Name "v2")))].
 
-  (* the segment, and the weights in it *)
-  Definition place_statements := [
-    Declare TInt "row"; Declare TReal "s"; Call "@segment" [Name "t"] ["row"; "s"];
+  (* the segment by a kernel of a time or a count of ticks, and the weights in it *)
+  Definition place_statements (segment clock : string) := [
+    Declare TInt "row"; Declare TReal "s"; Call segment [Name clock] ["row"; "s"];
     Declare TReal "w0"; Declare TReal "w1"; Declare TReal "w2"; Declare TReal "w3";
     Call "@basis" [Name "s"] ["w0"; "w1"; "w2"; "w3"]].
 
@@ -146,7 +173,7 @@ Section Emission.
     When (Name "bad") [
       For "j" (dimensions k) [Store "lower" (Name "j") (Atom NotANumber); Store "upper" (Name "j") (Atom NotANumber)];
       Return None]] ++
-    place_statements ++ [For "i" (dimensions k) tube_body]).
+    place_statements "@segment" "t" ++ [For "i" (dimensions k) tube_body]).
 
   Definition inputs_body := [
     Let TReal "x_j" (Load "x" (Name "j"));
@@ -192,19 +219,28 @@ Section Emission.
 
   Definition control_body := lower_statements ++ upper_statements ++ law_statements.
 
-  Definition control_function := Function "@control" "@status" [ByValue TReal "t"; ArrayIn "x"; ArrayOut "u"] ([
-    Let TReal "t_zero" (Binary Times (Name "t") (Real zero));
-    Let TReal "zero" (Atom (Name "t_zero"));
+  (* `zero` is 0, or not if an input is not finite *)
+  Definition inputs_statements := [
     For "j" (dimensions k) inputs_body;
     Let TBool "finite" (Binary AtMost (Name "zero") (Real zero));
     Let TBool "bad" (Not (Name "finite"));
     When (Name "bad") [
       For "j2" (dimensions k) [Store "u" (Name "j2") (Atom (Real zero))];
-      Return (Some (Atom (Int 2)))]] ++
-    place_statements ++ [
+      Return (Some (Atom (Int 2)))]].
+  Definition inside_statements := [
     Let TBool "outside" (Atom (Truth false));
     For "i" (dimensions k) control_body;
-    Return (Some (Select (Name "outside") (Int 1) (Int 0)))]).
+    Return (Some (Select (Name "outside") (Int 1) (Int 0)))].
+  (* what `control` and `control_tick` have in common *)
+  Definition common_statements (segment clock : string) := inputs_statements ++ place_statements segment clock ++ inside_statements.
+
+  Definition control_function := Function "@control" "@status" [ByValue TReal "t"; ArrayIn "x"; ArrayOut "u"] ([
+    Let TReal "t_zero" (Binary Times (Name "t") (Real zero));
+    Let TReal "zero" (Atom (Name "t_zero"))] ++
+    common_statements "@segment" "t").
+  Definition control_tick_function := Function "@control_tick" "@status" [ByValue TUnsigned "tick"; ArrayIn "x"; ArrayOut "u"] ([
+    Let TReal "zero" (Atom (Real zero))] ++
+    common_statements "@segment_at_tick" "tick").
 
   Definition emitted_tables (coefficients : list decimal) :=
     [("@coefficients", coefficients)] ++ (if several k then [("@gain", gain_table k)] else []) ++
@@ -212,11 +248,12 @@ Section Emission.
 
   (* the kernels and functions that the theorem is about; the file has others, which call nothing here and are called by nothing here *)
   Definition helpers := if written_out k then [exponent_function; mantissa_function] else [].
-  Definition emitted := helpers ++
-    [segment_function; basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function].
+  Definition with_ticks (fs : tick_numbers -> list function) : list function := match tick_constants k with Some c => fs c | None => [] end.
+  Definition emitted := helpers ++ [segment_function] ++ with_ticks (fun c => [segment_at_tick_function c]) ++
+    [basis_function; blend_function; transformed_error_function; law_function; tube_function; control_function] ++ with_ticks (fun _ => [control_tick_function]).
 End Emission.
 
-Definition kept : list string := ["@exponent"; "@mantissa"; "@segment"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"].
+Definition kept : list string := ["@exponent"; "@mantissa"; "@segment"; "@segment_at_tick"; "@basis"; "@blend"; "@transformed_error"; "@law"; "@tube"; "@control"; "@control_tick"].
 (* and what they read; of e_max by component there is a table that only `transform` reads *)
 Definition kept_tables : list string := ["@coefficients"; "@gain"; "@least_share"; "@u_max"].
 Definition keep (s : source) : source :=

@@ -120,11 +120,10 @@ Proof.
 Qed.
 
 Section Sampled.
-  Variables (format : format) (unit err : Q) (how : search) (k : task) (rows : table) (Vs : list Z) (sc : scale) (late : Q).
+  Variables (unit err : Q) (how : search) (k : task) (rows : table) (Vs : list Z).
   Variables (s : sampling) (hints : list (list (Q * Q))) (cuts : nat).
   Hypothesis checked : check unit err how k rows = true.
   Hypothesis more : slopes err k rows Vs = true.
-  Hypothesis rounding : rounding_check format unit err k rows Vs sc late = true.
   Hypothesis period_checked : period_check unit k rows s hints cuts err = true.
 
   Let L (i : nat) (t : R) := lower unit k rows i t.
@@ -136,18 +135,17 @@ Section Sampled.
   Let eta (i : nat) := Q2R (shift (c_ i)).
   Let lim (i : nat) := option_map Q2R (limit (c_ i)).
 
-  Variables (taken switch clock : nat -> R) (x : nat -> R -> R) (measured : nat -> nat -> R).
+  Variables (taken switch : nat -> R) (low high : nat -> nat -> R) (x : nat -> R -> R) (measured : nat -> nat -> R).
   Variables (input : nat -> nat -> R) (f : nat -> R -> R) (G : nat -> nat -> R -> R).
-  Hypothesis clock_reads : forall p, reads format (clock p) (taken p).   (* what the clock shows when sample p is taken *)
+  (* the edges that the law sees are near the exact ones of the time when sample p is taken *)
+  Hypothesis edges_near : forall p i, (i < n k)%nat -> Rabs (low p i - L i (taken p)) <= Q2R err /\ Rabs (high p i - U i (taken p)) <= Q2R err.
   Hypothesis times : switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
     switch (S p) - taken p <= tau /\ switch p - taken p <= latency.
   Hypothesis x_cont : forall i t, (i < n k)%nat -> continuity_pt (x i) t.
   Hypothesis x_start : forall i, (i < n k)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share_of s) * (U i 0 - L i 0).
   Hypothesis sensors : forall p i, (i < n k)%nat -> Rabs (measured p i - x i (taken p)) <= eta i - Q2R err.
   Hypothesis law_acts : forall p i, (i < n k)%nat ->
-    acts (Q2R (gain (c_ i))) (Q2R (clamped (c_ i))) (Q2R (lost s)) (lim i)
-      (measured p i - emitted format unit rows sc fst i (clock p))
-      (emitted format unit rows sc snd i (clock p) - measured p i) (input p i).
+    acts (Q2R (gain (c_ i))) (Q2R (clamped (c_ i))) (Q2R (lost s)) (lim i) (measured p i - low p i) (high p i - measured p i) (input p i).
   Hypothesis plant : forall p t, switch p < t < switch (S p) -> (forall i, (i < n k)%nat -> L i t < x i t < U i t) -> forall i, (i < n k)%nat ->
     is_derive (x i) t (f i t + total (n k) (fun j => G i j t * input p j)) /\
     Rabs (f i t) <= Q2R (pushed (c_ i)) /\ Q2R (g_min (c_ i)) <= G i i t <= Q2R (g_max (c_ i)) /\
@@ -281,20 +279,21 @@ Section Sampled.
   Proof. apply Nat.le_min_r. Qed.
 
   Lemma seen_error p i : (i < n k)%nat ->
-    let a := measured p i - emitted format unit rows sc fst i (clock p) in
-    let b := emitted format unit rows sc snd i (clock p) - measured p i in
+    let a := measured p i - low p i in
+    let b := high p i - measured p i in
     Rabs (a - (x i (taken p) - L i (taken p))) <= eta i /\ Rabs (b - (U i (taken p) - x i (taken p))) <= eta i /\ 0 < a + b.
   Proof.
     intros Hi a b. assert (Sn := sensors p i Hi).
-    set (shown := fun r => if Req_EM_T r (taken p) then clock p else r).
-    assert (Sh : forall r, reads format (shown r) r).
-    { intro r. unfold shown. destruct (Req_EM_T r (taken p)) as [->|_]; [apply clock_reads|]. unfold reads. rewrite Rminus_diag_eq, Rabs_R0 by reflexivity.
-      apply Rplus_le_le_0_compat; [apply Rmult_le_pos; [apply Rabs_pos|apply half_ulp_range]|apply half_least_pos]. }
-    assert (Et : shown (taken p) = clock p) by (unfold shown; destruct (Req_EM_T (taken p) (taken p)); [reflexivity|congruence]).
-    destruct (emitted_near format unit err how k rows Vs sc late checked more rounding shown Sh i (taken p) Hi) as [A B]. cbv beta in A, B. rewrite Et in A, B.
-    destruct (emitted_tube_sound format unit err how k rows Vs sc late checked more rounding shown Sh) as (P1 & _).
-    assert (W := P1 i (taken p) Hi). cbv beta in W. rewrite Et in W. destruct all_checked as (_ & _ & _ & Mw & _).
-    apply Rabs_le_between in Sn, A, B. fold (L i (taken p)) in A. fold (U i (taken p)) in B.
+    assert (Up : positive unit = true).
+    { pose proof checked as C. unfold check in C. cbv zeta in C. rewrite !andb_true_iff in C. apply C. }
+    set (Lt := fun j r => if Req_EM_T r (taken p) then low p j else lower unit k rows j r). set (Ut := fun j r => if Req_EM_T r (taken p) then high p j else upper unit k rows j r).
+    destruct (edges_near p i Hi) as [A B].
+    assert (Close : forall j r, (j < n k)%nat -> Rabs (Lt j r - lower unit k rows j r) <= Q2R err /\ Rabs (Ut j r - upper unit k rows j r) <= Q2R err).
+    { intros j r Hj. destruct (edges_near p j Hj) as [A' B']. pose proof (Rabs_pos (low p j - L j (taken p))).
+      unfold Lt, Ut. destruct (Req_EM_T r (taken p)) as [->|_]; [split; [exact A'|exact B']|]. rewrite !Rminus_diag_eq, Rabs_R0 by reflexivity. split; lra. }
+    destruct (tube_sound unit err Up k rows how checked Lt Ut Close) as (P1 & _).
+    assert (W := P1 i (taken p) Hi). unfold Lt, Ut in W. destruct (Req_EM_T (taken p) (taken p)) as [_|Ne]; [|congruence]. destruct all_checked as (_ & _ & _ & Mw & _).
+    apply Rabs_le_between in Sn, A, B.
     repeat split; [apply Rabs_le; unfold a; lra|apply Rabs_le; unfold b; lra|unfold a, b; lra].
   Qed.
 
@@ -539,8 +538,9 @@ Section Sampled.
   Qed.
 End Sampled.
 
-(* The same for a clock that shows a number at every time. *)
-Definition sampled_reach_avoid_stay format unit err how k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
-  (clock : R -> R) x measured input f G (clock_reads : forall t, reads format (clock t) t) :=
-  samples_reach_avoid_stay format unit err how k rows Vs sc late s hints cuts checked more rounding period_checked taken switch
-    (fun p => clock (taken p)) x measured input f G (fun p => clock_reads (taken p)).
+(* The same on the emitted edges, for a clock that shows a number at every time. *)
+Definition sampled_reach_avoid_stay format unit err how k rows Vs sc late s hints cuts checked more (rounding : rounding_check format unit err k rows Vs sc late = true) period_checked
+  taken switch (clock : R -> R) x measured input f G (clock_reads : forall t, reads format (clock t) t) :=
+  samples_reach_avoid_stay unit err how k rows Vs s hints cuts checked more period_checked taken switch
+    (fun p i => emitted format unit rows sc fst i (clock (taken p))) (fun p i => emitted format unit rows sc snd i (clock (taken p))) x measured input f G
+    (fun p i Hi => emitted_near format unit err how k rows Vs sc late checked more rounding clock clock_reads i (taken p) Hi).

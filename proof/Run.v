@@ -1,6 +1,7 @@
 (* What the C does: an evaluator of the syntax over any arithmetic. It gives no result (None) for what C leaves undefined: an index outside an array, an
-   integer outside 32 bits, a conversion of a real number that has no integer, a variable without a value. So a theorem that a run has a result excludes these.
-   Unsigned integers have no value here: they are in functions that no theorem is about. *)
+   integer outside 32 bits, a division by an integer that is not positive, a conversion of a real number that has no integer, a variable without a value. So a
+   theorem that a run has a result excludes these. Unsigned integers are compared, chosen and converted, and have no arithmetic, so that none wraps around;
+   signed and unsigned together have no meaning here, for C would convert one of them. *)
 From Coq Require Import ZArith List String Bool Lia.
 From Stt Require Import Syntax.
 Import ListNotations.
@@ -29,7 +30,7 @@ Section Run.
   Variable A : arithmetic.
   Notation F := (float A).
 
-  Inductive value := R_ (x : F) | I_ (z : Z) | B_ (b : bool) | Nothing.
+  Inductive value := R_ (x : F) | I_ (z : Z) | U_ (z : Z) | B_ (b : bool) | Nothing.
   Definition environment := list (string * value).        (* the newest first *)
   Definition stores := list (string * Z * F).             (* what is stored in arrays, the newest first *)
   Definition kernel := list value -> option (list value * option value).
@@ -43,6 +44,7 @@ Section Run.
                  end) l.
 
   Definition int32 (z : Z) : option value := if (-2147483648 <=? z)%Z then if (z <=? 2147483647)%Z then Some (I_ z) else None else None.
+  Definition uint32 (z : Z) : option value := if (0 <=? z)%Z then if (z <=? 4294967295)%Z then Some (U_ z) else None else None.
 
   Variable kernels : list (string * kernel).
   Variable arrays : string -> Z -> option F.
@@ -52,7 +54,7 @@ Section Run.
     | Name x => match get x env with Some Nothing => None | v => v end
     | Real v => Some (R_ (literal A v))
     | Int z => int32 z
-    | Unsigned _ => None
+    | Unsigned z => uint32 z
     | Truth b => Some (B_ b)
     | NotANumber => Some (R_ (nan A))
     end.
@@ -69,7 +71,13 @@ Section Run.
         | Plus => Some (R_ (add A x y)) | Minus => Some (R_ (sub A x y)) | Times => Some (R_ (mul A x y)) | Over => Some (R_ (div A x y))
         | Less => Some (B_ (less A x y)) | AtMost => Some (B_ (at_most A x y)) | And => None
         end
-    | I_ x, I_ y => match o with Plus => int32 (x + y) | Minus => int32 (x - y) | Times => int32 (x * y) | _ => None end
+    | I_ x, I_ y =>
+        match o with
+        | Plus => int32 (x + y) | Minus => int32 (x - y) | Times => int32 (x * y)
+        | Over => if (0 <? y)%Z then int32 (Z.quot x y) else None (* C cuts towards 0 *)
+        | Less => Some (B_ (x <? y)%Z) | _ => None
+        end
+    | U_ x, U_ y => match o with Less => Some (B_ (x <? y)%Z) | _ => None end
     | B_ x, B_ y => match o with And => Some (B_ (andb x y)) | _ => None end
     | _, _ => None
     end.
@@ -79,6 +87,7 @@ Section Run.
     match a, b with
     | R_ x, R_ y => Some (R_ (if c then x else y))
     | I_ x, I_ y => Some (I_ (if c then x else y))
+    | U_ x, U_ y => Some (U_ (if c then x else y))
     | B_ x, B_ y => Some (B_ (if c then x else y))
     | _, _ => None
     end.
@@ -90,7 +99,7 @@ Section Run.
     | Negate a => match value_of env a with Some (R_ x) => Some (R_ (opp A x)) | _ => None end
     | Not a => match value_of env a with Some (B_ x) => Some (B_ (negb x)) | _ => None end
     | Select c a b => match value_of env c, value_of env a, value_of env b with Some (B_ c), Some x, Some y => select c x y | _, _, _ => None end
-    | Cast TInt a => match value_of env a with Some (R_ x) => match to_integer A x with Some z => int32 z | None => None end | _ => None end
+    | Cast TInt a => match value_of env a with Some (R_ x) => match to_integer A x with Some z => int32 z | None => None end | Some (U_ x) => int32 x | _ => None end
     | Cast TReal a => match value_of env a with Some (I_ x) => Some (R_ (of_integer A x)) | _ => None end
     | Cast TBool _ | Cast TUnsigned _ => None
     | Load x i => match value_of env i with Some (I_ i) => match arrays x i with Some v => Some (R_ v) | None => None end | _ => None end
@@ -103,7 +112,7 @@ Section Run.
                    end
     end.
 
-  Definition of_type (t : type) (v : value) : bool := match t, v with TReal, R_ _ => true | TInt, I_ _ => true | TBool, B_ _ => true | _, _ => false end.
+  Definition of_type (t : type) (v : value) : bool := match t, v with TReal, R_ _ => true | TInt, I_ _ => true | TUnsigned, U_ _ => true | TBool, B_ _ => true | _, _ => false end.
 
   Fixpoint put_all (xs : list string) (vs : list value) (env : environment) : option environment :=
     match xs, vs with
@@ -185,7 +194,7 @@ Section Run.
     end.
 End Run.
 
-Arguments R_ {A}. Arguments I_ {A}. Arguments B_ {A}. Arguments Nothing {A}.
+Arguments R_ {A}. Arguments I_ {A}. Arguments U_ {A}. Arguments B_ {A}. Arguments Nothing {A}.
 
 (* a kernel sees what stands above it in the text *)
 Fixpoint all_kernels (A : arithmetic) (fs : list function) (known : list (string * kernel A)) : list (string * kernel A) :=
@@ -211,6 +220,9 @@ Definition execute (A : arithmetic) (log_name : string) (s : source) (f : string
 
 Lemma int32_ok A z : (-2147483648 <= z <= 2147483647)%Z -> int32 A z = Some (I_ z).
 Proof. intros [H1 H2]; unfold int32. apply Z.leb_le in H1, H2. now rewrite H1, H2. Qed.
+
+Lemma uint32_ok A z : (0 <= z <= 4294967295)%Z -> uint32 A z = Some (U_ z).
+Proof. intros [H1 H2]; unfold uint32. apply Z.leb_le in H1, H2. now rewrite H1, H2. Qed.
 
 (* a loop keeps what its body keeps *)
 Lemma run_loop_keeps A ks arrays x body (P : Z -> environment A -> stores A -> Prop) count : forall i env out,

@@ -25,14 +25,19 @@ Definition farthest (b : box) : Q := fold_right (fun v m => Qmax (Qabs v) m) 0%Q
 (* What a measured state is wrong by at most. *)
 Definition sensed (f : format) (task : Tube.task) (d : conditions) : Q := (noise d + half_ulp f * farthest (space task))%Q.
 
-(* What `control` stores for component i, called at time t with the state x; 0 where it would not run. *)
-Definition applied (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f))
-  (k : constants) (program : source) (t : binary_float (precision f) (largest_exponent f)) (x : nat -> binary_float (precision f) (largest_exponent f)) (i : nat) : R :=
+(* What a function of the text stores for component i, called with a time or a count of ticks and with the state x; 0 where it would not run. *)
+Definition stored_by (f : format) (log_ : binary_float (precision f) (largest_exponent f) -> binary_float (precision f) (largest_exponent f))
+  (k : constants) (program : source) (name : string) (v : Run.value (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_))
+  (x : nat -> binary_float (precision f) (largest_exponent f)) (i : nat) : R :=
   let A := machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_ in
-  match execute A (log_name k) program "@control" [@R_ A t] (places_of A k (fun z => x (Z.to_nat z))) with
+  match execute A (log_name k) program name [v] (places_of A k (fun z => x (Z.to_nat z))) with
   | Some (out, _) => match stored (A := A) "u" (Z.of_nat i) out with Some v => @B2R (precision f) (largest_exponent f) v | None => 0 end
   | None => 0
   end.
+Definition applied f log_ k program (t : binary_float (precision f) (largest_exponent f)) x i : R :=
+  stored_by f log_ k program "@control" (@R_ (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_) t) x i.
+Definition applied_at_tick f log_ k program (tick : Z) x i : R :=
+  stored_by f log_ k program "@control_tick" (@U_ (machine (precision f) (largest_exponent f) (Edge.pos_ f) (Edge.below_ f) log_) tick) x i.
 
 (* What `period_check` decides on: the law as the text has it, the conditions, and two lists, of the certificate or chosen: rho, and what a distance that the law
    sees is wrong by. *)
@@ -75,49 +80,74 @@ Section Sound.
 
   (* inputs are computed from samples, and act from one switch to the next *)
   Variables (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R).
-  Variables (clock : nat -> number) (measured : nat -> nat -> number).
+  Variable measured : nat -> nat -> number.
   Let L (i : nat) (t : R) := Tube.lower unit task rows i t.
   Let U (i : nat) (t : R) := Tube.upper unit task rows i t.
-  Let input (p i : nat) : R := applied f log_ k program (clock p) (measured p) i.
 
   Hypothesis times : switch 0%nat = 0 /\ forall p, 0 <= taken p <= switch p /\ switch p < switch (S p) /\
     switch (S p) - taken p <= Q2R (period d) + Q2R (latency d) /\ switch p - taken p <= Q2R (latency d).
-  Hypothesis clock_reads : forall p, is_finite (clock p) = true /\ reads f (value (clock p)) (taken p).
   Hypothesis measures : forall p i, (i < n task)%nat -> is_finite (measured p i) = true /\ Rabs (value (measured p i)) <= 1073741824 /\
     Rabs (value (measured p i) - x i (taken p)) <= Q2R (sensed f task d).
   Hypothesis x_cont : forall i t, (i < n task)%nat -> continuity_pt (x i) t.
   Hypothesis x_start : forall i, (i < n task)%nat -> Rabs (2 * x i 0 - L i 0 - U i 0) <= Q2R (share d) * (U i 0 - L i 0).
-  Hypothesis plant : forall p t, switch p < t < switch (S p) -> (forall i, (i < n task)%nat -> L i t < x i t < U i t) -> forall i, (i < n task)%nat ->
+  Definition plant_within (input : nat -> nat -> R) : Prop :=
+    forall p t, switch p < t < switch (S p) -> (forall i, (i < n task)%nat -> L i t < x i t < U i t) -> forall i, (i < n task)%nat ->
     is_derive (x i) t (push i t + total (n task) (fun j => G i j t * input p j)) /\
     Rabs (push i t) <= at_ (forces d) i /\ at_ (least_gains d) i <= G i i t <= at_ (most_gains d) i /\
     forall j, (j < n task)%nat -> j <> i -> Rabs (G i j t) <= at_ (cross_gains d) i.
-
-  Theorem controller_sound : forall p t, 0 <= t <= switch p ->
+  Definition reached : Prop := forall p t, 0 <= t <= switch p ->
     (forall i, (i < n task)%nat -> Rabs (2 * x i t - L i t - U i t) <= (at_ rhos i - 1) / (at_ rhos i + 1) * (U i t - L i t)) /\
     in_space task (fun i => x i t) /\
     (forall o, In o (unsafe task) -> clear (n task) (Q2R (clearance task)) o (fun i => x i t)) /\
     (Q2R (T task) <= t -> in_target task (fun i => x i t)).
+
+  (* For what a function of the text stores, whose edges at sample p are near the exact ones of its time. *)
+  Lemma stored_sound name (v : nat -> Run.value (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_)) (low high : nat -> nat -> R) :
+    (forall p i, (i < n task)%nat -> Rabs (low p i - L i (taken p)) <= Q2R err /\ Rabs (high p i - U i (taken p)) <= Q2R err) ->
+    (forall p, acts_between f k coefficients lines task gains clamps limits log_ (measured p) name (v p) (low p) (high p)) ->
+    plant_within (fun p i => stored_by f log_ k program name (v p) (measured p) i) -> reached.
   Proof.
+    intros Near Acts plant. set (input := fun p i => stored_by f log_ k program name (v p) (measured p) i) in plant.
     assert (Part : forall i, (i < n task)%nat -> part s i = (Component (nth i gains 0) (nth i clamps 0) (nth i limits None) (nth i rhos 0) (nth i (forces d) 0)
       (nth i (least_gains d) 0) (nth i (most_gains d) 0) (nth i (cross_gains d) 0) (nth i shifts 0))%Q) by (intros; now apply sampled_part).
     assert (Tau : Q2R (tau_of s) = Q2R (period d) + Q2R (latency d)) by apply Q2R_plus.
     intros p t Ht.
-    destruct (samples_reach_avoid_stay f unit err how task rows Vs sc late s hints cuts tube_checked slopes_checked rounding_checked period_checked
-      taken switch (fun p => value (clock p)) x (fun p i => value (measured p i)) input push G) with (p := p) (t := t) as (K1 & K2); auto.
-    - intro q. apply clock_reads.
+    destruct (samples_reach_avoid_stay unit err how task rows Vs s hints cuts tube_checked slopes_checked period_checked
+      taken switch low high x (fun p i => value (measured p i)) input push G) with (p := p) (t := t) as (K1 & K2); auto.
     - rewrite Tau. exact times.
     - intros q i Hi. destruct (measures q i Hi) as (_ & _ & M). eapply Rle_trans; [exact M|].
       pose proof sensors_checked as H. unfold at_most_each in H. rewrite forallb_forall in H.
       assert (I : In (shift (part s i)) (map shift (components s))).
       { apply in_map. unfold part. apply nth_In. unfold s, sampled_by. cbn [components]. now rewrite map_length, seq_length. }
       apply H, Qle_true in I. rewrite Q2R_plus in I. lra.
-    - intros q i Hi. destruct (clock_reads q) as [Fc Rc].
-      destruct (control_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
-        (clock q) (measured q) Fc (fun j Hj => proj1 (measures q j Hj)) (fun j Hj => proj1 (proj2 (measures q j Hj))) (taken q) Rc) as (out & status & E & _ & _ & St).
-      destruct (St i Hi) as (v & V1 & _ & V3).
-      assert (In : input q i = value v) by (unfold input, applied, program; rewrite E, V1; reflexivity).
+    - intros q i Hi. destruct (Acts q) as (out & status & E & _ & _ & St).
+      destruct (St i Hi) as (w & V1 & _ & V3).
+      assert (In : input q i = value w) by (unfold input, stored_by, program; rewrite E, V1; reflexivity).
       rewrite (Part i Hi), In. cbn [Period.gain clamped limit]. exact V3.
     - intros q r Hr Hin i Hi. rewrite (Part i Hi). exact (plant q r Hr Hin i Hi).
     - split; [|exact K2]. intros i Hi. specialize (K1 i Hi). rewrite (Part i Hi) in K1. exact K1.
+  Qed.
+
+  (* `control`, for a clock that shows the time, right or rounded once; *)
+  Theorem controller_sound (clock : nat -> number) : (forall p, is_finite (clock p) = true /\ reads f (value (clock p)) (taken p)) ->
+    plant_within (fun p i => applied f log_ k program (clock p) (measured p) i) -> reached.
+  Proof.
+    intros clock_reads. destruct (emission_near f unit err how task rows Vs sc late tube_checked slopes_checked rounding_checked) as [Time Near].
+    apply (stored_sound "@control" (fun p => @R_ (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_) (clock p)) (fun p i => EmittedTube.emitted f unit rows sc fst i (value (clock p))) (fun p i => EmittedTube.emitted f unit rows sc snd i (value (clock p)))).
+    - intros p i Hi. exact (Near i _ _ Hi (Time _ _ (proj2 (clock_reads p)))).
+    - intro p. exact (control_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+        (measured p) (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) (clock p) (proj1 (clock_reads p)) (taken p) (proj2 (clock_reads p))).
+  Qed.
+
+  (* and `control_tick`, for samples that are taken at counts of ticks. *)
+  Theorem controller_tick_sound (tick_period : Q) (tick : nat -> Z) : tick_constants_check f k task rows late tick_period = true ->
+    (forall p, (0 <= tick p <= 4294967295)%Z /\ taken p = IZR (tick p) * Q2R tick_period) ->
+    plant_within (fun p i => applied_at_tick f log_ k program (tick p) (measured p) i) -> reached.
+  Proof.
+    intros Checked Ticks. destruct (emission_near f unit err how task rows Vs sc late tube_checked slopes_checked rounding_checked) as [_ Near].
+    apply (stored_sound "@control_tick" (fun p => @U_ (machine prec emax (Edge.pos_ f) (Edge.below_ f) log_) (tick p)) (fun p i => at_place f unit rows fst i (tick_place_of f k rows (tick p))) (fun p i => at_place f unit rows snd i (tick_place_of f k rows (tick p)))).
+    - intros p i Hi. destruct (Ticks p) as [[T0 _] ->]. exact (Near i _ _ Hi (tick_place_fits f k unit err how task rows late tube_checked tick_period (tick p) Checked T0)).
+    - intro p. exact (control_tick_acts f k coefficients lines unit err how task rows Vs sc late gains clamps limits tube_checked slopes_checked rounding_checked constants_checked log_ log_accurate
+        (measured p) (fun j Hj => proj1 (measures p j Hj)) (fun j Hj => proj1 (proj2 (measures p j Hj))) tick_period (tick p) Checked (proj1 (Ticks p))).
   Qed.
 End Sound.

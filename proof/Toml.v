@@ -249,3 +249,6 @@ Definition conditions_in (text : string) : option conditions :=
   let* low := match find "g_min" plant with Some v => each n v | None => Some (map (Qmin 1) high) end in
   let high := match find "g_max" plant with Some _ => high | None => map (Qmax 1) low end in
   Some (Conditions period latency share noise (map (fun p => Qred (fst p + snd p)) (combine drift wind)) low high cross).
+
+(* What one tick takes, in seconds. *)
+Definition tick_period_in (text : string) : option Q := let* ss := sections_in text in the_number "tick_period" (part_of "emit" ss).

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -173,10 +172,27 @@ MUTANTS = (
     ("omni_board", "s * around", "z * around", "text_read"),
     ("omni_board", "0.6931472F", "0.6931473F", "text_read"),
     ("omni_board", "whole + part", "whole - part", "text_read"),
-    # ticks have no meaning in what the theorem is about; a header has them, and a selftest
+    # a count of ticks is no time, and has no arithmetic; a header has ticks, and a selftest
     ("omni_board", "int32_t segment = (int32_t)u", "uint32_t segment = (uint32_t)u", "text_read"),
     ("omni_board", "segment * 4;", "segment * 4U;", "text_read"),
     ("omni_board", "omni_board_segment(t, &row, &s)", "omni_board_segment_at_tick(t, &row, &s)", "text_read"),
+    ("omni_board", "omni_board_segment_at_tick(tick, &row, &s)", "omni_board_segment(tick, &row, &s)", "text_read"),
+    # the place of a tick: how many ticks there are, how many parts one is, of how many in a segment, and what is held where
+    ("omni_board", "running = tick < 9000U", "running = tick < 8999U", "text_read"),
+    ("omni_board", "running ? tick : 9000U", "running ? tick : 8999U", "text_read"),
+    ("omni_board", "running ? tick : 9000U", "running ? 9000U : tick", "text_read"),
+    ("omni_board", "tick < 9000U", "tick < 9000", "text_read"),
+    ("omni_board", "count * 4", "count * 3", "ticks_checked"),
+    ("omni_board", "passed < 36000", "passed < 35999", "text_read"),
+    ("omni_board", "early ? passed : 36000", "early ? 36000 : passed", "text_read"),
+    ("omni_board", "place / 1125", "place / 1124", "text_read"),
+    ("omni_board", "whole < 31", "whole < 30", "text_read"),
+    ("omni_board", "before_last ? whole : 31", "before_last ? whole : 30", "text_read"),
+    ("omni_board", "segment * 1125", "segment * 1124", "text_read"),
+    ("omni_board", "place - base;\n    const omni_board_real part", "base - place;\n    const omni_board_real part", "text_read"),
+    ("omni_board", "part / 1125.0F", "part / 1124.0F", "ticks_checked"),
+    ("omni_board", "tick_period = 0.001", "tick_period = 0.002", "tick_period_read"),
+    ("omni_board", "the_tick_period : Q := (1 # 1000)", "the_tick_period : Q := (1 # 500)", "tick_period_read"),
     ("omni_board", "#include <stdint.h>", "#include <tgmath.h>", "header_read"),
     ("omni_board", "_SELFTEST_23e458e2bad7f4ef", "_SELFTEST_(x) x", "header_read"),
     ("omni_board", "_TICKS 9000U", "_TICKS 9000U\n#define v0 1.0F", "header_read"),
@@ -275,25 +291,27 @@ def test_changed_texts_have_none(name: str, scalar: str, old: str, new: str, lem
     assert answer.what.startswith(lemma), answer.what
 
 
-@pytest.mark.parametrize(
-    ("file", "old", "new"),
-    [
-        (".c", "held = running ? tick : 9000U", "held = running ? tick : 8999U"),
-        (".c", "place / 1125", "place / 1124"),
-        (".c", "part / 1125.0F", "part / 1124.0F"),
-        (".h", "_TICKS 9000U", "_TICKS 8999U"),
-    ],
-)
-def test_ticks_are_the_checkers_word(file: str, old: str, new: str, tmp_path: Path) -> None:
-    """Coq reads such functions and says nothing of them; the command asks the checker first."""
-    shutil.copytree(ROOT / "generated/omni_board/refined/float", tmp_path / "c")
-    place = tmp_path / f"c/omni_board{file}"
-    before = place.read_text()
-    place.write_text(before.replace(old, new, 1))
-    assert place.read_text() != before
-    assert "Times are in seconds" in deep_of(ROOT / "tasks/omni_board.toml", tmp_path / "c")
-    done = run("theorem", "tasks/omni_board.toml", str(tmp_path / "c/omni_board.c"))
-    assert done.returncode == 1, done.stdout
+TICKS = {"9000": "8999", "count * 4": "count * 3", "36000": "35968", "1125": "1124"}
+
+
+def test_the_place_of_a_tick_is_that_of_the_task() -> None:
+    """Changed throughout, the C agrees with itself; then it is the task's seconds that it does not agree with."""
+    whole = text("omni_board", "float")
+    kernel = re.search(r"static inline void omni_board_segment_at_tick.*?\n}", whole, flags=re.S)
+    assert kernel
+    for parts in (["9000"], ["count * 4"], ["1125", "36000"]):
+        changed = kernel[0]
+        for old in parts:
+            assert old in changed
+            changed = changed.replace(old, TICKS[old])
+        answer = asking.ask_coq(whole.replace(kernel[0], changed).encode(), "omni_board")
+        assert not answer.holds
+        assert answer.what.startswith("ticks_checked"), answer.what
+
+
+def test_ticks_have_theorems_of_their_own() -> None:
+    for name in ("omni_board", "omni_s1"):
+        assert ("Theorem closed_loop_tick" in text(name, "float")) == (name == "omni_board")
 
 
 ATTACKS = (
@@ -301,7 +319,7 @@ ATTACKS = (
     *((name, ".c", old, new) for name, old, new in COMPILED),
     *(("trolley", ".h", *pair) for pair in HEADERS),
 )
-OTHERS = r"(?:margin|transform|normalized_error|basis_rate|tube_rate|segment_at_tick|control_tick)"
+OTHERS = r"(?:margin|transform|normalized_error|basis_rate|tube_rate)"
 
 
 def about(text: str, name: str) -> str:

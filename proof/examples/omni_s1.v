@@ -660,7 +660,7 @@ Theorem controller : forall (log_ : number -> number), accurate (precision Singl
 Proof.
   intros log_ accurate A t x Ft Fx Sx tau Rt L U.
   destruct (control_acts Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
-    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) t x Ft Fx Sx tau Rt) as (out & status & H).
+    the_gains the_clamps the_limits tube_checked slopes_checked rounding_checked constants_checked log_ (fun _ => accurate) x Fx Sx t Ft tau Rt) as (out & status & H).
   exists the_program, out, status. split; [exact text_read|exact H].
 Qed.
 
@@ -749,7 +749,7 @@ Proof.
   rewrite text_read in Text. injection Text as <-.
   exact (controller_sound Single the_constants the_coefficients (preamble Single the_constants "omni_s1"%string) the_unit the_error the_search the_task the_table the_steps the_scale the_late
     the_gains the_clamps the_limits the_conditions the_rhos the_shifts the_hints 1 tube_checked slopes_checked rounding_checked constants_checked period_checked sensors_checked
-    log_ (fun _ => accurate) taken switch x push G clock measured Times Clock Sensors Continuous Start Plant).
+    log_ (fun _ => accurate) taken switch x push G measured Times Sensors Continuous Start clock Clock Plant).
 Qed.
 
 Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).

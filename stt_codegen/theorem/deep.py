@@ -106,6 +106,9 @@ def uncovered(found: Facts, *texts: bytes) -> str:
         "texts beyond ASCII": not all(text.isascii() for text in texts),
         "comments with signs that C reads before tokens": any(BEFORE.search(text) for text in code),
         "a guard": any(f"{found.name}_guard".encode() in text for text in code),
+        "ticks of segments that have more parts than a float tells apart": (
+            found.tick is not None and (found.tick * found.segments / found.t_c).denominator > 1 << 24
+        ),
         "a task whose name begins a variable": any(re.search(rf" {found.name}_\w+ = ".encode(), text) for text in code),
     }
     told = next((name for name, given in reasons.items() if given), "") or _foreign(task)
@@ -125,9 +128,10 @@ def words(found: Facts) -> str:
     if numbers is None:
         numbers, whose = _example(found), ", by example: the task has no control.period, and these numbers are not its own"
     claim = sampled_claim(found, numbers, (sensed(found, numbers.noise),) * found.n)
+    counted = "" if found.tick is None else f", or `{found.name}_control_tick` for its count of ticks"
     told = (
         f"The closed loop{whose}. Inputs are held: each is what `{found.name}_control` stores for the time, exact "
-        "or rounded once, and the measured state of a sample. The first is taken at 0 and acts from then on; "
+        f"or rounded once{counted}, and the measured state of a sample. The first is taken at 0 and acts from then on; "
         f"{claim} Unsafe sets are grown and the state space is shrunk by the body."
     )
     return textwrap.fill(told, 125, initial_indent="   ", subsequent_indent="   ")
@@ -149,7 +153,7 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         task=the_task(found),
         inline=found.inline,
         accuracy=WRITTEN_OUT if found.inline else CALLED,
-        ticks=found.ticks,
+        ticks="" if found.tick is None else rational(found.tick),
         lost="(1 # 16384)" if found.inline else f"(32 * half_ulp {FORMATS[found.scalar][0]})",
         unit=rational(found.unit),
         error=rational(found.error * found.unit),

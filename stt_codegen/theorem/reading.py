@@ -90,7 +90,7 @@ class Facts:
     gain: tuple[Fraction, ...]
     e_max: tuple[Fraction, ...]
     u_max: tuple[Fraction, ...] | None
-    ticks: bool
+    tick: Fraction | None  # seconds
     inline: bool  # the logarithm is written out
     beyond: str
     sampling: Sampling | None
@@ -190,7 +190,7 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
         gain=tuple(gain),
         e_max=tuple(task.e_max),
         u_max=None if u_max is None else tuple(u_max),
-        ticks=task.tick is not None,
+        tick=task.tick,
         inline=task.inline,
         beyond=beyond(task),
         sampling=None if task.period is None or not looped else _sampling(task, c, document["sampled"], error * tube.unit),

@@ -109,7 +109,7 @@ def words(facts: Facts) -> str:
         "from the task was written out by Python. Assumed: IEEE-754 arithmetic without contraction, and that no number "
         "overflows.",
     ]
-    if facts.ticks:
+    if facts.tick is not None:
         told.append("Times in ticks are not meant: statement 1 is about the function that takes seconds.")
     return "\n\n".join(textwrap.fill(t, 125, initial_indent="   ", subsequent_indent="   ") for t in told)
 
