@@ -16,12 +16,12 @@ Definition eat_line (w : string) (l : list token) : option (list token) :=
   match l with Line v :: r => if String.eqb w v then Some r else None | _ => None end.
 Definition eat_prefix (w : string) (l : list token) : option (list token) :=
   match l with Line v :: r => match without w v with Some _ => if one_line v then Some r else None | None => None end | _ => None end.
-(* a directive that defines this number *)
+(* a directive that defines this number and nothing more: C evaluates what sizes a parameter *)
 Definition eat_count (w : string) (n : Z) (l : list token) : option (list token) :=
   match l with
-  | Line v :: r => let* s := without w v in
+  | Line v :: rest => let* s := without w v in
                    match number s 0 0 with
-                   | (z, _, EmptyString) | (z, _, String " " _) => if (z =? n)%Z then eat_prefix w l else None
+                   | (z, _, EmptyString) => if (z =? n)%Z then Some rest else None
                    | _ => None
                    end
   | _ => None

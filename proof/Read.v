@@ -17,10 +17,11 @@ Definition is_blank (c : ascii) : bool := let n := N_of_ascii c in (n =? 32)%N |
 Definition is_newline (c : ascii) : bool := (N_of_ascii c =? 10)%N.
 
 (* What C reads before tokens is not in the text: a line that goes on, a trigraph, a comment to the end of its line, one that its own
-   star would close. A directive begins its line. And no two signs with blanks between them that C has as one without: each is a token here. *)
+   star would close. A directive begins its line. And no two signs with blanks between them that C has as one
+   without, and no comment after one of these: each is a token here. *)
 Fixpoint joins (c : ascii) (s : string) : bool :=
   match s with
-  | String d r => if is_blank d then joins c r else
+  | String d r => if is_blank d then joins c r else if Ascii.eqb d "/" then true else
       if existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"]%char then Ascii.eqb c d else Ascii.eqb d "=" || Ascii.eqb c ">" && Ascii.eqb d ">"
   | EmptyString => false
   end.
@@ -35,7 +36,7 @@ Fixpoint plain (s : string) : bool :=
           if Ascii.eqb c "?" && Ascii.eqb d "?" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "/" then false else
           if Ascii.eqb c "/" && Ascii.eqb d "*" && (match t with String e _ => Ascii.eqb e "/" | _ => false end) then false else
-          if is_blank d && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins c t then false else plain r
+          if (is_blank d || Ascii.eqb d "/") && existsb (Ascii.eqb c) ["+"; "-"; "&"; "|"; "<"; ">"; "="; "!"]%char && joins c r then false else plain r
       | EmptyString => true
       end
   end.

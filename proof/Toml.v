@@ -232,6 +232,20 @@ Definition task_in (text : string) : option (string * task) :=
   let* goals := faces_of names none (part "target_set") in
   Some (name, Task n T x space start target unsafe clearance (Qmax width (1 # 1048576)) walls goals).
 
+(* Limits on u: the task's u_max, where it has one; and whether those of a text are there just then, and no larger. *)
+Definition limits_in (text : string) : option (option (list Q)) :=
+  let* ss := sections_in text in
+  let* x := the_numbers "initial_state" (part_of "" ss) in
+  match find "u_max" (part_of "control" ss) with
+  | None => Some None
+  | Some v => let* l := each (List.length x) v in Some (Some l)
+  end.
+Definition limits_within (limits : list (option Q)) (most : option (list Q)) : bool :=
+  match most with
+  | None => forallb (fun l => match l with None => true | Some _ => false end) limits
+  | Some us => Nat.eqb (List.length limits) (List.length us) && forallb (fun p => match fst p with Some m => Qle_bool m (snd p) | None => false end) (combine limits us)
+  end.
+
 (* The conditions that a task with a period states. Where one bound of g is missing it is 1, or the other one where 1 contradicts that. *)
 Definition conditions_in (text : string) : option conditions :=
   let* ss := sections_in text in

@@ -175,6 +175,14 @@ def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
     return sum(map(operator.mul, a, b))
 
 
+def test_what_stands_in_a_text_is_no_theorem() -> None:
+    text = text_of("omni_s1").decode().replace("/* omni_s1.h:", "/* \nTheorem of_all_plants\nomni_s1.h:", 1)
+    assert "\nTheorem of_all_plants" in text
+    named = re.findall(r"^Theorem (\w+)", asking._without_strings(text), re.M)
+    assert named == ["controller", "closed_loop"]
+    assert asking._without_strings(text).count("\n") == text.count("\n")
+
+
 def test_names_of_sets_cannot_end_the_comment() -> None:
     task, source, certificate = files_of("trolley", "float")
     text = written(facts(task.replace(b'"pillar"', b'"p *) Axiom a : False. (*"'), source, certificate)).decode()

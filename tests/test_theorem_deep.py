@@ -104,7 +104,14 @@ MUTANTS = (
     ("omni_s1", "} omni_s1_status;", "} omni_s1_status; /* *\\\n/\n#define OMNI_S1_OUTSIDE_TUBE OMNI_S1_OK /* */", "header_read"),
     ("omni_s1", "upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
     ("omni_s1", "the_error : Q := (1 # 131072)", "the_error : Q := (1 # 1048576)", "rounding_checked"),
-    # what the task states of samples and plant
+    # signs that a comment parts, and a size that does something
+    ("omni_s1", "j < 2; ++j", "j < 2; +/**/+j", "text_read"),
+    ("omni_s1", "j < 2; ++j", "j < 2; + /* */ +j", "text_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 + (int)(t = 0)", "header_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 /* two */", "header_read"),
+    # what the task states of u, samples and plant
+    ("trolley", "u_max = [2.0, 2.0]", "u_max = [2.0, 1.99]", "limits_checked"),
+    ("trolley", "u_max = [2.0, 2.0]", "# u_max", "limits_checked"),
     ("trolley", "period = 0.02 ", "period = 0.021 ", "conditions_read"),
     ("trolley", "latency = 0.002", "latency = 0.0021", "conditions_read"),
     ("trolley", "share = 0.9 ", "share = 0.91 ", "conditions_read"),

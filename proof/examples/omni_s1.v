@@ -1,7 +1,7 @@
 (* omni_s1.v: theorems about the controller in omni_s1.c. The texts of the task, of omni_s1.h and of omni_s1.c are below, and Coq reads them.
 
-   For every finite time and every state below 2^30, `omni_s1_control` ends, with nothing that C leaves undefined, u being another
-   array than x; what it stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
+   For every finite time and every state below 2^30, `omni_s1_control` ends, with nothing that C leaves undefined, u being
+   an array apart from x; what it stores are finite inputs that act as the law (13) with e clamped, on the distances of the state from edges L and U, up to
    32 units of rounding in the factor and in epsilon; its status says whether the state is between L and U in every dimension.
    For every time, L and U are those of the tube theorem: as wide as demanded, within the state space, clear of every unsafe set,
    in the initial set at 0 and in the target set from t_c on.
@@ -640,6 +640,10 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 Lemma constants_checked : constants_check Single the_constants the_coefficients the_unit the_task the_table the_scale the_gains the_clamps the_limits = true.
 Proof. vm_cast_no_check (eq_refl true). Qed.
 
+(* Its limits on u are there where the task has u_max, and no larger. *)
+Lemma limits_checked : match limits_in the_toml with Some most => limits_within the_limits most | None => false end = true.
+Proof. vm_cast_no_check (eq_refl true). Qed.
+
 Notation number := (binary_float (precision Single) (largest_exponent Single)).
 
 (* What `control` does: *)
@@ -752,5 +756,5 @@ Proof.
     log_ (fun _ => accurate) taken switch x push G measured Times Sensors Continuous Start clock Clock Plant).
 Qed.
 
-Definition theorems := (task_read, header_read, text_read, controller, tube, closed_loop).
+Definition theorems := (task_read, header_read, text_read, limits_checked, controller, tube, closed_loop).
 Print Assumptions theorems.

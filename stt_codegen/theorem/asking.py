@@ -125,9 +125,14 @@ def ask_coq(text: bytes, name: str) -> Answer:
     if before.strip() or not axioms or len(axioms) != len(set(axioms)) or any(" assumed " in e for e in entries):
         told = " ".join(said.split())[:200] or "it says nothing"
         return Answer(name, False, f"coqc does not list axioms as it should: {told}", seconds)
-    stated = re.findall(r"^Theorem (\w+)", text.decode(), re.M)
+    stated = re.findall(r"^Theorem (\w+)", _without_strings(text.decode()), re.M)
     told = f"it rests on {', '.join(foreign)}" if foreign else f"Coq accepts {', '.join(stated)}"
     return Answer(name, not foreign, told, seconds, axioms)
+
+
+def _without_strings(text: str) -> str:
+    """The texts that a theorem is about are strings; what stands in them are no theorems."""
+    return re.sub(r'"(?:[^"]|"")*"', lambda string: '"' + "\n" * string[0].count("\n") + '"', text)
 
 
 def _failing(text: str, failed: str) -> str:
@@ -135,7 +140,7 @@ def _failing(text: str, failed: str) -> str:
     place = re.search(r"line (\d+), characters .*?:\s*Error:(.*)", failed, re.S)
     if place is None:
         return " ".join(failed.split())[-300:]
-    lines = text.splitlines()[: int(place[1])]
+    lines = _without_strings(text).splitlines()[: int(place[1])]
     at = next((k for k in reversed(range(len(lines))) if re.match(r"(Lemma|Theorem|Definition) \w+", lines[k])), 0)
     name = lines[at].split()[1] if lines else "?"
     above = next((line.strip("(* )") for line in reversed(lines[:at]) if line.startswith("(*")), "")

@@ -78,12 +78,12 @@ CALLED, WRITTEN_OUT = "(fun _ => accurate)", "(fun called => False_ind _ (Bool.d
 SPELT = re.compile(  # keys with quotes or dots are read by no one here; nor other spellings of numbers and texts
     r"['{}\\\r]|\"\"\"|\d_\d|[=\[,]\s*\+|\b0[xob]|^\s*\[\[?\s*\"|^\s*\"[^\"\n]*\"\s*[.=]|^\s*[\w-]+\s*\.[^\n=]*=", re.M
 )  # in the task, what proof/Toml.v does not read
-BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
+BEFORE = re.compile(rb"\\|\?\?|//|/\*/|[^\n]#|[-+&|<>=!]\s*/|([+&|>-])\s+\1|[<>=!]\s+=")  # in the C, what proof/Read.v refuses
 
 
 def _foreign(task: bytes) -> str:
     """What of the task's text proof/Toml.v does not read; empty where it reads all."""
-    text = "\n".join(line.partition("#")[0] for line in task.decode().splitlines())
+    text = re.sub(r'("(?:[^"\\\n]|\\.)*")|#[^\n]*', r"\1", task.decode())
     if SPELT.search(text):
         return "a task that is spelt so"
     given = tomllib.loads(task.decode())
