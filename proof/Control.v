@@ -464,34 +464,81 @@ Section Execute.
       Some (out, Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z)) /\
     forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
 
-  Ltac found := cbv [segment_function segment_at_tick_function basis_function blend_function transformed_error_function law_function tube_function control_function control_tick_function
-    filter title String.eqb Ascii.eqb Bool.eqb negb all_kernels List.find app].
-  (* the kernels that the function sees, and what they do *)
-  Ltac executed kernels g ba bl te la se segments_ below first name clock v Fi Run :=
-    destruct (common_executes kernels ba bl te la se ltac:(repeat split; reflexivity) ltac:(apply basis_runs) ltac:(intros; apply blend_runs)
-      ltac:(let a := fresh in let b := fresh in intros a b; apply (transformed_error_runs A k bl ba segments_ a b); first [left; eexists; reflexivity | right; do 2 eexists; reflexivity])
-      ltac:(intros; apply law_runs) below first name clock v Fi ltac:(reflexivity) ltac:(intros; reflexivity) Run) as (out & env & E & St);
-    exists out; split; [|exact St];
-    assert (En : enter A kernels arrays_of g [v] = run_block A (run A kernels arrays_of) (common_statements k name clock) (("zero", R_ first) :: below) []);
-    [ unfold enter, control_function, control_tick_function; cbn [parameters bind of_type code app];
-      repeat (eapply (let_step A kernels arrays_of); [reflexivity|reflexivity|]); reflexivity
-    | rewrite En, E; reflexivity ].
+  (* Kernels by the function that each is: written out, each would hold all of those before it twice. *)
+  Definition grow (ks : list (string * kernel A)) (g : function) : list (string * kernel A) := (title g, kernel_of A ks (fun _ _ => None) g) :: ks.
+  Lemma all_kernels_grow : forall fs ks, all_kernels A fs ks = fold_left grow fs ks.
+  Proof. induction fs as [|g fs IH]; intro ks; [reflexivity|]. exact (IH (grow ks g)). Qed.
+
+  (* what the two functions see *)
+  Definition places_known (segments : list function) := fold_left grow segments (log_kernels A k).
+  Definition edges_known segments := grow (grow (places_known segments) basis_function) blend_function.
+  Definition law_known segments := grow (grow (edges_known segments) (transformed_error_function k)) law_function.
+
+  Lemma law_known_executes segments others below first name clock v segment_ :
+    segments = [segment_function k] \/ (exists c, segments = [segment_function k; segment_at_tick_function k c]) ->
+    (forall f, In f others -> title f = "@tube" \/ title f = "@control" \/ title f = "@control_tick") ->
+    at_most A (zeros A x first (number_of_dimensions k)) (literal A zero) = true ->
+    get name (places_known segments) = Some segment_ -> (name = "@segment" \/ name = "@segment_at_tick") ->
+    (forall z f, values_of A (("s", Nothing) :: ("row", Nothing) :: checked A below z f) [Name clock] = Some [v]) ->
+    segment_ [v] = Some ([I_ (segment * (2 * n))%Z; R_ s], None) ->
+    exists out env,
+      run_block A (run A (fold_left grow others (law_known segments)) arrays_of) (common_statements k name clock) (("zero", R_ first) :: below) [] =
+        Some (env, out, Some (Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z))) /\
+      forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i)).
+  Proof.
+    intros Sg Ot Fi Sn Nm Cl Sd.
+    assert (Past : forall y ks, y <> "@tube" -> y <> "@control" -> y <> "@control_tick" -> get y (fold_left grow others ks) = get y ks).
+    { intros y ks N1 N2 N3. revert ks Ot. induction others as [|g r IH]; intros ks Ot; [reflexivity|]. cbn [fold_left]. rewrite IH by (intros; apply Ot; now right).
+      unfold grow at 1, get. assert (Ne : String.eqb y (title g) = false).
+      { apply String.eqb_neq. intro Q. destruct (Ot g (or_introl eq_refl)) as [E|[E|E]]; rewrite E in Q; contradiction. }
+      rewrite Ne. reflexivity. }
+    apply (common_executes (fold_left grow others (law_known segments))
+      (kernel_of A (places_known segments) (fun _ _ => None) basis_function) (kernel_of A (grow (places_known segments) basis_function) (fun _ _ => None) blend_function)
+      (kernel_of A (edges_known segments) (fun _ _ => None) (transformed_error_function k))
+      (kernel_of A (grow (edges_known segments) (transformed_error_function k)) (fun _ _ => None) law_function) segment_) with (v := v); try assumption.
+    - rewrite !Past by discriminate. repeat split; reflexivity.
+    - apply basis_runs.
+    - intros; apply blend_runs.
+    - intros a b. destruct Sg as [->|[c ->]].
+      + apply (transformed_error_runs A k _ _ [("@segment", _)]). left; eexists; reflexivity.
+      + apply (transformed_error_runs A k _ _ [("@segment_at_tick", _); ("@segment", _)]). right; do 2 eexists; reflexivity.
+    - intros; apply law_runs.
+    - rewrite Past by (destruct Nm as [-> | ->]; discriminate). destruct Nm as [-> | ->]; exact Sn.
+  Qed.
+
+  Ltac chosen g := match goal with |- context [List.find ?p ?l] => change (List.find p l) with (Some g) end.
+  Ltac known_as ks := match goal with |- context [fold_left grow ?l (log_kernels A k)] => change (fold_left grow l (log_kernels A k)) with ks end; cbv iota beta.
+  Ltac started E := unfold enter; cbn [bind of_type parameters code control_function control_tick_function app];
+    repeat (eapply (let_step A _ arrays_of); [reflexivity|reflexivity|]); exact E.
 
   Theorem control_executes t : to_integer A (spline_time A k t) = Some segment -> s = place A (spline_time A k t) segment ->
     at_most A (zeros A x (mul A t (literal A zero)) (number_of_dimensions k)) (literal A zero) = true -> acts_at "@control" (R_ t).
   Proof.
     intros Sk Es Fi. unfold acts_at, execute. cbn [functions program]. change (fun y i => match get y (tables program) with Some _ => _ | None => _ end) with arrays_of.
-    unfold emitted. rewrite kernels_after, found_after by discriminate.
+    unfold emitted. rewrite kernels_after, found_after by discriminate. rewrite all_kernels_grow.
     assert (Run : kernel_of A (log_kernels A k) (fun _ _ => None) (segment_function k) [R_ t] = Some ([I_ (segment * (2 * n))%Z; R_ s], None)).
     { rewrite Es. apply (segment_runs A k (log_kernels A k) t segment); auto; unfold n in *; nia. }
-    unfold with_ticks. destruct (tick_constants k) as [c|]; found;
-    match goal with |- context [enter A ?ks arrays_of ?f ?vs] => set (kernels := ks); change f with (control_function k) end;
-    match goal with
-    | kernels := _ :: (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?st) :: (_, ?se) :: log_kernels A k |- _ =>
-        executed kernels (control_function k) ba bl te la se [("@segment_at_tick", st); ("@segment", se)] [("t_zero", R_ (mul A t (literal A zero))); ("t", R_ t)] (mul A t (literal A zero)) "@segment" "t" (@R_ A t) Fi Run
-    | kernels := (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?se) :: log_kernels A k |- _ =>
-        executed kernels (control_function k) ba bl te la se [("@segment", se)] [("t_zero", R_ (mul A t (literal A zero))); ("t", R_ t)] (mul A t (literal A zero)) "@segment" "t" (@R_ A t) Fi Run
-    end.
+    assert (Ex : forall segments others, segments = [segment_function k] \/ (exists c, segments = [segment_function k; segment_at_tick_function k c]) ->
+      (forall f, In f others -> title f = "@tube" \/ title f = "@control" \/ title f = "@control_tick") ->
+      exists out env, enter A (fold_left grow others (law_known segments)) arrays_of (control_function k) [R_ t] =
+        Some (env, out, Some (Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z))) /\
+        forall i, (0 <= i < n)%Z -> stored (A := A) "u" i out = Some (control_input A k i (L i) (U i) (x i))).
+    { intros segments others Sg Ot. destruct (law_known_executes segments others [("t_zero", R_ (mul A t (literal A zero))); ("t", R_ t)] (mul A t (literal A zero)) "@segment" "t" (R_ t)
+        (kernel_of A (log_kernels A k) (fun _ _ => None) (segment_function k)) Sg Ot Fi) as (out & env & E & St).
+      - destruct Sg as [->|[c ->]]; reflexivity.
+      - now left.
+      - reflexivity.
+      - exact Run.
+      - exists out, env. split; [started E|exact St]. }
+    unfold with_ticks. destruct (tick_constants k) as [c|]; chosen (control_function k).
+    - known_as (fold_left grow [tube_function k; control_tick_function k] (law_known [segment_function k; segment_at_tick_function k c])).
+      destruct (Ex [segment_function k; segment_at_tick_function k c] [tube_function k; control_tick_function k]) as (out & env & E & St); [right; now exists c| |].
+      + intros g [<-|[<-|[]]]; [now left|now right; right].
+      + exists out. split; [now rewrite E|exact St].
+    - known_as (fold_left grow [tube_function k] (law_known [segment_function k])).
+      destruct (Ex [segment_function k] [tube_function k]) as (out & env & E & St); [now left| |].
+      + intros g [<-|[]]. now left.
+      + exists out. split; [now rewrite E|exact St].
   Qed.
 
   Theorem control_tick_executes c tick : tick_constants k = Some c -> ticks_small c -> tick_segments c = K -> (0 <= tick <= 4294967295)%Z ->
@@ -499,15 +546,23 @@ Section Execute.
     at_most A (zeros A x (literal A zero) (number_of_dimensions k)) (literal A zero) = true -> acts_at "@control_tick" (U_ tick).
   Proof.
     intros Tk Sm Ks Tr Sk Es Fi. unfold acts_at, execute. cbn [functions program]. change (fun y i => match get y (tables program) with Some _ => _ | None => _ end) with arrays_of.
-    unfold emitted. rewrite kernels_after, found_after by discriminate.
+    unfold emitted. rewrite kernels_after, found_after by discriminate. rewrite all_kernels_grow.
     assert (Run : forall ks, kernel_of A ks (fun _ _ => None) (segment_at_tick_function k c) [U_ tick] = Some ([I_ (segment * (2 * n))%Z; R_ s], None)).
     { intro ks. rewrite Es, Sk. apply (segment_at_tick_runs A k ks c tick); auto; rewrite Ks; unfold n in *; nia. }
-    unfold with_ticks. rewrite Tk. found.
-    match goal with |- context [enter A ?ks arrays_of ?f ?vs] => set (kernels := ks); change f with (control_tick_function k) end.
-    match goal with
-    | kernels := (_, ?co) :: (_, ?tu) :: (_, ?la) :: (_, ?te) :: (_, ?bl) :: (_, ?ba) :: (_, ?st) :: (_, ?se) :: log_kernels A k |- _ =>
-        executed kernels (control_tick_function k) ba bl te la st [("@segment_at_tick", st); ("@segment", se)] [("tick", @U_ A tick)] (literal A zero) "@segment_at_tick" "tick" (@U_ A tick) Fi
-          (Run (("@segment", se) :: log_kernels A k))
-    end.
+    unfold with_ticks. rewrite Tk. chosen (control_tick_function k).
+    known_as (fold_left grow [tube_function k; control_function k] (law_known [segment_function k; segment_at_tick_function k c])).
+    destruct (law_known_executes [segment_function k; segment_at_tick_function k c] [tube_function k; control_function k] [("tick", @U_ A tick)] (literal A zero) "@segment_at_tick" "tick" (@U_ A tick)
+      (kernel_of A (grow (log_kernels A k) (segment_function k)) (fun _ _ => None) (segment_at_tick_function k c))) as (out & env & E & St).
+    - right. now exists c.
+    - intros g [<-|[<-|[]]]; [now left|now right; left].
+    - exact Fi.
+    - reflexivity.
+    - now right.
+    - reflexivity.
+    - apply Run.
+    - exists out. split; [|exact St].
+      assert (En : enter A (fold_left grow [tube_function k; control_function k] (law_known [segment_function k; segment_at_tick_function k c])) arrays_of (control_tick_function k) [U_ tick] =
+        Some (env, out, Some (Some (I_ (if outside_after A k segment s q x (number_of_dimensions k) then 1 else 0)%Z)))) by (started E).
+      now rewrite En.
   Qed.
 End Execute.

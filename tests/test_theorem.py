@@ -128,6 +128,9 @@ def test_keys_of_a_task_are_those_that_coq_reads() -> None:
         (b"prescribed_time = 9.0", b"prescribed_time = +9.0"),
         (b"prescribed_time = 9.0", b"prescribed_time = 9.0\nstart_delay = 0.0"),
         (b"[tube]", b"[plant]\norder = 1\n\n[tube]"),
+        (b"clearance = 0.03", b'"clearance" = 0.03'),
+        (b"prescribed_time = 9.0", b'prescribed_time = 9.0\nemit.math = "libm"'),
+        (b"gain = 0.5", b"gain = 0.5\ne_max = 0.4"),
         (b'name = "O1"', b'name = "O1"\ntiming = 0.1'),
     ],
 )
@@ -137,6 +140,7 @@ def test_a_task_that_coq_does_not_read_has_the_theorem_about_the_tube(old: bytes
     assert text_of("omni_s1").startswith(b"(* omni_s1.v: theorems about the controller")
     about = text_of("omni_s1", task.replace(old, new, 1))
     assert about.startswith(b"(* omni_s1.v: theorems about the tube")
+    assert b"there is no theorem yet about the whole C with" in b" ".join(about.split())
 
 
 def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
@@ -179,7 +183,7 @@ def test_what_stands_in_a_text_is_no_theorem() -> None:
     text = text_of("omni_s1").decode().replace("/* omni_s1.h:", "/* \nTheorem of_all_plants\nomni_s1.h:", 1)
     assert "\nTheorem of_all_plants" in text
     named = re.findall(r"^Theorem (\w+)", asking._without_strings(text), re.M)
-    assert named == ["controller", "closed_loop"]
+    assert named == ["controller", "closed_loop_example"]
     assert asking._without_strings(text).count("\n") == text.count("\n")
 
 
@@ -231,7 +235,7 @@ def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str])
     tool("coqc")
     done = run("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop")
+    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop_example")
 
 
 PLANTS = (

@@ -722,7 +722,7 @@ Proof. vm_cast_no_check (eq_refl true). Qed.
 
 (* The closed loop. Input p is what `control` stores, run on the text's program at clock p with the state measured at the time `taken p`; it acts from `switch p`
    to `switch (p + 1)`. *)
-Theorem closed_loop : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
+Theorem closed_loop_example : forall (log_ : number -> number), accurate (precision Single) (largest_exponent Single) log_ ->
   forall (taken switch : nat -> R) (x push : nat -> R -> R) (G : nat -> nat -> R -> R) (clock : nat -> number) (measured : nat -> nat -> number) (program : source),
   option_map keep (read (suffix Single) "omni_s1"%string the_text) = Some program ->
   let L i t := Tube.lower the_unit the_task the_table i t in
@@ -756,5 +756,5 @@ Proof.
     log_ (fun _ => accurate) taken switch x push G measured Times Sensors Continuous Start clock Clock Plant).
 Qed.
 
-Definition theorems := (task_read, header_read, text_read, limits_checked, controller, tube, closed_loop).
+Definition theorems := (task_read, header_read, text_read, limits_checked, controller, tube, closed_loop_example).
 Print Assumptions theorems.

@@ -100,7 +100,10 @@ def _theorem(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes
     from stt_codegen.theorem.text import theorem_text
 
     data = (files.get(f"{name}.task.toml", task), *(files[f"{name}{end}"] for end in (".h", ".c", ".certificate.json")))
-    return {f"{name}.v": theorem_text(*data)}
+    text = theorem_text(*data)
+    if text.startswith(f"(* {name}.v: theorems about the tube".encode()):
+        say(f"{name}.v: theorems about the tube alone; its first lines say why")
+    return {f"{name}.v": text}
 
 
 def _tell_what_is_not_proved(controller: Any) -> None:

@@ -161,6 +161,7 @@ def deep(task: bytes, header: bytes, source: bytes, certificate: bytes) -> str:
         search=search(found),
         n=found.n,
         stated=found.sampling is not None,
+        example="" if found.sampling is not None else "_example",
         sampled=_sampled(found, found.sampling or _example(found)),
     )
 

@@ -10,6 +10,6 @@ from stt_codegen.theorem.writing import written
 def theorem_text(task: bytes, header: bytes, source: bytes, certificate: bytes) -> bytes:
     """The text of `<p>.v`. Raises as `reading.facts` does."""
     found = facts(task, source, certificate)
-    if uncovered(found, task, header, source):
-        return written(found)
+    if reason := uncovered(found, task, header, source):
+        return written(found, reason)
     return deep(task, header, source, certificate).encode()

@@ -77,8 +77,8 @@ def statement(said: Statement) -> str:
     return f"Stmt {SIGNS[sign]} {' '.join(f'({kind} {whole(value)})' for kind, value in operands)}"
 
 
-def words(facts: Facts) -> str:
-    """The theorems in words, as the comment that begins the file."""
+def words(facts: Facts, reason: str) -> str:
+    """The theorems in words, as the comment that begins the file. reason: why none is about the whole C."""
     t_c, clear = exact(facts.t_c), exact(facts.clearance)
     told = [
         f"1. The emitted tube. Let L and U be the edges that `{facts.name}_tube` computes in {facts.scalar} arithmetic (round to "
@@ -88,6 +88,8 @@ def words(facts: Facts) -> str:
         "set. At t = 0 they are in the initial set, and the initial state is between them. From t = "
         f"{t_c} s on they are in the target set.",
     ]
+    if reason and reason != facts.beyond:
+        told.insert(0, f"These are about the tube: there is no theorem yet about the whole C with {reason}.")
     if facts.beyond:
         told.append(f"There is no theorem yet about the closed loop with {facts.beyond}.")
     else:
@@ -180,12 +182,12 @@ def _sampled(facts: Facts, sampling: Sampling) -> dict[str, Any]:
     }
 
 
-def written(facts: Facts) -> bytes:
-    """The text of `<p>.v`."""
+def written(facts: Facts, reason: str = "") -> bytes:
+    """The text of `<p>.v`. reason: why there is no theorem about the whole C."""
     late = lateness(facts.segments, facts.t_c, facts.scalar)
     text = template("theorem.v.j2").render(
         name=facts.name,
-        words=words(facts),
+        words=words(facts, reason),
         n=facts.n,
         t_c=rational(facts.t_c),
         state=listed(facts.state),
@@ -212,6 +214,6 @@ def written(facts: Facts) -> bytes:
         beyond=facts.beyond,
         theorems="emitted_tube"
         if facts.beyond
-        else "emitted_tube, closed_loop" + (", sampled_loop" if facts.sampling is not None else ""),
+        else "emitted_tube, continuous_loop" + (", sampled_loop" if facts.sampling is not None else ""),
     )
     return text.encode()
