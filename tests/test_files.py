@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -377,3 +378,22 @@ def test_a_file_that_the_manifest_has_and_nobody_makes_is_told(recorded) -> None
     result = run("check", cwd=recorded)
     assert result.returncode == 1
     assert f"records {folder}/empty_fast.c, which is not made" in result.stdout
+
+
+@pytest.mark.parametrize("kind", ["demo", "test", "integration"])
+def test_what_is_missing_is_named_in_full(kind: str, tmp_path: Path) -> None:
+    """Where nothing is there and nobody is root, .ci/tools names every package: what it does not name, apt does not get."""
+    text = (ROOT / ".ci" / "tools").read_text().replace("/usr", str(tmp_path / "usr"))
+    part = re.search(rf"^{kind}\).*?^    ;;", text, re.S | re.M)
+    assert part is not None
+    wanted = {package for line in re.findall(r"^\s*need \S+ (.+)$", part[0], re.M) for package in line.split()}
+    for name, says in {"id": "1000", **({"rustc": str(tmp_path)} if kind == "integration" else {})}.items():
+        (tmp_path / name).write_text(f"#!/bin/sh\necho {says}\n")
+        (tmp_path / name).chmod(0o755)
+    (tmp_path / "tools").write_text(text)
+    done = subprocess.run(
+        ["/bin/sh", str(tmp_path / "tools"), kind], env={"PATH": str(tmp_path)}, capture_output=True, text=True, check=False
+    )
+    named = set(done.stderr.partition("(Debian names):")[2].split())
+    assert wanted
+    assert wanted <= named, wanted - named
