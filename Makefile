@@ -1,5 +1,5 @@
 # make demo: the paper's case study, from task files to certified C.   make test: everything that must hold.
-# make integration: what is too heavy for make test, run before a change is called done (about 50 minutes on two cores).
+# make integration: what is too heavy for make test, run before a change is called done (about three hours on two cores; what is green is not run again).
 # Both set up what they need: Python packages in .venv from the hashed lock, system packages through apt when root.
 
 PYTHON ?= python3
@@ -33,32 +33,11 @@ test: $(STAMP) $(if $(CI),$(PEERS) $(PHYSICS))
 	$(BIN)/mypy
 	$(BIN)/pytest -n auto --dist loadgroup -m "not slow"
 
-# Each command fails where a law is broken: a mutant that passes, a lemma that no mutant moves, a sampled statement that is violated, an
-# arena with a way and no certificate, a closed loop that collides or leaves.
+# Each job fails where a law is broken; benchmarks/integration.py lists them and remembers which are green. OPTIONS="--list" shows them.
 integration: $(STAMP) $(PHYSICS) $(if $(CI),$(PEERS) build/ros/.done)
 	@.ci/tools test
 	@.ci/tools integration
-	$(BIN)/pytest -n auto --dist loadgroup -m slow
-	$(BIN)/python benchmarks/mutations.py --count 3000
-	$(BIN)/python benchmarks/mutations.py --shapes --count 1000
-	$(BIN)/python benchmarks/mutations.py --integers --count 300
-	$(BIN)/python benchmarks/token_mutants.py --every 8
-	$(BIN)/python benchmarks/lemma_mutants.py 120
-	$(BIN)/python benchmarks/sampled.py 100
-	$(BIN)/python benchmarks/tubes.py --count 60 --others 60
-	$(BIN)/python benchmarks/mutations.py --moving --count 500
-	$(BIN)/python benchmarks/moving.py --count 60
-	$(BIN)/python benchmarks/physics.py --runs 100
-	$(BIN)/python benchmarks/fixed.py
-	$(BIN)/python benchmarks/integer_bits.py --inputs 100000
-	$(BIN)/python benchmarks/mutations.py --inertia --count 400
-	$(BIN)/python benchmarks/mission_mutants.py --count 1000
-	$(BIN)/python benchmarks/gappa.py
-	$(BIN)/python benchmarks/theorem.py
-	$(BIN)/python benchmarks/inertia.py --count 60 --loops 1000
-	$(BIN)/stt-codegen bench arenas --family paper --family dense12 --family space3 --design refined --count 200 --demand 0.99
-	$(BIN)/stt-codegen bench loop --count 100
-	$(BIN)/stt-codegen bench missions --count 30
+	@$(BIN)/python -m benchmarks integration $(OPTIONS)
 
 # Everything in generated/: refined from every task file, in both precisions, or in integers alone; the case study with the paper's functions, sound
 # (adaptive, certified) and as the paper has it (literal, which collides and says so).
@@ -68,9 +47,9 @@ generate: $(STAMP)
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design adaptive
 	@$(BIN)/stt-codegen generate $(CASE_STUDY) --record generated --design literal --uncertified
 	@for task in $(TASKS); do name=$$(basename $$task .toml); \
-	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/float >/dev/null || exit; done
+	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/float >/dev/null || [ $$? = 1 ] || exit; done # 1: not all is proved, as of watchman's tick
 	@for task in $(INTEGERS); do name=$$(basename $$task .toml); \
-	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/fixed >/dev/null || exit; done
+	    $(BIN)/stt-codegen prove $$task --out generated/$$name/refined/fixed >/dev/null || [ $$? = 1 ] || exit; done
 	@$(BIN)/stt-codegen prove
 
 check: $(STAMP)
@@ -91,11 +70,11 @@ $(PEERS): peers.lock $(STAMP)
 	@touch $@
 
 # The policies of the reinforcement learning peer, in an environment of their own: about 70 minutes on one core. Weights are not in the
-# repository; without them the rows of `bench arenas --peers` and `bench loop --peers` on policies are left out.
+# repository; without them the rows of `python -m benchmarks arenas --peers` and `python -m benchmarks loop --peers` on policies are left out.
 policies: $(STAMP)
 	@test -x build/rl/bin/python || $(PYTHON) -m venv build/rl
 	@build/rl/bin/python .ci/install peers-rl.lock
-	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python benchmarks/policy.py --out build/policies
+	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python -m benchmarks policy --out build/policies
 
 # MuJoCo, for benchmarks/physics.py; its test is skipped where it is missing.
 physics: $(PHYSICS)
@@ -114,7 +93,7 @@ build/ros/.done: ros.lock $(STAMP)
 
 # The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
 ends: $(STAMP)
-	@$(BIN)/python benchmarks/ends.py
+	@$(BIN)/python -m benchmarks ends
 
 # After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
 lock:

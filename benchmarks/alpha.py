@@ -1,6 +1,6 @@
 """How accurate the implicit step of the update function (11) is: against a stiff integrator (Radau, 1e-10).
 
-    python benchmarks/alpha.py
+    python -m benchmarks alpha
 
 For every example task and step length: the largest error of alpha and of an edge of the tube, and the order observed.
 """
@@ -13,10 +13,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from stt_codegen import reference
-from stt_codegen.design.adaptive import adaptive
-from stt_codegen.designs import AdaptiveDesign
-from stt_codegen.designs.grid import parameters_of, step_alpha
-from stt_codegen.task import load_task
+from stt_codegen.design.paper_tubes.adaptive_search import adaptive
+from stt_codegen.designs.adaptive import AdaptiveDesign, parameters_of, step_alpha
+from stt_codegen.task.load import load_task
 
 STEPS = (0.001, 0.005, 0.02)
 

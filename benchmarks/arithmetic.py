@@ -1,6 +1,6 @@
 """P7: the derived bound on the emitted arithmetic beside the worst error met, for every example task, float and double.
 
-    python benchmarks/arithmetic.py [--points 1000000] [--record benchmarks/RESULTS.md]
+    python -m benchmarks arithmetic [--points 1000000] [--record benchmarks/RESULTS.md]
 
 Points: random t in [0, t_c], and every knot with its four neighbours among the floats, at which the segment changes. The
 reference evaluates the exact spline at the very t in extended precision (64 bits). Exit code 1 when a bound is exceeded.
@@ -14,12 +14,12 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.suites.report import command, record, table
 from stt_codegen import reference
-from stt_codegen.bench.report import command, record, table
-from stt_codegen.compare.backends import CompiledC
-from stt_codegen.controller.arithmetic import rate_error
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.controller.edge_errors import rate_error
+from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.pipeline import build
+from stt_codegen.program.targets.c.runner import CompiledC
 
 TASKS = sorted(Path(__file__).parent.parent.glob("tasks/*.toml"))
 CHUNK = 100_000

@@ -1,6 +1,6 @@
 """This checkout beside another one, in one run: the same arenas, turn about, each in a process of its own.
 
-    python benchmarks/beside.py ../other [--family paper] [--count 60] [--rounds 3]
+    python -m benchmarks beside ../other [--family paper] [--count 60] [--rounds 3]
 
 Prints, by stage, the median over the arenas of the ratio of processor times (the least of the rounds counts), the ratio of what
 95 % of the arenas stay below, and how many tubes and certificates differ. Machines are noisy: a ratio of one run says more than
@@ -23,9 +23,9 @@ STAGES = ("design", "program", "certificate")
 WORK = """
 import hashlib, json, sys, time
 try:
+    from benchmarks.suites.families import FAMILIES, arena_task
+except ImportError:  # where a checkout before the move has it
     from stt_codegen.bench.families import FAMILIES, arena_task
-except ImportError:  # as it was called before
-    from stt_codegen.arenas import FAMILIES, arena_task
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_program, certify, design_tube
 family, count = sys.argv[1], int(sys.argv[2])

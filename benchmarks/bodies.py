@@ -13,7 +13,7 @@ from typing import Any
 
 import mujoco
 
-from stt_codegen.task import Task
+from stt_codegen.task.task import Task
 
 STEP = 0.001  # seconds of the engine
 HEAD = f"""<mujoco><option timestep="{STEP}" gravity="0 0 0" integrator="implicitfast"/>
@@ -68,7 +68,7 @@ def base_constants(model: Any, values: Sequence[float]) -> None:
     model.body_mass[body], model.body_inertia[body][2] = values
 
 
-def arm(task: Task, force: Sequence[float], lag: float) -> str:
+def arm(_task: Task, force: Sequence[float], lag: float) -> str:
     """Two rods of 2 kg and 0.5 m. The post stands where the second is across it at joints of the unsafe set, and at no others."""
     post = (0.5 + 0.5 * math.cos(0.6), 0.5 * math.sin(0.6))
     rod = '<inertial pos=".25 0 0" mass="2" diaginertia="1e-3 {0} {0}"/>'.format(2 * 0.25 / 12)

@@ -1,6 +1,6 @@
 """The lower ends of the dependencies' ranges: installed in a folder of their own, then everything in generated/ is made again.
 
-    python benchmarks/ends.py
+    python -m benchmarks ends
 
 The refined design's controllers must be the same bytes. Two kinds of files may differ, and are counted apart: the adaptive and
 the literal design's (CasADi writes x + x as 2 * x in some versions, which is the same number), and what a double's self-test

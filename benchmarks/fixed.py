@@ -1,6 +1,6 @@
 """What a controller in integers takes on boards without a floating-point unit, beside the same one in floats.
 
-    python benchmarks/fixed.py [--task omni_s2 crane] [--points 400] [--board m0 ...] [--record FILE.md]
+    python -m benchmarks fixed [--task omni_s2 crane] [--points 400] [--board m0 ...] [--record FILE.md]
 
 `control` of example tasks (with limits of u of 4 and ticks of a millisecond, where they have none), at ticks and states in, about
 and far from the tube. Every board must give the bits of the emitted Python; the command ends with 1 where one does not. Beside
@@ -15,14 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
-from stt_codegen.bench.mcu import sizes
-from stt_codegen.bench.report import command, machine, record, table
+from benchmarks.suites.mcu import sizes
+from benchmarks.suites.report import command, machine, record, table
 from stt_codegen.board.boards import BOARDS
 from stt_codegen.board.emulated import Emulated
-from stt_codegen.compare.backends import GeneratedPython
-from stt_codegen.compare.integers import ticks_and_states
+from stt_codegen.compare.integer_comparison import ticks_and_states
 from stt_codegen.pipeline import Controller, build_task
-from stt_codegen.task import Task, load_task
+from stt_codegen.program.targets import optional_targets
+from stt_codegen.program.targets.python.runner import GeneratedPython
+from stt_codegen.task.load import load_task
+from stt_codegen.task.task import Task
 
 ROOT = Path(__file__).resolve().parent.parent
 SHOWN = ("m0", "m3", "m4f", "rv32", "avr")
@@ -32,7 +34,8 @@ TASKS = ("omni_s2", "crane")
 def limited(task: Task) -> Task:
     """The task in integers, with a limit of u and a tick where it has none."""
     limits = {"u_max": task.control.u_max or (Fraction(4),) * task.dimension}
-    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed", "math": "libm", "rust": False}
+    tick = {"tick_period": task.emit.tick_period or Fraction(1, 1000), "scalar": "fixed", "math": "libm"}
+    tick |= {target.key: False for target in optional_targets()}
     return task.model_copy(update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=tick)})
 
 

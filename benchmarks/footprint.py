@@ -1,7 +1,7 @@
 """Start-up, generation and size: seconds of `--help` and `generate` (median of nine processes), a step on this machine over one
 `logf` in the same process, bytes on a Cortex-M4F.
 
-    python benchmarks/footprint.py
+    python -m benchmarks footprint
 
 Bytes need arm-none-eabi-gcc and are of the float file of every example task at -O2, by function, tables apart.
 """
@@ -16,8 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from stt_codegen.compare.toolchain import STRICT
 from stt_codegen.pipeline import build
+from stt_codegen.program.targets.c.runner import STRICT
 
 TASKS = sorted(Path(__file__).parent.parent.glob("tasks/*.toml"))
 CORTEX_M4F = ("-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16")

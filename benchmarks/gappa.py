@@ -1,6 +1,6 @@
 """A second opinion on P7: Gappa bounds the rounding of the C's statements, for every edge of every refined tube that is shipped.
 
-    python benchmarks/gappa.py [--folder generated] [--keep DIR]
+    python -m benchmarks gappa [--folder generated] [--keep DIR]
 
 Of each C file it reads the table, the constants of time, and the statements of `basis` and `blend` as the stand-alone checker's
 reader finds them, and asks Gappa two things: that spline time is within 4 rounding errors of K, also where t was rounded; and, by

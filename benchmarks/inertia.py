@@ -1,7 +1,7 @@
 """Plants of order 2: how many tubes are certified and how fast, what u they take beside the least possible, which periods are
 proved, and closed loops at them.
 
-    python benchmarks/inertia.py [--count 100] [--loops 2000] [--board m4f] [--record FILE.md]
+    python -m benchmarks inertia [--count 100] [--loops 2000] [--board m4f] [--record FILE.md]
 
 - paper: the arenas of four unit squares, |w| <= 0.3.
 - least: the least u_max, one for all components, for which a tube is designed and P8 proved, over |w| and 4 length/t_c^2, what
@@ -25,17 +25,18 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.bench.families import FAMILIES, arena_task
-from stt_codegen.bench.report import command, machine, record
+from benchmarks.suites.families import FAMILIES, arena_task
+from benchmarks.suites.report import command, machine, record
 from stt_codegen.design.arena import arena_of, normalised, starting_box
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.route import shortest_route
+from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
 from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.task import Task, load_task
+from stt_codegen.task.load import load_task
+from stt_codegen.task.task import Task
 
 ROOT = Path(__file__).resolve().parent.parent
 PUSH = "0.3"
@@ -125,11 +126,11 @@ def failures(one: Controller, seconds: float) -> str:
         runs = [
             loop.run(
                 Scenario(
-                    1 / (factor * seconds),
-                    KINDS[1 + k % 5],
-                    float(PUSH),
-                    k,
-                    start=starts(one.task, one.certificate.start, 0.9, k, k % 2 == 0),
+                    rate=1 / (factor * seconds),
+                    disturbance=KINDS[1 + k % 5],
+                    strength=float(PUSH),
+                    seed=k,
+                    start=starts(one.certificate.start, 0.9, k, k % 2 == 0),
                 )
             )
             for loop in (Loop(one, model) for model in within_bounds(one.task))
@@ -145,15 +146,15 @@ def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
     hit = left = made = 0
     for k, (one, loop, period) in enumerate(itertools.islice(itertools.cycle(pairs), count)):
         rate = 1000.0 if period is None or k // len(pairs) % 2 else 1 / period.seconds
-        start = starts(one.task, one.certificate.start, 0.9, k, k % 3 == 0)
-        run = loop.run(Scenario(max(rate, 1.0), KINDS[1 + k % 5], float(PUSH), k, start=start))
+        start = starts(one.certificate.start, 0.9, k, k % 3 == 0)
+        run = loop.run(Scenario(rate=max(rate, 1.0), disturbance=KINDS[1 + k % 5], strength=float(PUSH), seed=k, start=start))
         hit, left, made = hit + (run.hit is not None), left + (not run.kept), made + 1
     return f"{made} closed loops in {len(tubes)} tubes: {hit} collisions, {left} tubes left", not hit and not left
 
 
 def steps(board: str) -> list[str]:
     """Instructions of `control` on an emulated board, with the library and inline."""
-    from stt_codegen.bench.mcu import measured
+    from benchmarks.suites.mcu import measured
     from stt_codegen.board.boards import BOARDS
 
     found = []

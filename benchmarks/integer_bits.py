@@ -1,10 +1,10 @@
 """Whether controllers in integers give the same bits everywhere: the emitted Python, the C on this machine and on every board.
 
-    python benchmarks/integer_bits.py [--task omni_s2 crane] [--inputs 1000000] [--board m0 ...]
+    python -m benchmarks integer_bits [--task omni_s2 crane] [--inputs 1000000] [--board m0 ...]
 
-`tube`, `control` and `margin` (of order 2 `filtered_tube` too) at ticks and states drawn by the same generator everywhere: any
-bit patterns, the edges with two units about them, places all through the tube and beside it. What comes out is folded into one
-number for each block of inputs, which the board writes. The command ends with 1 where two of these differ.
+`tube`, `control`, `margin` and `covered` (of order 2 `filtered_tube` too) at ticks and states drawn by the same generator
+everywhere: any bit patterns, the edges with two units about them, places all through the tube and beside it. What comes out
+is folded into one number for each block of inputs, which the board writes. The command ends with 1 where two of these differ.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
-from fixed import ROOT, limited
-
-from stt_codegen.bench.report import table
+from benchmarks.fixed import ROOT, limited
+from benchmarks.suites.report import table
 from stt_codegen.board.boards import BOARDS, Board, copy_board
 from stt_codegen.board.emulated import CFLAGS, DECORATION
-from stt_codegen.compare.toolchain import load_module, run_compiler
 from stt_codegen.pipeline import Controller, build_task
-from stt_codegen.task import load_task
+from stt_codegen.program.targets.python.runner import load_module
+from stt_codegen.program.targets.toolchain import run_compiler
+from stt_codegen.task.load import load_task
 
 BLOCKS = 16
 FOLD = re.compile("[0-9a-f]{8}")  # as a board writes it
@@ -96,6 +96,7 @@ int main(void)
                 keep((uint32_t)u[i]);
             }
             keep((uint32_t)%(p)s_margin(tick, %(states)s));
+            keep(%(p)s_covered(%(states)s) ? 1U : 0U);
         }
         char text[] = "00000000\\n";
         for (int k = 0; k < 8; k++) {
@@ -121,7 +122,7 @@ MOVING = """            static const int32_t filter[%(P)s_N] = {%(filter)s}; /* 
 
 def filter_of(controller: Controller) -> list[int]:
     """256 times lambda, rounded; empty for order 1."""
-    return [round(256 * Fraction(v)) for v in getattr(controller.design, "filter", ())]
+    return [round(256 * Fraction(v)) for v in controller.design.filter]
 
 
 def driver(controller: Controller, inputs: int) -> str:
@@ -174,7 +175,7 @@ def folded(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
                 r = near_tube(word >> 2 & 3, *pair)
                 states[1].append(signed(r - (states[0][i] >> 8 & 0xFFFF) * filter_[i]))
         status, u = module.control(tick, *states)
-        for out in (status, *u, module.margin(tick, *states)):
+        for out in (status, *u, module.margin(tick, *states), int(module.covered(*states))):
             keep(out)
     return f"{fold:08x}"
 

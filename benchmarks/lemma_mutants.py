@@ -1,7 +1,7 @@
 """How many mutants the lemma book finds: one node of an emitted kernel or function changed, or of the source of what lemmas run
 on symbols (sampled statements, windows, P9, update curves, rows, P7's time error), and the lemmas that read it run again.
 
-    python benchmarks/lemma_mutants.py [COUNT]
+    python -m benchmarks lemma_mutants [COUNT]
 
 A mutant counts when it changes an output at some of many inputs by more than rounding; it is found when a lemma about that kernel
 or function is no longer proved, be it that the proof takes longer than PATIENCE. Deterministic. The mutants that are missed are
@@ -13,6 +13,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import inspect
+import itertools
 import math
 import os
 import random
@@ -31,25 +32,19 @@ from typing import Any
 import numpy as np
 
 import stt_codegen as stt
-from stt_codegen import rows
-from stt_codegen.certify import period, slack, update
-from stt_codegen.controller import arithmetic
-from stt_codegen.lemmas import (
-    examples,
-    first_exit,
-    functions,
-    kernels,
-    refined,
-    sampled_evaluated,
-    sampled_exact,
-    sampled_windows,
-    transform,
-    update_cells,
-)
-from stt_codegen.lemmas import rows as row_lemmas
+from stt_codegen import constraints as rows
+from stt_codegen.certify import slack
+from stt_codegen.certify.adaptive import alpha_curves
+from stt_codegen.controller import edge_errors as arithmetic
+from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
 from stt_codegen.lemmas.lemma import Lemma, Verdict
-from stt_codegen.program import (
-    REAL,
+from stt_codegen.lemmas.paper import transform, update_cells
+from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows
+from stt_codegen.lemmas.sets import constraint_rows as row_lemmas
+from stt_codegen.lemmas.tube import spline_edges
+from stt_codegen.program.analyse import exact_logarithm as enclosed
+from stt_codegen.program.convert.from_casadi import lower
+from stt_codegen.program.nodes import (
     Assign,
     Call,
     Const,
@@ -67,13 +62,12 @@ from stt_codegen.program import (
     Store,
     Trunc,
     Var,
-    enclosed,
 )
-from stt_codegen.program.lower import lower
-from stt_codegen.program.paths import follow
-from stt_codegen.program.print.python import PythonPrinter
-from stt_codegen.sampling import setting, statements, windows
-from stt_codegen.task import sets
+from stt_codegen.program.operations import REAL
+from stt_codegen.program.symbolic.paths import follow
+from stt_codegen.program.targets.python.printer import PythonPrinter
+from stt_codegen.sampling import loops, numbers, periods, setting, statements, windows
+from stt_codegen.task.sets import convex_sets as sets
 
 OTHER = {
     "add": "sub", "sub": "add", "mul": "div", "div": "mul", "lt": "le", "le": "lt", "exp": "tanh", "log": "exp", "log1p": "exp",
@@ -82,9 +76,13 @@ OTHER = {
 MEMORY = 4 << 30  # bytes
 PATIENCE = 30  # seconds for the lemmas of a mutant; a formula gone wild is not proved either
 SMALL_KERNELS = {
-    "basis": refined, "basis_rate": refined, "blend": refined, "normalized_error": transform, "transformed_error": transform,
+    "basis": spline_edges,
+    "basis_rate": spline_edges,
+    "blend": spline_edges,
+    "normalized_error": transform,
+    "transformed_error": transform,
     "law": transform,
-}  # fmt: skip
+}
 
 LEAST_FOUND = 0.98  # of the mutants that change a value, the share that must leave a lemma open
 
@@ -204,7 +202,7 @@ def kernel_differs(before: Kernel) -> Callable[[Any, random.Random], bool]:
 
     def differs(after: Kernel, draw: random.Random) -> bool:
         one, other = call(before), call(after)
-        claim = kernels.CLAIMS.get(before.name)
+        claim = printed_kernels.CLAIMS.get(before.name)
         given = [[draw.uniform(0.05, 3.0) for _ in before.inputs] for _ in range(60)]
         for point in claim.points if claim else ():
             given.append([float(point[v.name]) + draw.choice((0.0, 1e-3)) for v in before.inputs])
@@ -235,7 +233,7 @@ def function_subject(name: str, case_name: str, function: str, points: list[Any]
             return replace(case.program, kernels=tuple(thing if k.name == thing.name else k for k in case.program.kernels))
         return replace(case.program, functions=tuple(thing if f.name == thing.name else f for f in case.program.functions))
 
-    def differs(after: Any, draw: random.Random) -> bool:
+    def differs(after: Any, _: random.Random) -> bool:
         other = program_with(after)
         for point, a in zip(points, before, strict=True):
             try:
@@ -363,7 +361,7 @@ def _statements() -> list[float]:
 
 def _numbers_of(thing: Any) -> list[float]:
     """Every number in arrays, tuples and dataclasses, in their order."""
-    if thing is None or isinstance(thing, str):
+    if thing is None or isinstance(thing, str | numbers.Doubles | numbers.Fractions):
         return []
     if isinstance(thing, np.ndarray):
         return _numbers_of(thing.ravel().tolist())
@@ -428,7 +426,7 @@ def _windows() -> list[float]:
 
 def _setting() -> list[float]:
     task, tube, error = _probed()
-    made = period.loop_of(task, tube, error)
+    made = loops.loop_of(task, tube, error)
     falling = np.array([[3.0, 1.0], [2.0, 5.0], [4.0, 4.5]])
     both = [setting.back(falling, np.maximum), setting.back(falling, np.minimum)]
     return _numbers_of([made, made.longest_age, made.with_law(latency=0.0).longest_age, *both])
@@ -436,31 +434,33 @@ def _setting() -> list[float]:
 
 def _period() -> list[float]:
     task, tube, error = _probed()
-    statement = period.statement_of(task, tube, error)
-    every = list(statement.windows())
-    found = [statement.holds(tuple(map(Fraction, rho))) for rho in ((25, 30), (21, 40), (18, 30), (1e4, 30), (60, 25))]
-    for window in every[:4]:
-        for rho in ((3, 5), (25, 30), (2, 10**5)):
-            e = tuple(map(Fraction, rho))
-            u = statement.inputs(window, e)
-            u_free = replace(statement, task=task.model_copy(update={"control": task.control.model_copy(update={"u_max": None})}))
-            found += [u, u_free.inputs(window, e), replace(statement, shift=(Fraction(2),) * 2).inputs(window, e)]
-            found += [statement._kept(i, window[i], e[i], [v * k for v in u]) for i in (0, 1) for k in (1, 20)]
+    loop, age = loops.exact_loop(task, tube, error), Fraction("0.0012")
+    found: list[Any] = []
+    for rho in ((25, 30), (21, 40), (18, 30), (1e4, 30), (60, 25)):
+        e = tuple(map(Fraction, rho))
+        found += [periods.inputs_where_proved(loop, e, age * k) for k in (1, 20, 1000)]
+    for k, rho in itertools.product(range(4), ((3, 5), (25, 30), (2, 10**5))):
+        e = np.array([Fraction(v) for v in rho], dtype=object)
+        free, blind = loop.with_law(u_max=np.full(2, np.inf)), loop.with_law(shift=np.array([Fraction(2)] * 2))
+        found += [statements.input_bound(v.window(k), e) for v in (loop, free, blind)]
+        for u in (found[-3], found[-3] * 20):
+            conditions = statements.sharp_under(loop.window(k), e, age, u, loop.push[k])
+            found.append(statements.first_failing(conditions) or 0)
     logarithms = [enclosed.logarithm(Fraction(v)) for v in (1.5, 1.001, 77, 1e6)]
-    return _numbers_of([every, found, logarithms, statement.age, statement.rounding, statement.shift])
+    return _numbers_of([found, logarithms, loop.longest_age, loop.law.shift, loop.law.farthest, loop.start])
 
 
 def _update() -> list[float]:
     times = [0.25 * k for k in range(13)]
-    steps = update.Steps(Fraction(1, 100), Fraction(1, 20), 1e-5, 2.0**-24)
+    steps = alpha_curves.Steps(Fraction(1, 100), Fraction(1, 20), 1e-5, 2.0**-24)
     found: list[Any] = [steps.least, steps.reach]
     for psi, theta in (([0.3, 0.1, 0.05, 0.2, 0.5, 0.9] * 2, [0.02, 0.2, 0.4, 0.1, 0.01, 1e-5] * 2), ([0.4] * 12, [0.05] * 12)):
-        both = [update.upper_curve, update.lower_curve]
+        both = [alpha_curves.upper_curve, alpha_curves.lower_curve]
         found += [curve(times, [*psi, 0.3], [*theta, 0.1], 5.0, steps) for curve in both]
-        found += [update.ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
-    found.append(update.upper_curve(times, [0.1] * 13, [0.1] * 13, 1e-9, steps))
+        found += [alpha_curves.ahead(np.array(times), np.array(psi), 0.3, largest) for largest in (True, False)]
+    found.append(alpha_curves.upper_curve(times, [0.1] * 13, [0.1] * 13, 1e-9, steps))
     for side in (1, -1):
-        made = update.Curve(side, 1e-5, 5.0, 1.001, 0.1)
+        made = alpha_curves.Curve(side, 1e-5, 5.0, 1.001, 0.1)
         found += [made.root(p, q) for p in (-2.0, 0.0, 0.5) for q in (0.0, 1e-61, 1e-3, 2.0)]
         found += [made.beyond(z, 0.5, 2.0) for z in (1e-3, 1.2, 1.45, 9.0)] + [made.balance(0.5, v) for v in (1e-9, 3.0)]
     return _numbers_of(found)
@@ -502,27 +502,28 @@ def _arithmetic() -> list[float]:
 
 
 READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = (
-    (statements, "input_bound _law sharp_push sharp_under pull q q_rate _seen _seen_reach _stale _input _diagonal_staleness "
-     "diagonal _general_staleness general", _statements, (sampled_evaluated,)),
+    (statements, "input_bound emitted_input sharp_push sharp_under pull q q_rate _seen _seen_reach _stale _input "
+     "_diagonal_staleness diagonal _general_staleness general", _statements, (sampled_evaluated,)),
     (windows, "extremes refined_windows", _windows, (sampled_windows,)),
     (windows.Windows, "shortest", _windows, (first_exit,)),
     (setting, "law_of setting_of back", _setting, (first_exit, sampled_windows)),
     (setting.Setting, "longest_age", _setting, (first_exit,)),
     (enclosed, "logarithm _artanh", _period, (sampled_exact, sampled_windows)),
-    (period, "statement_of", _period, (sampled_exact, sampled_windows)),
-    (period.SharpStatement, "windows inputs holds _kept age rounding", _period, (sampled_exact, sampled_windows)),
-    (update, "_values ahead", _update, (update_cells,)),
-    (update.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
-    (update.Steps, "reach least", _update, (update_cells,)),
+    (periods, "inputs_where_proved is_in_range", _period, (sampled_exact,)),
+    (numbers.Fractions, "reach_of_share far_divisor near_divisor share_of_reach log_below log_above lesser evenly", _period,
+     (sampled_exact, sampled_windows)),
+    (alpha_curves, "curve_values ahead", _update, (update_cells,)),
+    (alpha_curves.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
+    (alpha_curves.Steps, "reach least", _update, (update_cells,)),
     (rows, "width_rows state_rows start_rows stay_rows reach_rows avoid_rows speed_rows within _between apart_rows _terms", _rows,
      (row_lemmas,)),
     (rows.Row, "size seen_from needed dimension", _rows, (row_lemmas,)),
     (sets, "low_of", _rows, (row_lemmas,)),
     (sets.BoxSet, "support faces grown", _rows, (row_lemmas,)),
     (sets.Grown, "support", _rows, (row_lemmas,)),
-    (slack, "least_slack _halve halves units_above", _slack, (refined, row_lemmas)),
+    (slack, "least_slack _halve halves units_above", _slack, (spline_edges, row_lemmas)),
     (slack.RowBlock, "choice _made single slack told told_of _left set_of", _slack, (row_lemmas,)),
-    (arithmetic, "late time_error", _arithmetic, (refined,)),
+    (arithmetic, "late time_error", _arithmetic, (spline_edges,)),
 )  # fmt: skip
 
 
@@ -538,16 +539,16 @@ def sources() -> list[Subject]:
 
 def subjects() -> list[Subject]:
     found = sources()
-    shipped = kernels.shipped()
+    shipped = printed_kernels.shipped()
     for name, kernel in shipped.items():
-        lemma = next(v for v in kernels.LEMMAS if v.name == f"kernels.{name}")
+        lemma = next(v for v in printed_kernels.LEMMAS if v.name == f"kernels.{name}")
 
         def alone(after: Kernel, lemma: Any = lemma, name: str = name) -> list[Verdict]:
-            kernels.shipped = lambda: {**shipped, name: after}  # type: ignore[attr-defined]
+            printed_kernels.shipped = lambda: {**shipped, name: after}  # type: ignore[attr-defined]
             try:
                 return [lemma.run().verdict]
             finally:
-                kernels.shipped = lambda: shipped  # type: ignore[attr-defined]
+                printed_kernels.shipped = lambda: shipped  # type: ignore[attr-defined]
 
         found.append(Subject(name, kernel, kernel_differs(kernel), alone))
     wide = examples.cases()["wide"].program

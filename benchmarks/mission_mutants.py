@@ -1,6 +1,6 @@
 """Missions and tubes bent by chance: what P10 certifies, beside trajectories in the tube that are judged by the definition.
 
-    python benchmarks/mission_mutants.py [--count 10000] [--first 0] [--record benchmarks/RESULTS.md]
+    python -m benchmarks mission_mutants [--count 10000] [--first 0] [--record benchmarks/RESULTS.md]
 
 A base is a mission and its tube. A mutant moves control points, or an edge of a region, a window, an operator. The oracle knows
 neither intervals nor margins: it follows trajectories along edges and corners of the exact tube and evaluates the formula at
@@ -24,18 +24,18 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.bench.report import command, machine, record, table
-from stt_codegen.bench.scenarios import own, random_mission, stlpy
+from benchmarks.suites.report import command, machine, record, table
+from benchmarks.suites.scenarios import own, random_mission, stlpy
 from stt_codegen.certify.claims import units_of_error
-from stt_codegen.certify.mission import certify_mission
-from stt_codegen.controller.arithmetic import edge_error
-from stt_codegen.designs import RefinedDesign
-from stt_codegen.designs.grid import tube_at
+from stt_codegen.certify.missions.proof import certify_mission
+from stt_codegen.controller.edge_errors import edge_error
+from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, design_tube
-from stt_codegen.task import Task, load_task, parse_task
-from stt_codegen.task.formula import Always, And, Eventually, Formula, In, Interval, Or, Until, regions_of
-from stt_codegen.task.mission import Choice, State
+from stt_codegen.task.load import load_task, parse_task
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until, regions_of
+from stt_codegen.task.mission.regions import Choice, State
+from stt_codegen.task.task import Task
 
 Array = Any
 TASKS = Path(__file__).parent.parent / "tasks"
@@ -140,7 +140,7 @@ def given(table_: Any) -> dict[str, Any]:
 
 def trajectories(design: RefinedDesign, dice: Random, t: Array) -> Iterator[Array]:
     """Along every corner of the tube, and from one to another: (T, n)."""
-    low, high = tube_at(design, turned_back(design, t))
+    low, high = design.edges_at(turned_back(design, t))
     n = low.shape[1]
     for corner in itertools.product((0.0, 1.0), repeat=n):
         yield low + np.array(corner) * (high - low)

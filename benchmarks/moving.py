@@ -1,6 +1,6 @@
 """Arenas whose unsafe sets move: how many tubes are certified of those that leave a way, how fast, how wide, and closed loops.
 
-    python benchmarks/moving.py [--count 200] [--loops 2000] [--record FILE.md]
+    python -m benchmarks moving [--count 200] [--loops 2000] [--record FILE.md]
 
 - four: unit squares in [0, 5]^2, up to 0.5 units/s, 9 s.
 - twenty: boxes and balls of 0.7 in [0, 5]^3, up to 0.4 units/s, 20 s.
@@ -26,10 +26,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.bench.report import command, machine, record
+from benchmarks.suites.report import command, machine, record
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
-from stt_codegen.task import Task
+from stt_codegen.task.task import Task
 
 Array = npt.NDArray[np.float64]
 CELL, STEPS = 0.05, 200
@@ -249,8 +249,10 @@ def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
     for k, (loop, period, one) in enumerate(itertools.islice(itertools.cycle(found), count)):
         kind, clock = KINDS[1 + k % (len(KINDS) - 1)], ("late", "early", "worst")[k % 3]
         rate = 1000.0 if period is None else max(1.0 / period.seconds, 100.0)
-        start = starts(one.task, one.certificate.start, 0.9, k)
-        run_ = loop.run(Scenario(rate, kind, 0.0 if period is None else 0.05, k, start=start, clock=clock))
+        start = starts(one.certificate.start, 0.9, k)
+        run_ = loop.run(
+            Scenario(rate=rate, disturbance=kind, strength=0.0 if period is None else 0.05, seed=k, start=start, clock=clock)
+        )
         hit, left, made = hit + (run_.hit is not None), left + (not run_.kept), made + 1
     told = f"{made} closed loops in {len(tubes)} tubes, clocks late, early and worst in turn: {hit} collisions, {left} tubes left"
     return told, not hit and not left

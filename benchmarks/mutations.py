@@ -1,15 +1,14 @@
-"""Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by the roots of `truth.py`.
+"""Does the certificate ever say yes to a tube that is not safe? Mutated tubes and tasks, judged by roots (oracles/tubes.py).
 
-    python benchmarks/mutations.py [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--integers]
+    python -m benchmarks mutations [--count 10000] [--seed 0] [--processes 2] [--no-checker] [--integers]
                                    [--shapes | --moving | --inertia]
                                    [--first 0] [--record FILE.md]
 
-The mutants are those of `mutants.py`; with --inertia those of `inertia_mutants.py`, judged by `truth_inertia.py` too, and, every
-fourth, of `held_mutants.py`, which a run of `truth_held.py` may refute; with --integers those of controllers in integers. The
-tool's certificate is asked, and the stand-alone checker, which gets files whose certificate claims success, so that only its own
-proof can refuse. Prints one table; exit code 1
-when something unsafe passed. A mutant depends on the seed and its number only, so `--first 1234 --count 1` judges number 1234
-again.
+The mutants are those of `mutants/tubes.py`; with --inertia those of `mutants/order_two.py`, judged by `oracles/order_two.py`
+too, and, every fourth, of `mutants/sampled.py`, which a run of `oracles/sampled.py` may refute; with --integers those of
+controllers in integers. The tool's certificate is asked, and the stand-alone checker, which gets files whose certificate claims
+success, so that only its own proof can refuse. Prints one table; exit code 1 when something unsafe passed. A mutant depends on
+the seed and its number only, so `--first 1234 --count 1` judges number 1234 again.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ import contextlib
 import decimal
 import io
 import json
+import math
 import multiprocessing
 import re
 import sys
@@ -34,23 +34,27 @@ from random import Random
 from typing import Any
 from unittest.mock import patch
 
-from held_mutants import HELD, Held, draw_held
-from inertia_mutants import INERTIAL, draw_inertial
-from mutants import BESIDE, KINDS, MOVING, SHAPED, draw
-from truth import Fault, Undecided, first_fault
-from truth_held import Bounds, counterexample
-from truth_inertia import first_inertia_fault, hull_fault, leaving
+import numpy as np
 
-from stt_codegen.bench.report import command, machine, record
+from benchmarks.mutants.order_two import INERTIAL, draw_inertial
+from benchmarks.mutants.sampled import HELD, Held, draw_held
+from benchmarks.mutants.tubes import BESIDE, KINDS, MOVING, SHAPED, draw
+from benchmarks.oracles.order_two import first_inertia_fault, hull_fault, leaving
+from benchmarks.oracles.sampled import Bounds, counterexample
+from benchmarks.oracles.tubes import Fault, Undecided, first_fault
+from benchmarks.suites.report import command, machine, record
 from stt_codegen.certify import checker
 from stt_codegen.certify.certificate import Certificate, PeriodProof
-from stt_codegen.certify.period import statement_of
-from stt_codegen.controller.arithmetic import edge_error, rate_error
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.controller.edge_errors import edge_error, rate_error
+from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.render import Files, render
 from stt_codegen.pipeline import build_program, certify
-from stt_codegen.task import Box, Task
+from stt_codegen.program.targets import optional_targets
+from stt_codegen.sampling.loops import exact_loop
+from stt_codegen.sampling.statements import input_bound
 from stt_codegen.task.schema import PlantBounds
+from stt_codegen.task.sets.shapes import Box
+from stt_codegen.task.task import Task
 
 SECOND = (*INERTIAL, *HELD)
 NEAR = 16  # units of the table within which a mutant counts as near the boundary
@@ -171,13 +175,13 @@ def proofs(task: Task, design: RefinedDesign, base: Held, proof: PeriodProof | N
     if proof is not None:
         return [proof]
     program = build_program(task, design)
-    statement = statement_of(task, design, edge_error(design, program), rate_error(design, program))
+    loop = exact_loop(task, design, edge_error(design, program), rate_error(design, program))
     found, most = [], tuple((1 + e) / (1 - e) for e in task.e_max)
     for rho in dict.fromkeys((tuple(map(min, base.proof.rho, most)), most)):
-        u = [statement.inputs(window, rho) for window in statement.windows()]
-        largest = tuple(max(v) for v in zip(*u, strict=True)) if all(u) else (Fraction(1),) * task.dimension
+        u = input_bound(loop, np.array(rho, dtype=object))
+        largest = tuple(u.max(axis=0).tolist()) if (u < math.inf).all() else (Fraction(1),) * task.dimension
         control, share = task.control, task.initial_set.share
-        found.append(PeriodProof(task.sampling_period, control.latency, share, rho, largest, statement.shift))
+        found.append(PeriodProof(task.sampling_period, control.latency, share, rho, largest, tuple(loop.law.shift.tolist())))
     return found
 
 
@@ -233,7 +237,10 @@ def claiming(task: Task, design: RefinedDesign, certificate: Certificate, proof:
     known = task if proof else task.model_copy(update={"control": task.control.model_copy(update={"period": None})})
     if task.order == 1:  # its mutants are not about u: with bounds on the plant P8 would be claimed where u is limited
         known = known.model_copy(update={"plant": PlantBounds()})
-    plain: dict[str, Any] = {"rust": False, "selftest": False}  # of the mutants is what `toml` says, and nothing beside it
+    plain: dict[str, Any] = {
+        "selftest": False,
+        **{t.key: False for t in optional_targets()},
+    }  # of the mutants is what `toml` says, and nothing beside it
     plain |= {} if task.emit.scalar == "fixed" else {"tick_period": None}
     known = known.model_copy(update={"emit": known.emit.model_copy(update=plain)})
     text = toml(known).encode()

@@ -1,7 +1,7 @@
 """The report's figures: seconds to make it, bytes, bytes of WebAssembly, seconds to the first picture, frames a second while the
 slider moves, for an example, for 300 sets in the plane and in space.
 
-    python benchmarks/page.py [--record FILE.md]
+    python -m benchmarks page [--record FILE.md]
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Any
 
 from playwright.sync_api import sync_playwright
 
-from stt_codegen.bench.report import command, machine, record, table
+from benchmarks.suites.report import command, machine, record, table
 
 ROOT = Path(__file__).parent.parent
 SETS, SIZE = 300, 40.0

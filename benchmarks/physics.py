@@ -1,7 +1,7 @@
 """The emitted C against a physics engine that is not ours: MuJoCo moves the bodies and finds the contacts.
 
-    python benchmarks/physics.py [--runs 1000] [--record FILE.md]
-    python benchmarks/physics.py --picture PNG
+    python -m benchmarks physics [--runs 1000] [--record FILE.md]
+    python -m benchmarks physics --picture PNG
 
 The base (tasks/base.toml) and the arm (tasks/arm.toml) of benchmarks/bodies.py, with mass, inertia, friction and limits of force.
 Each run draws the plant file's constants and a start among the proved ones, samples at the proved period with the proved noise,
@@ -28,13 +28,13 @@ import casadi as ca
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from bodies import BODIES, STEP
 
-from stt_codegen.bench.report import command, machine, record, table
+from benchmarks.bodies import BODIES, STEP
+from benchmarks.suites.report import command, machine, record, table
 from stt_codegen.loop.compiled import own
 from stt_codegen.pipeline import build_task
 from stt_codegen.plants import plant_of
-from stt_codegen.task import load_task
+from stt_codegen.task.load import load_task
 
 ROOT = Path(__file__).resolve().parent.parent
 LAG = 0.01  # seconds, of motors of first order
@@ -143,7 +143,7 @@ class Bench:
         off = np.stack([x, self.data.qvel + self.filter * x]) - edges.mean(axis=1)
         return float(0.5 - np.abs(off / (edges[:, 1] - edges[:, 0])).max())
 
-    def run(self, seed: int, seen: Callable[[float], None] = lambda t: None) -> Mission:
+    def run(self, seed: int, seen: Callable[[float], None] = lambda _: None) -> Mission:
         """One mission. seen: called at every sample with its time."""
         dice, task, data, n = np.random.default_rng(seed), self.task, self.data, self.task.dimension
         self.set_constants(dice)

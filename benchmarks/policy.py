@@ -1,6 +1,6 @@
-"""Train the reinforcement learning peer of `stt-codegen bench loop --peers`: PPO of brax, on the processor.
+"""Train the reinforcement learning peer of `python -m benchmarks loop --peers`: PPO of brax, on the processor.
 
-    python benchmarks/policy.py --out build/policies        (make policies)
+    python -m benchmarks policy --out build/policies        (make policies)
 
 One policy for all arenas of the paper's kind, trained on others than those of the benchmark, with winds drawn anew in every
 episode: none, constant, sinusoidal, random, or toward what is nearest, each of at most W_MAX. The reward is the way won,
@@ -29,8 +29,8 @@ from brax.training.agents.ppo import networks, train
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from stt_codegen.bench.families import BOX, cubes, feasible
-from stt_codegen.bench.policy import FAMILY, HERTZ, SEEN, SPEED, Policy, observe
+from benchmarks.peers.policy import FAMILY, HERTZ, SEEN, SPEED, Policy, observe
+from benchmarks.suites.families import BOX, cubes, feasible
 
 FIRST = 100_000  # seeds of the arenas that are trained on; the benchmark has 0 to 499
 GRID = 51  # points of the map of ways along one axis
@@ -177,7 +177,7 @@ class Fresh(Wrapper):
         return state.replace(pipeline_state=place, obs=pick(fresh.obs, state.obs))
 
 
-def wrapped(env: Env, episode_length: int, action_repeat: int, randomization_fn: Any = None) -> Env:
+def wrapped(env: Env, episode_length: int, action_repeat: int, randomization_fn: Any = None) -> Env:  # noqa: ARG001 (brax names it)
     return Fresh(EpisodeWrapper(VmapWrapper(env), episode_length, action_repeat))
 
 
@@ -194,7 +194,7 @@ def trained(seed: int, minutes: float, steps: int, arenas: int) -> Policy:
         share = {k: float(told[f"eval/episode_{k}"]) for k in ("reward", "reached", "hit") if f"eval/episode_{k}" in told}
         print(f"seed {seed}: {took:5.1f} min, {step:>10} steps, {share}", flush=True)
 
-    def keep(step: int, make: Any, params: Any) -> None:
+    def keep(step: int, _make: Any, params: Any) -> None:
         kept[:] = [(step, params)]
         if time.perf_counter() - begin > 60 * minutes:
             raise Enough

@@ -1,6 +1,6 @@
 """An emitted node of ROS 2 beside a plant of ours: does it arrive, when does it stop, how late are its commands.
 
-    build/ros/bin/python benchmarks/ros.py SITE TASK RATE [--clock SPEED]
+    build/ros/bin/python -m benchmarks ros SITE TASK RATE [--clock SPEED]
 
 SITE: where the package of tasks/TASK.toml is installed. The plant, xdot = u or xddot = u, publishes its state RATE times a second
 as the package's parameters say: an odometry that is turned, joint states, or an array. What happens to the node, in this order:

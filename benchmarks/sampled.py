@@ -1,6 +1,6 @@
 """The sampled statements against adversaries: never violated, and how many times longer a period would have to be to fail.
 
-    python benchmarks/sampled.py [COUNT] [--record FILE.md]
+    python -m benchmarks sampled [COUNT] [--record FILE.md]
 
 One or two components, random bounds, noise, latency, limits on u; the law in single precision. Runs start at the corners and
 on the faces of the share that is proved, and inside. Every adversary keeps to the bounds that the statement was told (|f + w|,
@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.bench.report import command, record, table
-from stt_codegen.sampling import Law, Period, Setting, longest
-from stt_codegen.sampling.setting import ROUNDING
+from benchmarks.suites.report import command, record, table
+from stt_codegen.sampling.periods import Period, longest
+from stt_codegen.sampling.setting import ROUNDING, Law, Setting
 from stt_codegen.sampling.statements import STATEMENTS
 from stt_codegen.sampling.windows import Windows
 
@@ -35,11 +35,11 @@ Array = npt.NDArray[Any]
 Adversary = Callable[[random.Random, float, float], float]  # draw, place e, last motion -> direction
 
 ADVERSARIES: dict[str, Adversary] = {
-    "up": lambda draw, e, moved: 1.0,
-    "outward": lambda draw, e, moved: 1.0 if e >= 0 else -1.0,
-    "with the motion": lambda draw, e, moved: 1.0 if moved >= 0 else -1.0,
-    "through the middle": lambda draw, e, moved: -1.0 if e >= 0 else 1.0,
-    "at random": lambda draw, e, moved: draw.choice((-1.0, 1.0)),
+    "up": lambda *_: 1.0,
+    "outward": lambda _draw, e, _moved: 1.0 if e >= 0 else -1.0,
+    "with the motion": lambda _draw, _e, moved: 1.0 if moved >= 0 else -1.0,
+    "through the middle": lambda _draw, e, _moved: -1.0 if e >= 0 else 1.0,
+    "at random": lambda draw, *_: draw.choice((-1.0, 1.0)),
 }
 
 
@@ -69,23 +69,40 @@ class Loop:
         """What the statements know of it: x is within 2 wide of 0, and is rounded, as the edges are, to single precision."""
         ones = np.ones(self.n)
         shift = (self.noise + 4 * 2.0**-24 * 2 * self.wide) * ones
-        return Law(self.gain * ones, E_MAX * ones, shift, self.u_max * ones, ROUNDING["float", "libm"], self.latency)
+        return Law(
+            gain=self.gain * ones,
+            e_max=E_MAX * ones,
+            shift=shift,
+            u_max=self.u_max * ones,
+            rounding=ROUNDING["float", "libm"],
+            latency=self.latency,
+        )
 
     def setting(self, start: float) -> Setting:
         """What the statements read, for runs that begin with |eps| <= start in every component."""
         n, ones = self.n, np.ones((2, self.n))
-        speeds = (self.speed * ones, 2 * self.speed * ones)
-        start_box = np.array([[-self.narrow / 2, self.narrow / 2]] * n)
-        times = np.array([0.0, 1e3])
-        windows = Windows(times, self.narrow * ones, self.wide * ones, *speeds, -ones, ones, start_box)
+        windows = Windows(
+            times=np.array([0.0, 1e3]), narrow=self.narrow * ones, wide=self.wide * ones,
+            speed=self.speed * ones, widening=2 * self.speed * ones, low=-ones, high=ones,
+            start=np.array([[-self.narrow / 2, self.narrow / 2]] * n),
+        )  # fmt: skip
         cosine, sine = math.cos(self.turn), math.sin(self.turn)
         cross = self.most * sine * (np.ones((n, n)) - np.eye(n)) * np.ones((2, 1, 1))
         push = (self.push + self.speed) * ones
         root = math.sqrt(n)
         return Setting(
-            windows, self.law, self.least * cosine * ones, self.most * ones, cross, push, self.narrow * ones,
-            np.full(2, self.least * cosine), np.full(2, self.most), np.full(2, self.push + root * self.speed), start * np.ones(n),
-        )  # fmt: skip
+            windows=windows,
+            law=self.law,
+            least=self.least * cosine * ones,
+            most=self.most * ones,
+            cross=cross,
+            push=push,
+            narrow=self.narrow * ones,
+            definite=np.full(2, self.least * cosine),
+            norm=np.full(2, self.most),
+            push_norm=np.full(2, self.push + root * self.speed),
+            start=start * np.ones(n),
+        )
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """What Coq says of every shipped controller, in how many seconds, and of changed ones, where it must not say yes.
 
-    python benchmarks/theorem.py [--mutants 200] [--tokens 100] [--seed 0] [--record FILE.md]
+    python -m benchmarks theorem [--no-shipped] [--mutants 200] [--tokens 100] [--seed 0] [--record FILE.md]
 
-One row for each refined controller that theorems are written about: processor seconds of coqc, lines of the `.v`, and where
-the task has a period the one of the sampled theorem beside the one of P9. Then mutants. Tubes and tasks of `mutants.py` that
-`truth.py` finds unsafe are asked of Coq alone, without hashes and the stand-alone checker; so are texts of C and header with
-one token changed, where what the theorem is not about is the checker's. Exit code 1 where a shipped controller is refused or a
-mutant gets through both.
+One row for each refined controller that theorems are written about: processor seconds of coqc, lines of the `.v`, and where the
+task has a period the one of the sampled theorem beside the one of P9. Then mutants. Tubes and tasks of `mutants/tubes.py` that
+`oracles/tubes.py` finds unsafe are asked of Coq alone, without hashes and the stand-alone checker; so are texts of C and header
+with one token changed, where what the theorem is not about is the checker's. Exit code 1 where a shipped controller is refused
+or a mutant gets through both.
 """
 
 from __future__ import annotations
@@ -24,20 +24,19 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from random import Random
 
-from mutants import KINDS, SHAPED, draw
-from mutations import claiming
-from token_mutants import accepted, changed, files_of, mutants, same_meaning
-from truth import Undecided, first_fault
-
-from stt_codegen.bench.report import command, machine, record, table
+from benchmarks.mutants.tubes import KINDS, SHAPED, draw
+from benchmarks.mutations import claiming
+from benchmarks.oracles.tubes import Undecided, first_fault
+from benchmarks.suites.report import command, machine, record, table
+from benchmarks.token_mutants import accepted, changed, files_of, mutants, same_meaning
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.theorem import asking
-from stt_codegen.theorem.deep import deep, quoted, uncovered
+from stt_codegen.theorem.controller_theorem import deep, quoted, uncovered
 from stt_codegen.theorem.reading import Unread, facts
 from stt_codegen.theorem.text import theorem_text
-from stt_codegen.theorem.writing import written
+from stt_codegen.theorem.tube_theorem import written
 
 ROOT = Path(__file__).parent.parent
 CLAIMED = ("P1", "P2", "P3", "P4", "P5")  # of a tube, by theorem 1; P6 is no part of it
@@ -160,16 +159,18 @@ def library() -> str:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--shipped", action=argparse.BooleanOptionalAction, default=True, help="the library and what is shipped")
     parser.add_argument("--mutants", type=int, default=200, help="unsafe tubes and tasks")
     parser.add_argument("--tokens", type=int, default=100, help="texts of each of two controllers with a token changed")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--record", type=Path)
     asked = parser.parse_args()
-    told = [library()]
+    told, good = [library()] if asked.shipped else [], True
     asking.library()
-    rows, good = shipped()
-    headings = ["task", "scalar", "about the", "seconds of coqc", "lines", "period of the sampled theorem", "of P9", "answer"]
-    told += ["", table(headings, rows)]
+    if asked.shipped:
+        rows, good = shipped()
+        headings = ["task", "scalar", "about the", "seconds of coqc", "lines", "period of the sampled theorem", "of P9", "answer"]
+        told += ["", table(headings, rows)]
     for what, found in (
         ("unsafe tubes and tasks, asked of Coq alone", unsafe_mutants(asked.mutants, asked.seed)),
         ("texts of omni_s1 with one token changed", token_mutants("omni_s1", asked.tokens, asked.seed)),

@@ -1,6 +1,6 @@
 """Does the stand-alone checker read every token? Each token of shipped C and headers changed, one at a time, and every claim.
 
-    python benchmarks/token_mutants.py [--every 1] [--task trolley --task omni_board] [--processes 2]
+    python -m benchmarks token_mutants [--every 1] [--task trolley --task omni_board] [--processes 2]
 
 A changed file gets new hashes, so only what the checker reads can refuse it. What is accepted must mean the same, and is listed
 with the reason: a literal of the same value, a local that is no longer `const`, and of a controller in integers a row of the

@@ -1,7 +1,7 @@
 """How good are the tubes: least width over the widest box that gets through, peak speed over the slowest tube's, and whether the
 tool's own tube at another min_width is wider and no faster.
 
-    python benchmarks/tubes.py [--family paper] [--count 60] [--others 0] [--disc]
+    python -m benchmarks tubes [--family paper] [--count 60] [--others 0] [--disc]
 
 The widest box is found by halving on the width of a route; no tube along a route can be wider. --others N: so many arenas are
 designed again at other least widths. --disc: a disc, and the same covered by 16, 64 and
@@ -20,14 +20,15 @@ from typing import Any
 
 import numpy as np
 
-from stt_codegen.bench.families import FAMILIES, arena_task, feasible
+from benchmarks.suites.families import FAMILIES, arena_task, feasible
 from stt_codegen.design.arena import arena_of, normalised, starting_box
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.refine import refine
-from stt_codegen.design.route import wide_route
+from stt_codegen.design.routes.shortest_route import wide_route
 from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import build_program, certify
-from stt_codegen.task import Task, parse_task
+from stt_codegen.task.load import parse_task
+from stt_codegen.task.task import Task
 
 WIDER, FASTER = 1.1, 1.001  # a tube so much wider at no more than so much of the speed dominates
 OTHERS = (0.1, 0.2, 0.3, 0.4, 0.5)  # least widths to try, of the narrower of start and target

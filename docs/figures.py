@@ -8,8 +8,8 @@ from stt_codegen.loop.simulate import Loop, Run, Scenario, of_task, starts
 from stt_codegen.pipeline import Controller, build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.picture import draw, draw_beside, plane_named
-from stt_codegen.sampling import most_room
+from stt_codegen.report.pictures.tube_pictures import draw, draw_beside, plane_named
+from stt_codegen.sampling.gains import most_room
 
 HERE = Path(__file__).parent
 TASKS = HERE.parent / "tasks"
@@ -31,8 +31,8 @@ def driven(name: str) -> tuple[Controller, list[Run]]:
     kinds = ("constant", "sinusoidal", "random", "nearest", "outward")
     runs = []
     for seed, kind in enumerate(2 * kinds):
-        start = starts(controller.task, controller.certificate.start, SHARE, seed)
-        runs.append(loop.run(Scenario(RATE, kind, WIND, seed, start=start), trace=True))
+        start = starts(controller.certificate.start, SHARE, seed)
+        runs.append(loop.run(Scenario(rate=RATE, disturbance=kind, strength=WIND, seed=seed, start=start), trace=True))
     return controller, runs
 
 
@@ -41,7 +41,7 @@ def robot(name: str, *axes: str) -> None:
     controller = build(TASKS / f"{name}.toml")
     task, file = controller.task, TASKS / f"{name}.py"
     plant = plant_of(str(file) if file.exists() else "integrator", task.dimension, task.order)
-    start = starts(task, controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
+    start = starts(controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
     strength = float(plant.w_max or task.wind)
     run = Loop(controller, plant).run(
         Scenario(disturbance="outward", strength=strength, seed=2, start=start, **of_task(task)), trace=True
@@ -57,10 +57,14 @@ def main() -> None:
     robot("rover")
     draw_figure3([driven(name) for name in ("omni_s1", "omni_s2", "omni_s3")], HERE / "figure3.png")
     adaptive = build(TASKS / "omni_s2.toml", "adaptive")
-    run = Loop(adaptive, INTEGRATOR).run(Scenario(4000.0, "sinusoidal", WIND, 1), trace=True)
+    run = Loop(adaptive, INTEGRATOR).run(Scenario(rate=4000.0, disturbance="sinusoidal", strength=WIND, seed=1), trace=True)
     draw_figure1(adaptive, run, HERE / "figure1.png")
     slow = build(TASKS / "omni_s2.toml")
-    draw_run(slow, Loop(slow, INTEGRATOR).run(Scenario(20.0, "outward", WIND), trace=True), HERE / "sampled_too_slowly.png")
+    draw_run(
+        slow,
+        Loop(slow, INTEGRATOR).run(Scenario(rate=20.0, disturbance="outward", strength=WIND), trace=True),
+        HERE / "sampled_too_slowly.png",
+    )
     draw(build(TASKS / "omni_s2.toml"), HERE / "omni_s2.png")
     pair = [build(TASKS / "omni_s1.toml", design, uncertified=True) for design in ("literal", "refined")]
     draw_beside(pair, ["as printed: (5)-(11)", "as shipped: refined, certified"], HERE / "literal_beside_refined.png")

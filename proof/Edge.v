@@ -14,7 +14,6 @@ Lemma precision_large f : (24 <= precision f)%Z. Proof. destruct f; cbn; lia. Qe
 Lemma precision_small f : (precision f <= 64)%Z. Proof. destruct f; cbn; lia. Qed.
 Lemma exponent_large f : (128 <= largest_exponent f)%Z. Proof. destruct f; cbn; lia. Qed.
 Lemma rnd_format_of f x : Semantics.rnd (precision f) (largest_exponent f) x = to_format f x. Proof. destruct f; reflexivity. Qed.
-Lemma fexp_of f : Rounding.fexp f = FLT_exp (3 - largest_exponent f - precision f) (precision f). Proof. destruct f; reflexivity. Qed.
 
 Section Machine.
   Variables prec emax : Z.
@@ -25,7 +24,6 @@ Section Machine.
   Notation number := (binary_float prec emax).
   Notation value := (@B2R prec emax).
   Notation rnd := (rnd prec emax).
-  Notation fexp := (FLT_exp (3 - emax - prec) prec).
   Variable log_ : number -> number.
   Let u := unit_roundoff prec.
   Let A := machine prec emax _ _ log_.

@@ -22,7 +22,6 @@ Section Emitted.
     nth 23 (exec (to_format format) basis_blend [snd p; q 0%nat; q 1%nat; q 2%nat; q 3%nat]) 0.
   Definition place_of_time (t : R) : nat * R :=
     let u := emitted_time t in let k := Z.to_nat (Ztrunc u) in (k, to_format format (u - INR k)).
-  Definition emitted_edge (side : Z * Z -> Z) (i : nat) (t : R) : R := placed side i (place_of_time t).
 
   (* Of a count of ticks, of which one is multiplier / divisor of a segment, and `final` the first that is not before t_c. *)
   Definition ticked (final multiplier divisor tick : Z) : Z :=
@@ -179,9 +178,6 @@ Section Emitted.
     rewrite Ek. assert (Pl := place_exact format u (Zfloor u) Uf ltac:(lra) F0). rewrite Pl.
     split; [apply INR_lt; lra|split; [lra|]]. replace (IZR (Zfloor u) + (u - IZR (Zfloor u))) with u by ring. exact Uo.
   Qed.
-  Theorem emitted_edge_ok clock t : reads clock t ->
-    Rabs (emitted_edge side i clock - edge unit T rows side i t) <= Q2R e + unit * (3 * IZR Vi * late).
-  Proof. intro H. apply placed_ok, time_fits, H. Qed.
 End Emitted.
 
 Section Ticks.

@@ -37,7 +37,7 @@ Definition eat_integer (z : Z) (l : list token) : option (list token) :=
 Fixpoint prototypes (fuel : nat) (l : list token) : option (list token) :=
   match fuel, l with
   | S f, Word t :: r =>
-      if existsb (String.eqb t) ["void"; "@real"; "@status"] then
+      if existsb (String.eqb t) ["void"; "@real"; "@status"; "bool"] then
         let* (x, r) := name r in let* r := eat_sign "(" r in let* (ps, r) := parameters_ 20 r in let* r := eat_sign ";" r in prototypes f r
       else None
   | _, _ => Some l
@@ -48,7 +48,7 @@ Fixpoint definitions (fuel : nat) (big : string) (n : Z) (l : list token) : opti
   match fuel with
   | S f => (let* r := (eat_prefix (String.append "#define " (String.append big "T_C ")) l) or (eat_prefix (String.append "#define " (String.append big "DESIGN_HASH ")) l) or
                       (eat_count (String.append "#define " (String.append big "N ")) n l) or
-                      (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) or
+                      (eat_prefix (String.append "#define " (String.append big "PERIOD_PROVED ")) l) or (eat_prefix (String.append "#define " (String.append big "SHARE ")) l) or
                       (eat_prefix (String.append "#define " (String.append big "TICK_PERIOD ")) l) or (eat_prefix (String.append "#define " (String.append big "TICKS ")) l) in definitions f big n r) or (Some l)
   | O => None
   end.
@@ -70,6 +70,7 @@ Definition header_ok (f : format) (task : string) (n : Z) (text : string) : bool
     let l := map (local task) l in
     let* r := eat_line (String.append "#ifndef " (String.append big "H")) l in
     let* r := eat_line (String.append "#define " (String.append big "H")) r in
+    let* r := eat_line "#include <stdbool.h>" r in
     let* r := (eat_line "#include <stdint.h>" r) or (Some r) in
     let* r := eat_line "#ifdef __cplusplus" r in
     let* r := eat_words ["extern"; """"; "C"; """"; "{"] r in

@@ -153,14 +153,6 @@ Definition clamped_law (c k a b : R) : R :=
   let far := a + b - near in
   (if Rlt_dec b a then - k else k) * (1 / near + 1 / far) * ln (far / near).
 
-(* where the clamp does not act it is the law (13) *)
-Lemma clamped_law_inside c k a b : 0 < a -> 0 < b -> c * (a + b) <= Rmin a b -> clamped_law c k a b = law k a b.
-Proof.
-  intros Ha Hb Hc. unfold clamped_law. cbv zeta. rewrite Rmax_left by exact Hc. destruct (Rlt_dec b a).
-  - rewrite Rmin_right by lra. replace (a + b - b) with a by ring. unfold law. f_equal. f_equal. ring.
-  - rewrite Rmin_left by lra. replace (a + b - a) with b by ring. rewrite law_opp by lra. unfold law. ring.
-Qed.
-
 Section Machine.
   Variables prec emax : Z.
   Context (prec_gt_0_ : Prec_gt_0 prec).

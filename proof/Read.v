@@ -311,7 +311,7 @@ Section Parse.
     let r := match (let* r := eat_word "static" l in eat_word "inline" r) with Some r => r | None => l end in
     match r with
     | Word t :: r =>
-        if existsb (String.eqb t) ["void"; "@real"; "@status"] then
+        if existsb (String.eqb t) ["void"; "@real"; "@status"; "bool"] then
           let* (x, r) := name r in let* r := eat_sign "(" r in let* (ps, r) := parameters_ 20 r in let* r := eat_sign "{" r in
           let* (body, r) := block fuel r in Some (Function x t ps body, r)
         else None

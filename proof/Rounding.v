@@ -22,7 +22,6 @@ Fixpoint exec (rnd : R -> R) (code : list stmt) (env : list R) : list R :=
 
 Record known := Known { low : Q; high : Q; error : Q }.
 Definition size (a : known) : Q := Qmax (Qabs (low a)) (Qabs (high a)).
-Definition q0_ := 0%Q.
 
 (* A little more, so that errors of errors do not make fractions long. *)
 Definition coarser (q : Q) : Q := Qceiling (q * inject_Z (2 ^ 120)) # (2 ^ 120).
@@ -163,7 +162,6 @@ Definition precision (f : format) : Z := match f with Single => 24 | Double => 5
 Definition least_exponent (f : format) : Z := match f with Single => -149 | Double => -1074 end.
 Definition fexp (f : format) : Z -> Z := FLT_exp (least_exponent f) (precision f).
 Definition to_format (f : format) : R -> R := round radix2 (fexp f) ZnearestE.
-Definition single : R -> R := to_format Single.
 
 (* A rounding loses at most this share of the value, and half of the least subnormal number. *)
 Definition half_ulp (f : format) : Q := match f with Single => 1 # 2 ^ 24 | Double => 1 # 2 ^ 53 end.

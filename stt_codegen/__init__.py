@@ -34,7 +34,7 @@ class _Face(ModuleType):
 
 
 def _function(name: str) -> property:
-    return property(lambda self: self.__getattr__(name), lambda self, folder: None)
+    return property(lambda self: self.__getattr__(name), lambda _self, _folder: None)
 
 
 for _name in ("certify", "design"):

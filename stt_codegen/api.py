@@ -21,22 +21,14 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import pipeline
-from stt_codegen.certify.certificate import Certificate, Finding
-from stt_codegen.compare.toolchain import load_module
-from stt_codegen.design.own import fitted_tube, spline_tube
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.arrays import as_floats
+from stt_codegen.certify import Certificate, Finding
+from stt_codegen.design import fitted_tube, spline_tube
+from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
-from stt_codegen.task import (
-    Box,
-    Task,
-    UnsafeBall,
-    UnsafeCapsule,
-    UnsafeHalfSpaces,
-    UnsafePolytope,
-    UnsafeSet,
-    load_task,
-    parse_task,
-)
+from stt_codegen.program.targets.python.runner import load_module
+from stt_codegen.task import Task, load_task, parse_task
+from stt_codegen.task.sets import Box, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet
 
 __all__ = [
     "BadInput", "Box", "Certificate", "Controller", "Finding", "MissingTool", "NotCertified", "SttError", "Task",
@@ -46,7 +38,6 @@ __all__ = [
 
 
 Array = npt.NDArray[np.float64]
-Design = RefinedDesign | AdaptiveDesign
 
 
 def load(path: str | Path) -> Task:
@@ -113,13 +104,20 @@ def certify(task: Task | str | Path, tube: Design) -> Certificate:
     Certificate
         `holds` says whether all of them do, `findings` which and by how much.
 
+    Raises
+    ------
+    BadInput
+        The task asks for something that its kind of tube does not offer, as for `design` and `build`.
+
     Examples
     --------
     >>> task = load("tasks/omni_s2.toml")
     >>> certify(task, design(task)).holds
     True
     """
-    task = pipeline.settled(_task(task), tube)
+    task = _task(task)
+    pipeline.require_supported(task)
+    task = pipeline.settled(task, tube)
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 
@@ -174,7 +172,7 @@ def certify_tube(
     Raises
     ------
     BadInput
-        Other shapes, or a tube that still moves at t_c.
+        Other shapes, no real and finite numbers, or a tube that still moves at t_c.
     NotCertified
         The tube does not do: with property, time and amount.
 
@@ -194,11 +192,20 @@ def certify_tube(
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
     task = _task(task)
-    if task.tube.design != "refined":
+    if not task.tube.capabilities.accepts_user_tubes:
         raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
-    own = spline_tube(task, points) if samples is None else fitted_tube(task, *samples)
+    own = spline_tube(task, points) if samples is None else fitted_tube(task, *_samples(samples))
     made = pipeline.build_task(task, uncertified, own)
     return Controller(made.task, made.design, made.program, made.certificate, made.files)
+
+
+def _samples(samples: Any) -> tuple[Any, Any, Any]:
+    """The three arrays of `certify_tube`'s samples. Raises `BadInput` where they are not three."""
+    if not isinstance(samples, list | tuple):
+        raise BadInput(f"samples: is a {type(samples).__name__}; a tuple of three arrays is needed, (t, lower, upper)")
+    if len(samples) != 3:
+        raise BadInput(f"samples: has {len(samples)} entries; three arrays are needed, (t, lower, upper)")
+    return samples[0], samples[1], samples[2]
 
 
 @dataclass(frozen=True, repr=False)
@@ -206,8 +213,10 @@ class Controller(pipeline.Controller):
     """A task's controller: the emitted functions, vectorised, and what one does with them.
 
     n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then
-    states are of shape (n,) or (P, n), and so are results. Other shapes raise `BadInput`. Values are those of the emitted Python,
-    in double arithmetic; of a controller in integers at the nearest tick, for the nearest unit of x.
+    states are of shape (n,) or (P, n), and so are results. Other shapes raise `BadInput`, and so do arrays that are not of real
+    numbers: complex or masked ones, texts, booleans. Emitted functions answer a NaN or an infinity with status 2 or NaN. Values
+    are those of the emitted Python, in double arithmetic; of a controller in integers at the nearest tick, for the nearest unit
+    of x.
 
     Examples
     --------
@@ -225,7 +234,7 @@ class Controller(pipeline.Controller):
         return f"<Controller {self.task.name}: {kind}, {verdict}, {width}, {self.program.scalar}>"
 
     def _repr_png_(self) -> bytes:
-        from stt_codegen.report.picture import figure_of
+        from stt_codegen.report.pictures import figure_of
 
         data = io.BytesIO()
         figure_of(self).savefig(data, format="png", dpi=80)
@@ -255,9 +264,9 @@ class Controller(pipeline.Controller):
         BadInput
             A refined tube has no alpha.
         """
-        if not self.design.stateful:
+        if not self.design.is_stateful:
             raise BadInput(f"{self.task.name}: a {self.design.kind} tube has no alpha")
-        times, single = self._times(t)
+        times, single = self._times(t, finite=True)
         steps = self.certificate.steps
         longest = float(steps[1]) if steps is not None else float(self.task.prescribed_time) / 2000
         now, alpha, found = 0.0, self.module.alpha_init(), {}
@@ -326,18 +335,60 @@ class Controller(pipeline.Controller):
         (share,) = self._at("margin", t, x, v)
         return share
 
+    def margins(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Array:
+        """`margin` by component, which tells the axis that is near its edge: of shape (n,) or (P, n).
+
+        Examples
+        --------
+        >>> [round(float(m), 2) for m in build("tasks/omni_s2.toml").margins(0.0, [0.1, 0.25])]
+        [0.2, 0.5]
+        """
+        (shares,) = self._at("margins", t, x, v)
+        return np.asarray(shares)
+
+    def covered(self, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Any:
+        """Whether the guarantee covers a start at the measured x, of order 2 with its speed v: a truth value, or (P,) of them.
+        With `control.period` that is the proof of sampling (P9), else Theorem 4.1 where the clamp does not act. Always false
+        where the controller is not certified. Raises `BadInput` for adaptive and literal tubes, which have no such bounds.
+
+        Examples
+        --------
+        >>> [bool(c) for c in build("tasks/omni_s2.toml").covered([[0.25, 0.25], [0.25, 0.499]])]
+        [True, False]
+        """
+        if not self.design.capabilities.tells_covered_starts:
+            raise BadInput(f"{self.task.name}: only a refined tube says which starts are covered; this one is {self.design.kind}")
+        (inside,) = self._at("covered", 0.0, x, v)
+        return inside
+
+    def unwrap(self, x_before: npt.ArrayLike, x: npt.ArrayLike) -> Array:
+        """A measured x with the turns of its closed axes counted on from x_before, the last unwrapped state and at first the
+        initial one: what `control`, `margin` and `covered` take. Both of shape (n,). Raises `BadInput` where no axis closes."""
+        if not self.task.closed:
+            raise BadInput(f"{self.task.name}: no axis closes (periodic); take x as it is measured")
+        before, state = as_floats("x_before", x_before), as_floats("x", x, finite=False)
+        for label, values in (("x_before", before), ("x", state)):
+            if values.shape != (self.task.dimension,):
+                raise BadInput(
+                    f"{label}: has shape {values.shape}; ({self.task.dimension},) is needed, one number for each dimension"
+                )
+        return np.asarray(self.module.unwrap(before.tolist(), state.tolist()))
+
     def distance(self, t: npt.ArrayLike, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Array:
         """How far the tube's edges are, at most, from others at times t: by dimension, (n,), in the task's units."""
-        edges = np.stack([np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)])
-        far = np.abs(np.stack(self.tube(t)) - edges).reshape(-1, self.task.dimension)
+        times, single = self._times(t, finite=True)
+        wanted = (self.task.dimension,) if single else (len(times), self.task.dimension)
+        edges = [as_floats(name, value) for name, value in (("lower", lower), ("upper", upper))]
+        for name, edge in zip(("lower", "upper"), edges, strict=True):
+            if edge.shape != wanted:
+                raise BadInput(f"{name}: has shape {edge.shape}; {wanted} is needed, one row for each time")
+        far = np.abs(np.stack(self.tube(times[0] if single else times)) - np.stack(edges)).reshape(-1, self.task.dimension)
         found: Array = far.max(axis=0)
         return found
 
-    def _times(self, t: npt.ArrayLike) -> tuple[Array, bool]:
-        try:
-            times = np.asarray(t, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise BadInput(f"t: {error}; a number or an array of one axis is needed") from None
+    def _times(self, t: npt.ArrayLike, finite: bool = False) -> tuple[Array, bool]:
+        """As an array of one axis, and whether it was a number. Emitted functions take times that are not finite, too."""
+        times = as_floats("t", t, finite)
         if times.ndim > 1 or not times.size:
             raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed, with one time or more")
         return np.atleast_1d(times), times.ndim == 0
@@ -350,7 +401,7 @@ class Controller(pipeline.Controller):
         if len(given) > self.task.order:
             raise BadInput("v: the plant is of order 1, whose law takes x alone")
         for label, value in given:
-            states = np.asarray(np.nan if value is None else value, dtype=float)
+            states = as_floats(label, np.nan if value is None else value, finite=False)
             if states.ndim not in (1, 2) or states.shape[-1] != n or (states.ndim == 2 and len(times) not in (1, len(states))):
                 wanted = f"({n},) or ({'P' if single else len(times)}, {n})"
                 told = "is missing" if value is None else f"has shape {states.shape}"
@@ -359,14 +410,16 @@ class Controller(pipeline.Controller):
             count = len(states) if states.ndim == 2 else len(times)
             times, states = np.broadcast_to(times, count), np.broadcast_to(states, (count, n))
             arguments.append(states)
-        if self.design.stateful:
+        if self.design.is_stateful:
             arguments = [np.atleast_2d(self.alpha(times)), *arguments]
         function = getattr(self.module, name)
         if self.program.tick is not None:
             columns = self._in_integers(name, times, arguments)
             return [c[0] for c in columns] if single else columns
-        rows = [function(float(v), *(a[k] for a in arguments)) for k, v in enumerate(times)]
-        columns = [np.array(c) for c in zip(*rows, strict=True)] if isinstance(rows[0], tuple) else [np.array(rows)]
+        timed = name != "covered"
+        rows = [function(*([float(v)] if timed else []), *(a[k] for a in arguments)) for k, v in enumerate(times)]
+        several = isinstance(rows[0], tuple) and name != "margins"
+        columns = [np.array(c) for c in zip(*rows, strict=True)] if several else [np.array(rows)]
         return [c[0] for c in columns] if single else columns
 
     def _in_integers(self, name: str, times: Array, states: list[Any]) -> list[Any]:
@@ -378,8 +431,10 @@ class Controller(pipeline.Controller):
                 raise BadInput(f"{label}: has a number that is not finite, which a controller in integers cannot be given")
         ticks = np.clip(np.rint(times / tick), 0, 2**32 - 1).astype(np.int64)
         units = [np.clip(np.rint(np.ldexp(a, module.X_BITS)), -(2**31), 2**31 - 1).astype(np.int64) for a in states]
+        if name == "covered":
+            return [np.array([module.covered(*(a[k].tolist() for a in units)) for k in range(len(ticks))])]
         rows = [getattr(module, name)(int(v), *(a[k].tolist() for a in units)) for k, v in enumerate(ticks)]
-        if name == "margin":
+        if name in ("margin", "margins"):
             return [np.array(rows) / 65536]
         first, second = (np.array(c) for c in zip(*rows, strict=True))
         if name == "control":
@@ -412,7 +467,7 @@ class Controller(pipeline.Controller):
         import casadi as ca
 
         from stt_codegen.program import REAL
-        from stt_codegen.program.as_casadi import casadi_function
+        from stt_codegen.program.convert import casadi_function
 
         names = [f.name for f in self.program.functions if all(p.type is REAL for p in f.params) and f.inputs]
         found = {name: casadi_function(self.program, name) for name in names}
@@ -444,7 +499,7 @@ class Controller(pipeline.Controller):
         ...     [path.name for path in build("tasks/omni_s2.toml").write(folder)]
         ['omni_s2.h', 'omni_s2.c', 'omni_s2.py', 'omni_s2.certificate.json']
         """
-        from stt_codegen.record.files import write_files
+        from stt_codegen.record import write_files
 
         write_files(Path(folder), self.files)
         return [Path(folder) / name for name in self.files]
@@ -457,13 +512,12 @@ class Controller(pipeline.Controller):
         >>> len(build("tasks/omni_s2.toml").plot().axes)
         3
         """
-        from stt_codegen.designs.grid import tube_at
-        from stt_codegen.report.picture import draw_arena, draw_dimension, figure_of
+        from stt_codegen.report.pictures import draw_arena, draw_dimension, figure_of
 
         if ax is None:
             return figure_of(self)
         t = np.linspace(0.0, float(self.task.prescribed_time), 1801)
-        low, high = tube_at(self.design, t)
+        low, high = self.design.edges_at(t)
         if self.task.dimension > 1:
             draw_arena(ax, self, low, high)
         else:
@@ -498,7 +552,7 @@ class Controller(pipeline.Controller):
         >>> build("tasks/omni_s2.toml").simulate(rate=1000).good
         True
         """
-        from stt_codegen.loop.simulate import Loop, Scenario, of_task
+        from stt_codegen.loop import Loop, Scenario, of_task
         from stt_codegen.plants import plant_of
 
         model = plant_of(plant, self.task.dimension, self.task.order) if isinstance(plant, str) else plant
@@ -545,10 +599,9 @@ class Controller(pipeline.Controller):
         import webbrowser
 
         from stt_codegen.plants import plant_of
-        from stt_codegen.record.files import write_files
-        from stt_codegen.report.design import design_report
-        from stt_codegen.report.evidence import evidence
-        from stt_codegen.report.page import page
+        from stt_codegen.record import write_files
+        from stt_codegen.report import design_report
+        from stt_codegen.report.page import evidence, page
 
         model = None if plant is None else plant_of(plant, self.task.dimension, self.task.order)
         made = Path(path) if path is not None else Path(f"{self.task.name}.report.html")

@@ -1,6 +1,6 @@
 """The one exception family. Every stage raises these; `cli.main` alone turns them into exit codes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 
@@ -35,3 +35,12 @@ def about(where: object) -> Iterator[None]:
         yield
     except SttError as error:
         raise type(error)(f"{where}: {error}") from None
+
+
+@contextmanager
+def noted(notes: Iterable[str]) -> Iterator[None]:
+    """Errors of the block end with notes that may explain them."""
+    try:
+        yield
+    except SttError as error:
+        raise type(error)("; note: ".join([str(error), *notes])) from None

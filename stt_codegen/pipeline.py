@@ -1,9 +1,11 @@
 """The map: a task file becomes a certified controller in five calls.
 
     load_task       task.toml -> Task                      task/     the question, checked; sets by their normals and supports
-    design_tube     Task -> Design                         design/   refined: route, sides, linear programs, rounding;
+    design_tube     Task -> Design                         design/   refined: route, sides, linear programs, rounding, and once
+                                                                     more where P7 takes more than was left for it;
                                                                      adaptive: search; literal: the paper's rule
-                                                           designs/  what a design is; rows.py what it must satisfy
+                                                           designs/  what a design is; constraints.py what it must satisfy;
+                                                                     design_kinds.py what each kind offers to a task
     build_program   Task, Design -> Program                paper/ (equations in CasADi), controller/ (frames), program/
     certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else enclosures
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
@@ -14,25 +16,23 @@ Each stage is a plain function from frozen data to frozen data; none reaches bac
     lemmas/                     the lemma book: what all of this rests on, proved about the Program
     sampling/, plants.py        what held inputs, late samples and noise do to a tube: statements, periods, gains
     report/, record/            what is told of a controller, and how it is kept under check
-    loop/, board/, bench/       the emitted C driving a plant, run on emulated boards, measured by the hundred
+    loop/, board/               the emitted C driving a plant, and run on emulated boards; benchmarks/ measures by the hundred
 
 Imports run one way; the order of all rooms stands in pyproject.toml and is tested.
 """
 
 from __future__ import annotations
 
-from contextlib import suppress
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stt_codegen.certify.certificate import Certificate
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
-from stt_codegen.errors import BadInput, NotCertified, about
+from stt_codegen.certify import Certificate
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.designs import Design, RefinedDesign, require_adaptive, require_refined
+from stt_codegen.errors import BadInput, NotCertified, about, noted
 from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task
-
-Design = RefinedDesign | AdaptiveDesign
-MORE_ROOM = 8  # times the room for rounding that usually does
 
 
 @dataclass(frozen=True)
@@ -47,102 +47,136 @@ class Controller:
 
 
 def build(
-    path: str | Path, design: str | None = None, scalar: str | None = None, uncertified: bool = False, rust: bool = False
+    path: str | Path,
+    design: str | None = None,
+    scalar: str | None = None,
+    uncertified: bool = False,
+    language: str | None = None,
 ) -> Controller:
-    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options, `rust`
-    adds the Rust.
+    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options,
+    `language` is one that is printed too.
 
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
     """
     task = load_task(path)
     with about(path):
-        task = task.with_options(design, scalar, rust)
-    with about(path):
+        task = task.with_options(design, scalar, language)
+    with about(path), noted(task.notes):
         return build_task(task, uncertified)
 
 
 def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> Controller:
     """As `build`, for a task already loaded; `tube`: one that is there already, in place of the search."""
     require_supported(task)
-    design, given = tube or design_tube(task), task
+    design = tube or design_tube(task)
     task = settled(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
-    if tube is None and certificate.lacks_rounding:  # a tube so fast that time's rounding takes more than is left for it
-        with suppress(NotCertified):
-            other = design_tube(given, MORE_ROOM)
-            settled_ = settled(given, other)
-            made = build_program(settled_, other)
-            found = certify(settled_, other, made)
-            if found.holds:
-                task, design, program, certificate = settled_, other, made, found
     if not certificate.holds and not uncertified:
         raise NotCertified(certificate.refusal() + " (or --uncertified writes it with a banner)")
+    if not certificate.holds:
+        from stt_codegen.controller import covering_nothing
+
+        program = covering_nothing(program)
     return Controller(task, design, program, certificate, render_files(task, design, program, certificate))
 
 
 def require_supported(task: Task) -> None:
     """Refuse what the task format knows and this version cannot do yet, rather than leave it out silently."""
-    if task.emit.math == "inline" and task.tube.design != "refined":
+    offered = task.tube.capabilities
+    if task.emit.math == "inline" and not offered.inlines_logarithm:
         raise BadInput(
             f'emit.math: "inline" is for refined tubes; {task.tube.design} ones need exp and log1p of the C library, use "libm"'
         )
-    if task.emit.tick_period is not None and task.tube.design != "refined":
+    if task.emit.tick_period is not None and not offered.counts_ticks:
         raise BadInput(
             "emit.tick_period: is for refined tubes, whose time is a table index; the circumvent functions of "
             f"{task.tube.design} ones take seconds, leave it out"
         )
-    if task.control.period is not None and task.tube.design != "refined":
+    if task.control.period is not None and not offered.proves_periods:
         raise BadInput(f"control.period: is proved for refined tubes only; leave it out for a {task.tube.design} one")
 
 
 def settled(task: Task, design: Design) -> Task:
     """The task with its gain chosen for this tube, where that is "auto"."""
-    if not task.gain_chosen or not isinstance(design, RefinedDesign):
+    if not task.gain_chosen or not design.capabilities.proves_periods:
         return task
-    from stt_codegen.certify.period import chosen_gain
-    from stt_codegen.controller.arithmetic import errors_of_tube
+    from stt_codegen.certify.sampled import chosen_gain
+    from stt_codegen.controller import errors_of_tube
 
+    refined = require_refined(design)
     if task.emit.scalar == "fixed":  # whose law has no constants before there is a gain
-        return task.with_gain(chosen_gain(task, design, *errors_of_tube(design, None, task.emit.tick_period)))
-    return task.with_gain(chosen_gain(task, design, *errors_of_tube(design, build_program(task, design))))
+        return task.with_gain(chosen_gain(task, refined, *errors_of_tube(refined, None, task.emit.tick_period)))
+    return task.with_gain(chosen_gain(task, refined, *errors_of_tube(refined, build_program(task, refined))))
 
 
-def design_tube(task: Task, room: int = 1) -> Design:
-    """Choose the numbers that fix a tube, as `tube.design` says. room: of a refined one, see `refine`."""
-    if task.tube.design == "refined":
-        from stt_codegen.design.refine import refine
-
-        return refine(task, room)
-    if task.tube.design == "adaptive":
-        from stt_codegen.design.adaptive import adaptive
-
-        return adaptive(task)
-    from stt_codegen.design.literal import literal
-
-    return literal(task)
+def design_tube(task: Task) -> Design:
+    """Choose the numbers that fix a tube, as `tube.design` says. Raises `NotCertified` with the reason where none is found."""
+    return STAGES[task.tube.design].design_tube(task)
 
 
 def build_program(task: Task, design: Design) -> Program:
     """The controller as typed single assignments, which every printer and prover reads."""
-    if isinstance(design, RefinedDesign):
-        if task.emit.scalar == "fixed":
-            from stt_codegen.controller.integers.program import fixed_program
+    return STAGES[design.kind].build_program(task, design)
 
-            return within_32_bits(fixed_program(task, design))
-        from stt_codegen.controller.refined import refined_program
 
-        return refined_program(task, design)
-    from stt_codegen.controller.adaptive import adaptive_program
+def certify(task: Task, design: Design, program: Program) -> Certificate:
+    """P1 to P7, P8 and P9 where limits or a period ask for them, P10 where there is a mission, with margins; the certificate
+    may fail, `build` decides what that means."""
+    return replace(STAGES[design.kind].certify(task, design, program), axes=task.axis_words)
 
-    return adaptive_program(task, design)
+
+def render_files(task: Task, design: Design, program: Program, certificate: Certificate) -> dict[str, bytes]:
+    """The text of the emitted files, by name."""
+    from stt_codegen.emit import render
+
+    return render(task, design, program, certificate)
+
+
+# ------------------------------------------------------------------------------------------------ the stages by kind
+
+
+@dataclass(frozen=True)
+class Stages:
+    """How a tube of one kind is designed, programmed and certified."""
+
+    design_tube: Callable[[Task], Design]
+    build_program: Callable[[Task, Design], Program]
+    certify: Callable[[Task, Design, Program], Certificate]
+
+
+def _design_refined(task: Task) -> Design:
+    from stt_codegen.design import refine
+
+    return with_enough_allowance(task, refine(task))
+
+
+def with_enough_allowance(task: Task, design: RefinedDesign) -> RefinedDesign:
+    """Return the design, or where it is so fast that the arithmetic takes more than was left for it, one that leaves more and
+    whose edges are certified. Where there is none, the design stays, and its certificate says what is missing."""
+    from stt_codegen.certify.rounding_allowance import certify_edges, needed_allowance_factor
+    from stt_codegen.design import refine_with_allowance
+
+    factor = needed_allowance_factor(task, design)
+    wider_design = None if factor == 1 else refine_with_allowance(task, factor)
+    return design if wider_design is None or not certify_edges(task, wider_design).holds else wider_design
+
+
+def _refined_program(task: Task, design: Design) -> Program:
+    if task.emit.scalar == "fixed":
+        from stt_codegen.controller.integers import fixed_program
+
+        return within_32_bits(fixed_program(task, require_refined(design)))
+    from stt_codegen.controller import refined_program
+
+    return refined_program(task, require_refined(design))
 
 
 def within_32_bits(program: Program) -> Program:
     """A program of integers, of which it is proved that none of them leaves 32 bits, whatever the arguments. Raises `BadInput`
     where that cannot be shown."""
-    from stt_codegen.program.ranges import OutOfRange, ranges
+    from stt_codegen.program.analyse import OutOfRange, ranges
 
     for function in program.functions:
         try:
@@ -152,24 +186,40 @@ def within_32_bits(program: Program) -> Program:
     return program
 
 
-def certify(task: Task, design: Design, program: Program) -> Certificate:
-    """P1 to P7, P8 and P9 where limits or a period ask for them, P10 where there is a mission, with margins; the certificate
-    may fail, `build` decides what that means."""
-    if isinstance(design, RefinedDesign):
-        from stt_codegen.certify.exact import certify_emitted
+def _certify_refined(task: Task, design: Design, program: Program) -> Certificate:
+    from stt_codegen.certify.exact import certify_emitted
 
-        found = certify_emitted(task, design, program)
-    else:
-        from stt_codegen.certify.enclosure import certify_enclosed
-        from stt_codegen.certify.falsification import falsify
-
-        found = falsify(task, design)  # quick, and what fails there fails for certain
-        found = found if found.failures else certify_enclosed(task, design)
-    return replace(found, axes=task.axis_words)
+    return certify_emitted(task, require_refined(design), program)
 
 
-def render_files(task: Task, design: Design, program: Program, certificate: Certificate) -> dict[str, bytes]:
-    """The text of the emitted files, by name."""
-    from stt_codegen.emit.render import render
+def _design_adaptive(task: Task) -> Design:
+    from stt_codegen.design.paper_tubes import adaptive
 
-    return render(task, design, program, certificate)
+    return adaptive(task)
+
+
+def _design_literal(task: Task) -> Design:
+    from stt_codegen.design.paper_tubes import literal
+
+    return literal(task)
+
+
+def _adaptive_program(task: Task, design: Design) -> Program:
+    from stt_codegen.controller import adaptive_program
+
+    return adaptive_program(task, require_adaptive(design))
+
+
+def _certify_adaptive(task: Task, design: Design, _program: Program) -> Certificate:
+    """Falsify at samples, which is quick, and what fails there fails for certain; else prove by enclosures."""
+    from stt_codegen.certify.adaptive import certify_enclosed, falsify
+
+    falsified = falsify(task, require_adaptive(design))
+    return falsified if falsified.failures else certify_enclosed(task, require_adaptive(design))
+
+
+STAGES: Mapping[DesignKind, Stages] = {
+    "refined": Stages(_design_refined, _refined_program, _certify_refined),
+    "adaptive": Stages(_design_adaptive, _adaptive_program, _certify_adaptive),
+    "literal": Stages(_design_literal, _adaptive_program, _certify_adaptive),
+}

@@ -23,7 +23,7 @@ For a plant of order 2, xdot = v, vdot = f(x, v) + g(x, v) u + w, both take x an
 
 A bound over a box then holds for all constants within their ranges, and for every sample as old as it may get.
 
-CasADi is imported only where a plant is evaluated.
+CasADi is imported only where a plant is evaluated. Long because whatever a plant's file may get wrong is refused here.
 """
 
 from __future__ import annotations
@@ -39,6 +39,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, Protocol
 
+from stt_codegen.arrays import is_array, real_array, require_real
 from stt_codegen.errors import BadInput
 
 
@@ -63,12 +64,11 @@ class Model(Protocol):
     def g(self, *state: Any) -> Any: ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Plant:
-    """A plant made of two functions. `doc` is one line for people."""
+    """A plant made of two functions."""
 
     name: str
-    doc: str
     dimension: int | None
     drift: Callable[..., Any]
     input_matrix: Callable[..., Any]
@@ -113,7 +113,7 @@ def _gyroscopic(x: Any) -> Any:
     return [(b - c) / a * x[1] * x[2], (c - a) / b * x[2] * x[0], (a - b) / c * x[0] * x[1]]
 
 
-def _torques(x: Any) -> Any:
+def _torques(_x: Any) -> Any:
     return [[1 / INERTIA[0], 0, 0], [0, 1 / INERTIA[1], 0], [0, 0, 1 / INERTIA[2]]]
 
 
@@ -135,10 +135,14 @@ def _servo(x: Any) -> Any:
 PLANTS = {
     plant.name: plant
     for plant in (
-        Plant("integrator", "xdot = u + w, or of order 2 vdot = u + w, in any dimension", None, _no_drift, _identity, order=None),
-        Plant("robot", "the omnidirectional robot (14) with its heading x3", 3, _no_drift, _robot),
-        Plant("spacecraft", "attitude rates of a rigid body, torques as inputs", 3, _gyroscopic, _torques),
-        Plant("arm", "two-link arm at velocity level, unknown gains", 2, _droop, _servo),
+        # xdot = u + w, or vdot = u + w, in any dimension
+        Plant(name="integrator", dimension=None, drift=_no_drift, input_matrix=_identity, order=None),
+        # the omnidirectional robot (14) with its heading x3
+        Plant(name="robot", dimension=3, drift=_no_drift, input_matrix=_robot),
+        # attitude rates of a rigid body, torques as inputs
+        Plant(name="spacecraft", dimension=3, drift=_gyroscopic, input_matrix=_torques),
+        # two-link arm at velocity level, unknown gains
+        Plant(name="arm", dimension=2, drift=_droop, input_matrix=_servo),
     )
 }
 
@@ -185,7 +189,16 @@ def _from_file(path: Path) -> Plant:
     order = _order(names["f"], bool(constants))
     if not constants and "p" in _parameters(names["f"]):
         raise BadInput(f"--plant {path}: f takes p, and the file gives no ranges for it; add them, for example p = [(0, 0.3)]")
-    return Plant(path.stem, f"from {path.name}", None, names["f"], names["g"], w_max, order, constants, mixing)
+    return Plant(
+        name=path.stem,
+        dimension=None,
+        drift=names["f"],
+        input_matrix=names["g"],
+        w_max=w_max,
+        order=order,
+        constants=constants,
+        mixing=mixing,
+    )
 
 
 def _constants(path: Path, given: Any) -> tuple[tuple[float, float], ...]:
@@ -224,7 +237,7 @@ def model(plant: Model, dimension: int, order: int = 1) -> Any:
     for wrong shapes."""
     import casadi as ca
 
-    from stt_codegen.program.lower import UnknownOpcode, lower
+    from stt_codegen.program.convert import UnknownOpcode, lower
 
     parts = [ca.SX.sym(name, dimension) for name in ("x", "v")[:order]]
     parts += [ca.SX.sym("p", len(plant.constants))] if plant.constants else []
@@ -260,7 +273,7 @@ def model(plant: Model, dimension: int, order: int = 1) -> Any:
     function = ca.Function("plant", [ca.vertcat(*parts, sample)], [f, g], ["x"], ["f", "g"])
     try:
         lower(function)
-    except (UnknownOpcode, ValueError) as error:
+    except (UnknownOpcode, ValueError, OverflowError) as error:
         if "NaN" in str(error):
             raise BadInput(
                 f"--plant {plant.name}: a NaN came of f(x) or g(x); functions of Python's math take no expressions, use "
@@ -277,6 +290,33 @@ def _matrix(value: Any) -> Any:
     import casadi as ca
 
     if isinstance(value, Sequence):
-        rows = [ca.horzcat(*row) if isinstance(row, Sequence) else row for row in value]
+        rows = [ca.horzcat(*map(_entry, row)) if _is_row(row) else _entry(row) for row in value]
         return ca.vertcat(*(ca.SX(row) for row in rows))
-    return ca.SX(value)
+    return ca.SX(_entry(value))
+
+
+def _is_row(value: Any) -> bool:
+    """Whether it is a row of a matrix: a list, or an array of one axis."""
+    import casadi as ca
+
+    array = is_array(value) and not isinstance(value, ca.SX | ca.MX | ca.DM) and getattr(value, "ndim", 0) == 1
+    return (isinstance(value, Sequence) and not isinstance(value, str)) or array
+
+
+def _entry(value: Any) -> Any:
+    """An expression, a number, or an array of them, as it is. Raises ValueError for what is no real number, or infinite."""
+    import casadi as ca
+
+    if isinstance(value, ca.SX | ca.MX | ca.DM):
+        return value
+    require_real(value, symbols=True)
+    if not is_array(value):
+        if abs(value) == math.inf:  # a NaN is told by what makes one, below
+            raise ValueError(f"has {value} in it; finite numbers are needed")
+        return value if isinstance(value, int | float) else float(value)
+    array = real_array(value, symbols=True)
+    if array.dtype.kind == "O":
+        return ca.vertcat(*(ca.horzcat(*map(_entry, row)) if array.ndim == 2 else _entry(row) for row in array))
+    if math.inf in map(abs, array.ravel().tolist()):
+        raise ValueError("has an infinity in it; finite numbers are needed")
+    return array.astype(float)  # CasADi ends the process where it is given numbers of 128 bits

@@ -108,18 +108,24 @@ def control(
 
 
 def margin(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, least_width: float) -> Array:
-    """Distance of x (P, n) to the nearest edge over the width (`least_width` or more), in [-1, 0.5]; NaN where not finite."""
+    """The least of `margins` over the components; NaN where a number of x or an edge is not finite."""
+    low, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, x))
+    least = margins(lower, upper, x, least_width).min(axis=1)
+    return np.where(np.isfinite(state).all(axis=1) & np.isfinite(low).all(axis=1), least, np.nan)
+
+
+def margins(lower: npt.ArrayLike, upper: npt.ArrayLike, x: npt.ArrayLike, least_width: float) -> Array:
+    """Distance of x (P, n) to the nearest edge over the width (`least_width` or more) by component, in [-1, 0.5]."""
     low, high, state = (np.asarray(v, dtype=np.longdouble) for v in (lower, upper, x))
     with np.errstate(all="ignore"):
         share = np.minimum(state - low, high - state) / np.maximum(high - low, least_width)
-    least = np.clip(share.min(axis=1), -1, np.longdouble(0.5))
-    return np.where(np.isfinite(state).all(axis=1) & np.isfinite(low).all(axis=1), least, np.nan)
+    return np.asarray(np.clip(share, -1, np.longdouble(0.5)))
 
 
 # -------------------------------------------------------------------------- the paper's tube (4)-(11)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Parameters:
     """The numbers of an adaptive or literal design, as arrays in extended precision.
 
@@ -138,16 +144,15 @@ class Parameters:
     nu: np.longdouble
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Lines:
-    """sigma (P,), and rho, beta, psi, theta of shape (P, n, 2), [lower, upper], with rates of sigma, rho, beta in time."""
+    """sigma (P,), and rho, beta, psi, theta of shape (P, n, 2), [lower, upper], with rates of rho and beta in time."""
 
     sigma: Array
     rho: Array
     beta: Array
     psi: Array
     theta: Array
-    sigma_rate: Array
     rho_rate: Array
     beta_rate: Array
 
@@ -174,7 +179,9 @@ def lines(p: Parameters, t: npt.ArrayLike) -> Lines:
     psi = np.stack([beta[:, :, 1] - rho[:, :, 0], rho[:, :, 1] - beta[:, :, 0]], axis=2)
     with np.errstate(over="ignore"):  # theta0 (1 - tanh y) = 2 theta0 / (1 + exp(2 y)), without the cancellation
         theta = 2 * p.theta0 / (1 + np.exp(2 * p.varsigma * (psi - p.mu)))
-    return Lines(sigma, rho, beta, psi, theta, sigma_rate, span * sigma_rate[:, None, None], sign * slopes)
+    return Lines(
+        sigma=sigma, rho=rho, beta=beta, psi=psi, theta=theta, rho_rate=span * sigma_rate[:, None, None], beta_rate=sign * slopes
+    )
 
 
 def _bump(t: Array, b: np.longdouble, k: np.longdouble, m: np.longdouble, r: np.longdouble) -> tuple[Array, Array]:

@@ -1,32 +1,22 @@
-"""Shared: the example tasks, controllers built once, and tools that may be absent."""
+"""Fixtures of all tests: tools that may be absent, and the browser of the page's tests."""
 
 from __future__ import annotations
 
 import shutil
-import sys
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 
 import pytest
-from absent import absent
-from pages import browser, opened  # noqa: F401 (fixtures of test_page_drive.py and test_page_seen.py)
 
-from stt_codegen.pipeline import Controller, build
-
-ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT / "benchmarks"))  # whose oracles and arenas the tests share
-TASK_FILES = sorted((ROOT / "tasks").glob("*.toml"))
-INERTIAL = [p.stem for p in TASK_FILES if "\norder = 2" in p.read_text()]  # tests/test_inertia.py has them
-ELSEWHERE = ("rover", "waypoints", "either", "watchman", "crawler", "gantry")  # files of their own have these
-NAMES = [p.stem for p in TASK_FILES if p.stem not in (*INERTIAL, *ELSEWHERE)]  # unsafe sets are boxes
-ADAPTABLE = [name for name in NAMES if name not in ("omni_board", "trolley", "courier")]  # their options are for refined tubes
+from tests.support.absent import absent
+from tests.support.pages import browser, opened  # noqa: F401 (fixtures of test_page_drive.py and test_page_seen.py)
 
 
-@cache
-def controller_of(name: str, scalar: str = "float") -> Controller:
-    """The controller of an example task, built once a process."""
-    return build(ROOT / "tasks" / f"{name}.toml", scalar=scalar)
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Send the tests of a file to one worker, which then builds and compiles the controllers of that file once."""
+    for item in items:
+        if item.get_closest_marker("xdist_group") is None:
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))
 
 
 @pytest.fixture

@@ -13,17 +13,17 @@ from fractions import Fraction
 import casadi as ca
 import numpy as np
 import pytest
-from conftest import ADAPTABLE, ROOT, TASK_FILES
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stt_codegen as stt
 from stt_codegen import api
 from stt_codegen.certify.checker import main as check_files
-from stt_codegen.compare.backends import CompiledC
-from stt_codegen.design.own import spline_tube
+from stt_codegen.design.user_tubes import fitted_tube, spline_tube
 from stt_codegen.pipeline import require_supported
+from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.task.load import parse_task
+from tests.support.controllers import ADAPTABLE, ROOT, TASK_FILES
 
 CART = {
     "name": "cart",
@@ -50,7 +50,7 @@ def test_importing_loads_nothing_heavy_and_changes_no_backend() -> None:
     heavy = "casadi control sympy highspy matplotlib pydantic flint numpy".split()
     loaded = json.loads(run("import sys, json, stt_codegen; print(json.dumps([m for m in sys.modules]))"))
     assert not set(heavy) & set(loaded)
-    code = "import matplotlib; matplotlib.use('svg'); import stt_codegen.report.picture, stt_codegen.loop.picture; print(matplotlib.get_backend())"
+    code = "import matplotlib; matplotlib.use('svg'); import stt_codegen.report.pictures.tube_pictures, stt_codegen.loop.picture; print(matplotlib.get_backend())"
     assert run(code).strip() == "svg"
 
 
@@ -262,7 +262,7 @@ def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
     c = stt.build(stt.load(ROOT / "tasks" / f"{name}.toml").with_options(design))
     functions = c.casadi()
     t, x = points(c, 25)
-    alpha = [[a] for a in c.alpha(t)] if c.design.stateful else [[]] * len(t)
+    alpha = [[a] for a in c.alpha(t)] if c.design.is_stateful else [[]] * len(t)
     _, u = c.control(t, x)
     lower, upper = c.tube(t)
     rates = c.tube_rate(t)
@@ -274,14 +274,14 @@ def test_casadis_functions_are_the_emitted_ones(name: str, design: str) -> None:
         slopes = np.array(functions["tube_rate"](t[k], *alpha[k])).reshape(2, -1)
         assert np.allclose(slopes, [rates[0][k], rates[1][k]], rtol=1e-10, atol=1e-12)
         inside = np.all((lower[k] + 0.1 * (upper[k] - lower[k]) < x[k]) & (x[k] < upper[k] - 0.1 * (upper[k] - lower[k])))
-        if inside and not c.design.stateful:
+        if inside and not c.design.is_stateful:
             step = 1e-6 * (upper[k] - lower[k])
             for i in range(len(step)):
                 ahead, back = (c.control(t[k], x[k] + s * step * np.eye(len(step))[i])[1] for s in (1, -1))
                 jacobian = np.array(functions["du_dx"](t[k], x[k]))[:, i]
                 assert np.allclose(jacobian, (ahead - back) / (2 * step[i]), rtol=1e-4, atol=1e-4 * np.abs(jacobian).max())
     symbol = ca.MX.sym("t")
-    assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.stateful else []))[0].shape == (
+    assert functions["tube"](symbol, *([ca.MX.zeros(2 * c.task.dimension)] if c.design.is_stateful else []))[0].shape == (
         c.task.dimension,
         1,
     )
@@ -380,7 +380,7 @@ def test_samples_of_a_cubic_are_met_certified_and_checked_from_the_c_alone(tmp_p
 
 def test_a_tube_through_an_obstacle_is_refused_with_place_and_amount() -> None:
     task, t = stt.Task(**CART), np.linspace(0, 6, 60)
-    with pytest.raises(stt.NotCertified, match=r"P4 avoid.*pillar"):
+    with pytest.raises(stt.NotCertified, match=r"avoid \(P4\).*pillar"):
         stt.certify_tube(task, samples=(t, *straight(t / 6)))
     made = stt.certify_tube(task, samples=(t, *straight(t / 6)), uncertified=True)
     assert not made.certificate.holds
@@ -413,3 +413,236 @@ def test_what_is_no_tube_is_refused(given_tube, told) -> None:
         stt.certify_tube(stt.Task(**CART), **given_tube)
     with pytest.raises(stt.BadInput, match=r"tube\.design"):
         stt.certify_tube(stt.Task(**{**CART, "tube": {"design": "adaptive"}}), points=np.zeros((9, 2, 2)))
+
+
+# ------------------------------------------------------------------------------------------------ what an array may be
+
+GOOD_POINTS = np.array([[[0.2, 0.8]] * 2] * 2 + [[[1.0, 2.0]] * 2] * 4 + [[[3.2, 3.8], [2.2, 2.8]]] * 3)
+STATES = np.array([[0.5, 0.5], [0.6, 0.4], [0.7, 0.6]])
+
+
+class Frame:
+    """As pandas has them: an array only by `__array__`."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values = values
+
+    def __array__(self, dtype=None, copy=None) -> np.ndarray:
+        return np.asarray(self.values, dtype=dtype)
+
+
+def with_entry(values: np.ndarray, entry: object) -> list:
+    """The same as nested lists, the first number another entry."""
+    rows = np.asarray(values).tolist()
+    inner = rows
+    while isinstance(inner[0], list):
+        inner = inner[0]
+    inner[0] = entry
+    return rows
+
+
+NO_ARRAYS = {
+    "complex": lambda v: v + 0.5j,
+    "complex without an imaginary part": lambda v: v.astype(complex),
+    "complex in a list": lambda v: with_entry(v, 1 + 2j),
+    "masked": lambda v: np.ma.array(v, mask=np.arange(v.size).reshape(v.shape) == 0),
+    "masked in a list": lambda v: with_entry(v, np.ma.masked),
+    "masked by value": lambda v: np.ma.masked_equal(v, v.ravel()[0]),
+    "objects": lambda v: v.astype(object),
+    "texts": lambda v: v.astype(str),
+    "bytes": lambda v: v.astype("S8"),
+    "booleans": lambda v: v.astype(bool),
+    "a boolean in a list": lambda v: with_entry(v, True),
+    "NumPy's boolean in a list": lambda v: with_entry(v, np.True_),
+    "dates": lambda v: v.astype(int).astype("M8[s]"),
+    "None": lambda v: with_entry(v, None),
+    "a word": lambda v: "many",
+    "a word in a list": lambda v: with_entry(v, "many"),
+    "a table": lambda v: {"x": 1},
+    "one axis more": lambda v: v[None, None],
+    "no entries": lambda v: v[:0],
+    "rows of different lengths": lambda v: [*v.tolist(), [1.0, 2.0, 3.0]],
+    "a foreign one of complex numbers": lambda v: Frame(v + 0.5j),
+    "a foreign one of booleans": lambda v: Frame(v.astype(bool)),
+    "a foreign one of objects": lambda v: Frame(v.astype(object)),
+}
+NOT_FINITE = {
+    "NaN": lambda v: with_entry(v, float("nan")),
+    "an infinity": lambda v: with_entry(v, float("inf")),
+    "a NaN in an array": lambda v: np.array(with_entry(v, np.nan)),
+}
+LIKE_ARRAYS = {
+    "lists": lambda v: v.tolist(),
+    "tuples": lambda v: tuple(map(tuple, v)) if v.ndim > 1 else tuple(v),
+    "array": np.array,
+    "floats of 32 bits": lambda v: v.astype(np.float32),
+    "extended": lambda v: v.astype(np.longdouble),
+    "masked nowhere": np.ma.array,
+    "foreign": Frame,
+    "list of arrays": list,
+    "not contiguous": lambda v: np.repeat(v, 2, axis=0)[::2],
+    "reversed in memory": np.asfortranarray,
+}
+
+
+def task_with(*path: str, table: dict | None = None):
+    """Takes an array as a field of a task."""
+
+    def take(controller, value):
+        data = {**CART, "tube": {**CART["tube"]}, "control": {}}
+        inner = data
+        for name in path[:-1]:
+            inner[name] = dict(inner.get(name) or table or {})
+            inner = inner[name]
+        inner[path[-1]] = value
+        return stt.Task(**data)
+
+    return take
+
+
+def task_with_set(**fields):
+    """Takes an array as a field of an unsafe set."""
+
+    def take(controller, value):
+        return stt.Task(**{**CART, "unsafe": [{k: value if v is None else v for k, v in fields.items()}]})
+
+    return take
+
+
+def plant_with(f=None, g=None):
+    """Takes an array as what a plant's function gives."""
+    from stt_codegen.plants import Plant, model
+
+    def take(controller, value):
+        plant = Plant(name="own", dimension=2, drift=f or (lambda x: value), input_matrix=g or (lambda x: value))
+        return model(plant, 2)(STATES[0])
+
+    return take
+
+
+TIMES = np.array([0.0, 2.0, 6.0])
+EDGES = STATES - 0.2
+EYE = np.array([[1.0, 0.5], [0.25, 1.0]])
+# by name: what takes an array, and one that it takes
+ENTRIES = {
+    "initial_state": (task_with("initial_state"), STATES[0]),
+    "state_space.upper": (task_with("state_space", "upper"), np.array([4.0, 3.0])),
+    "initial_set.lower": (task_with("initial_set", "lower"), np.array([0.1, 0.2])),
+    "target_set.lower": (task_with("target_set", "lower"), np.array([3.25, 2.25])),
+    "body": (task_with("body"), np.array([0.0, 0.0])),
+    "control.gain": (task_with("control", "gain"), np.array([0.5, 0.25])),
+    "control.u_max": (task_with("control", "u_max"), np.array([5.0, 6.0])),
+    "control.e_max": (task_with("control", "e_max"), np.array([0.5, 0.75])),
+    "plant.f_max": (task_with("plant", "f_max"), np.array([0.5, 0.25])),
+    "plant.g_min": (task_with("plant", "g_min"), np.array([0.5, 0.25])),
+    "tube.max_speed": (task_with("tube", "max_speed"), np.array([5.0, 6.0])),
+    "vertices": (task_with_set(name="hill", vertices=None), np.array([[1.5, 1.0], [2.0, 1.0], [1.75, 1.5]])),
+    "normals": (
+        task_with_set(name="hill", normals=None, offsets=[2, -1.5, 1.5, -1]),
+        np.array([[1.0, 0], [-1, 0], [0, 1], [0, -1]]),
+    ),
+    "offsets": (
+        task_with_set(name="hill", normals=[[1, 0], [-1, 0], [0, 1], [0, -1]], offsets=None),
+        np.array([2.0, -1.5, 1.5, -1.0]),
+    ),
+    "centre": (task_with_set(name="hill", centre=None, radius=0.25), np.array([1.75, 1.25])),
+    "during": (task_with_set(name="hill", lower=[1.5, 1], upper=[2, 1.5], during=None), np.array([1.0, 2.0])),
+    "points": (lambda c, v: spline_tube(c.task, v), GOOD_POINTS),
+    "samples, t": (lambda c, v: fitted_tube(c.task, v, LOW, HIGH), T),
+    "samples, lower": (lambda c, v: fitted_tube(c.task, T, v, HIGH), LOW),
+    "samples, upper": (lambda c, v: fitted_tube(c.task, T, LOW, v), HIGH),
+    "tube": (lambda c, v: c.tube(v), TIMES),
+    "tube_rate": (lambda c, v: c.tube_rate(v), TIMES),
+    "control, t": (lambda c, v: c.control(v, STATES), TIMES),
+    "control, x": (lambda c, v: c.control(TIMES, v), STATES),
+    "margin, t": (lambda c, v: c.margin(v, STATES), TIMES),
+    "margin, x": (lambda c, v: c.margin(TIMES, v), STATES),
+    "distance, t": (lambda c, v: c.distance(v, EDGES, STATES), TIMES),
+    "distance, lower": (lambda c, v: c.distance(TIMES, v, STATES), EDGES),
+    "distance, upper": (lambda c, v: c.distance(TIMES, EDGES, v), STATES),
+    "a plant's f": (plant_with(g=lambda x: [[1, 0], [0, 1]]), np.array([0.5, 0.25])),
+    "a plant's g": (plant_with(f=lambda x: [0, 0]), EYE),
+}
+CERTIFIED = {  # the public face of four of them
+    "points": lambda c, v: stt.certify_tube(c.task, points=v, uncertified=True),
+    "samples, t": lambda c, v: stt.certify_tube(c.task, samples=(v, LOW, HIGH), uncertified=True),
+    "samples, lower": lambda c, v: stt.certify_tube(c.task, samples=(T, v, HIGH), uncertified=True),
+    "samples, upper": lambda c, v: stt.certify_tube(c.task, samples=[T, LOW, v], uncertified=True),
+}
+EMITTED = {"tube", "tube_rate", "control, t", "control, x", "margin, t", "margin, x"}  # NaN goes to the emitted functions
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_what_is_no_array_of_real_numbers_is_refused_wherever_an_array_goes(controller, name: str) -> None:
+    take, good = ENTRIES[name]
+    wrong = {**NO_ARRAYS, **({} if name in EMITTED else NOT_FINITE)}
+    for kind, spoil in wrong.items():
+        if kind in ("objects", "a foreign one of objects") and name in ("a plant's f", "a plant's g"):
+            continue  # such arrays hold expressions
+        try:
+            CERTIFIED.get(name, take)(controller, spoil(good))
+        except stt.BadInput as refusal:
+            assert "\n" not in str(refusal), (kind, refusal)
+            assert ";" in str(refusal) or "(" in str(refusal), (kind, refusal)  # what would be right
+        else:
+            pytest.fail(f"{name}: took {kind}: {spoil(good)!r}")
+
+
+@pytest.mark.parametrize("name", ENTRIES)
+def test_whatever_is_like_an_array_means_what_the_array_means(controller, name: str) -> None:
+    """Numbers of few bits, so that those of 32 are the same."""
+    take, good = ENTRIES[name]
+    good = np.round(good * 64) / 64 if good is not T else good
+
+    wanted = repr(take(controller, good))
+    for kind, like in LIKE_ARRAYS.items():
+        if kind == "floats of 32 bits" and good is T:
+            continue  # whose last time would not be t_c
+        assert repr(take(controller, like(good))) == wanted, kind
+    if name not in ("samples, t", "samples, lower", "samples, upper") and (good == good.astype(int)).all():
+        assert repr(take(controller, good.astype(int))) == wanted
+
+
+@pytest.mark.parametrize(
+    ("samples", "told"),
+    [
+        ((T, LOW), "three arrays"),
+        ((T, LOW, HIGH, HIGH), "three arrays"),
+        ((), "three arrays"),
+        ({"t": T}, "a tuple of three"),
+        ("samples", "a tuple of three"),
+        (5, "a tuple of three"),
+        (np.zeros((3, 4)), "a tuple of three"),
+        ((np.where(T[5] == T, T[4], T), LOW, HIGH), "rise"),
+        ((T[:, None], LOW, HIGH), "shape"),
+        ((T, LOW.ravel(), HIGH), "shape"),
+        ((T, LOW, None), "upper: is missing"),
+        ((3.0, LOW, HIGH), "shape"),
+    ],
+)
+def test_samples_are_three_arrays_over_rising_times(samples, told) -> None:
+    with pytest.raises(stt.BadInput, match=told):
+        stt.certify_tube(stt.Task(**CART), samples=samples)
+
+
+@pytest.mark.parametrize("spoil", NO_ARRAYS.values(), ids=NO_ARRAYS)
+def test_a_start_that_is_no_array_of_real_numbers_is_refused(controller, spoil, tool) -> None:
+    tool("gcc")
+    with pytest.raises(stt.BadInput, match="--start"):
+        controller.simulate(start=spoil(STATES[0]))
+
+
+@pytest.mark.parametrize("name", ["rate", "strength", "noise", "latency", "lag", "noise_v", "lost", "seed"])
+@pytest.mark.parametrize("value", [1j, "2", None, True, [1.0], np.ma.masked, float("nan"), -1.0])
+def test_a_number_of_a_scenario_that_is_none_is_refused(controller, name: str, value) -> None:
+    with pytest.raises(stt.BadInput):
+        controller.simulate(**{name: value})
+
+
+def test_what_is_not_built_is_not_certified() -> None:
+    """A period is proved for refined tubes alone: no certificate without P9 may hold for an adaptive one."""
+    task = stt.load(ROOT / "tasks" / "omni_s1.toml").changed(tube={"design": "adaptive"})
+    tube = stt.design(task)
+    for refuse in (stt.build, lambda sampled: stt.certify(sampled, tube)):
+        with pytest.raises(stt.BadInput, match=r"control\.period: is proved for refined tubes only"):
+            refuse(task.changed(control={"period": Fraction(1, 2)}))

@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import ROOT
 
-from stt_codegen.compare.toolchain import STRICT
+from stt_codegen.program.targets.c.runner import STRICT
+from stt_codegen.task.load import load_task, parse_task
+from tests.support.controllers import ROOT, built
 
 PAGE = (ROOT / "docs" / "board.md").read_text()
 LEMMAS = (ROOT / "docs" / "lemmas.md").read_text()
@@ -66,6 +67,97 @@ def test_the_pages_loops_compile_for_their_boards_without_a_warning(
     flags = [v for v in STRICT if v != "-Wcast-qual"]
     for file in ("main.c", f"{name}.c", f"{name}_selftest.c"):
         subprocess.run([tool("arm-none-eabi-gcc"), *board, *flags, "-c", file], cwd=folder / "firmware", check=True)
+
+
+README = (ROOT / "README.md").read_text()
+# Of a document's loop: its clock, the function that a timer calls, and yours: what it calls, by prototype.
+LOOPS = {
+    "cart": (
+        "uint64_t clock_us(void)",
+        "timer_1khz",
+        {
+            "cart_status cart_control(float t, const float x[2], float u[2])": "u[0] = u[1] = 0; called = (double)t; return CART_OK;",
+            "void read_state(float x[2])": "x[0] = x[1] = 0;",
+            "void drive(const float u[2])": "",
+            "void stop(void)": "",
+            "void stand(void)": "",
+            "bool cart_covered(const float x[2])": "return ++asked > UNCOVERED;",
+            "void warn(void)": "warnings++;",
+        },
+    ),
+    "gantry": (
+        "uint32_t timer_us(void)",
+        "every_millisecond",
+        {
+            "gantry_status gantry_control(uint32_t t, const int32_t x[2], int32_t u[2])": "u[0] = u[1] = 0; called = t; return GANTRY_OK;",
+            "bool gantry_covered(const int32_t x[2])": "return ++asked > UNCOVERED;",
+            "int32_t gantry_margin(uint32_t t, const int32_t x[2])": "return 32768;",
+            "void read_steps(int32_t steps[2])": "steps[0] = steps[1] = 0;",
+            "void set_speeds(const int32_t u[2])": "",
+            "void warn(void)": "warnings++;",
+        },
+    ),
+}
+WORLD = """#include <stdio.h>
+static uint64_t world = 4294967296U - 2000U; /* microseconds: 32 bits turn over at once */
+static double called = -1;
+static int warnings, asked;
+enum { UNCOVERED = 2 }; /* samples at which no start is covered */
+int main(void)
+{
+    const uint64_t begin = world;
+    double gap;
+    while (scanf("%lf", &gap) == 1) {
+        world += (uint64_t)gap;
+        STEP();
+        printf("%.0f %.17g %d\\n", (double)(world - begin), called, warnings);
+    }
+    return 0;
+}
+"""
+
+
+def rows_of(text: str) -> list[list[float]]:
+    return [[float(v) for v in line.split()] for line in text.splitlines()]
+
+
+@pytest.mark.parametrize("name", LOOPS)
+def test_a_documents_loop_takes_its_time_from_the_clock(name: str, tmp_path: Path, tool) -> None:
+    """Interrupts come 1 ms apart or are lost, by the thousand too; what is called has the clock's time since the first start that is
+    covered, and a late one warns. At a start that is not covered nothing is called."""
+    page = {"cart": README, "gantry": PAGE}[name]
+    loop = next(c for c in re.findall(r"^```c\n(.*?)^```", page, re.M | re.S) if f'#include "{name}.h"' in c)
+    task = (
+        parse_task(page.partition("```toml\n")[2].partition("```")[0])
+        if name == "cart"
+        else load_task(ROOT / "tasks/gantry.toml")
+    )
+    (tmp_path / f"{name}.h").write_bytes(built(task).files[f"{name}.h"])
+    clock, step, yours = LOOPS[name]
+    declared = f'#include <stdint.h>\n#include "{name}.h"\n' + "".join(f"{f};\n" for f in (clock, f"void {step}(void)", *yours))
+    bodies = yours | {clock: f"return ({clock.split()[0]})world;"}
+    defined = "\n".join(f"{f} {{ {body} }}" for f, body in bodies.items())
+    (tmp_path / "main.c").write_text(declared + loop + WORLD.replace("STEP", step).replace("int main", f"{defined}\nint main"))
+    flags = [f for f in STRICT if f not in ("-Wcast-qual", "-Wmissing-prototypes", "-Wunused-parameter")]
+    subprocess.run([tool("gcc"), *flags, "-Wno-unused-parameter", "main.c", "-o", "loop"], cwd=tmp_path, check=True)
+    gaps = [0, *[1000] * 50, 5000, 1000, 5001, *[1000, 1065] * 200, 2_000_000, 1000]
+    if name == "gantry":
+        gaps = [0, *[1000, 999, 1001] * 20, 10_000, 1000, 10_001, *[1000, 1065] * 200, 2_000_000, 1000]
+    first_late = gaps.index(5001 if name == "cart" else 10_001)
+    told = subprocess.run(
+        ["./loop"], cwd=tmp_path, input="\n".join(map(str, [700, 90_000, *gaps])), capture_output=True, text=True, check=True
+    ).stdout
+    uncovered, rows = rows_of(told)[:2], rows_of(told)[2:]
+    assert [called for _, called, _ in uncovered] == [-1, -1]
+    assert len(rows) == len(gaps)
+    begun, quiet = rows[0][0], uncovered[-1][2]  # a loop may warn while it waits
+    rows = [(now - begun, called, warnings - quiet) for now, called, warnings in rows]
+    for k, (now, called, warnings) in enumerate(rows):
+        if name == "cart":
+            assert called == pytest.approx(now * 1e-6, rel=3.01 * 2.0**-24)  # three roundings to a float
+        else:
+            assert called == (now + 500) // 1000  # the nearest tick
+        assert (warnings > 0) == (k >= first_late)
 
 
 def test_the_page_on_lemmas_shows_what_design_prints_and_a_plant_that_works(folder: Path) -> None:

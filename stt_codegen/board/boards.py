@@ -6,10 +6,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from stt_codegen.emit.render import template_folder
 
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Board:
     """A board and how it is emulated. `ticks`: of its counter for one `unit`; room: bytes for points in one image;
     lacks: what its C library does not have."""
@@ -35,14 +33,21 @@ class Board:
 def _arm(name: str, title: str, cpu: str, machine: str, rust: str, fpu: str = "") -> Board:
     hard = ("-mfloat-abi=hard", f"-mfpu={fpu}") if fpu else ("-mfloat-abi=soft",)
     return Board(
-        name, title, "arm-none-eabi-gcc", (f"-mcpu={cpu}", "-mthumb", *hard), ("arm.c",), "arm.h",
-        ("-nostartfiles", "-T", "arm.ld", "--specs=nosys.specs", "-lm"),
-        (
-            "qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-serial", "none",
-            "-semihosting-config", "enable=on,target=native", "-icount", "shift=10,align=off,sleep=off", "-kernel",
+        name=name,
+        title=title,
+        compiler="arm-none-eabi-gcc",
+        flags=(f"-mcpu={cpu}", "-mthumb", *hard),
+        sources=("arm.c",),
+        header="arm.h",
+        libraries=("-nostartfiles", "-T", "arm.ld", "--specs=nosys.specs", "-lm"),
+        command=(
+            *("qemu-system-arm", "-M", machine, "-nographic", "-monitor", "none", "-serial", "none"),
+            *("-semihosting-config", "enable=on,target=native", "-icount", "shift=10,align=off,sleep=off", "-kernel"),
         ),
-        "gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm", 25.6, rust=rust,
-    )  # fmt: skip
+        packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm",
+        ticks=25.6,
+        rust=rust,
+    )
 
 
 BOARDS = {
@@ -53,14 +58,14 @@ BOARDS = {
         _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "thumbv7em-none-eabihf", "fpv4-sp-d16"),
         _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "thumbv7em-none-eabihf", "fpv5-sp-d16"),
         Board(
-            "rv32",
-            "RISC-V RV32IMAC, no FPU",
-            "riscv64-unknown-elf-gcc",
-            ("-march=rv32imac", "-mabi=ilp32"),
-            ("rv32.c",),
-            "rv32.h",
-            ("--specs=picolibc.specs", "-nostartfiles", "-T", "rv32.ld", "-lm"),
-            (
+            name="rv32",
+            title="RISC-V RV32IMAC, no FPU",
+            compiler="riscv64-unknown-elf-gcc",
+            flags=("-march=rv32imac", "-mabi=ilp32"),
+            sources=("rv32.c",),
+            header="rv32.h",
+            libraries=("--specs=picolibc.specs", "-nostartfiles", "-T", "rv32.ld", "-lm"),
+            command=(
                 "qemu-system-riscv32",
                 "-M",
                 "virt",
@@ -77,21 +82,21 @@ BOARDS = {
                 "shift=0",
                 "-kernel",
             ),
-            "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc",
-            1.0,
+            packages="gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc",
+            ticks=1.0,
         ),
         Board(
-            "avr",
-            "ATmega328P, 8 bits",
-            "avr-gcc",
-            ("-mmcu=atmega328p", "-DF_CPU=16000000UL"),
-            (),
-            "avr.h",
-            ("-lm",),
-            ("simavr", "-m", "atmega328p", "-f", "16000000"),
-            "gcc-avr avr-libc simavr",
-            1.0,
-            "cycles",
+            name="avr",
+            title="ATmega328P, 8 bits",
+            compiler="avr-gcc",
+            flags=("-mmcu=atmega328p", "-DF_CPU=16000000UL"),
+            sources=(),
+            header="avr.h",
+            libraries=("-lm",),
+            command=("simavr", "-m", "atmega328p", "-f", "16000000"),
+            packages="gcc-avr avr-libc simavr",
+            ticks=1.0,
+            unit="cycles",
             room=12_000,
             scalars=("float",),
             lacks=("log1pf",),
@@ -108,6 +113,8 @@ def rust_boards() -> list[str]:
 
 def copy_board(board: Board, folder: Path) -> tuple[list[str], list[str]]:
     """Copies what the board starts with, and its header as board.h, to `folder`: the sources, and what to link with."""
+    from stt_codegen.program.targets.template_files import template_folder
+
     templates = template_folder() / "board"
     for name in (*board.sources, *(v for v in board.libraries if v.endswith(".ld"))):
         shutil.copy(templates / name, folder)

@@ -19,15 +19,15 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.board.boards import Board, copy_board, rust_boards
-from stt_codegen.board.rust import board_objects
-from stt_codegen.compare.backends import Backend
-from stt_codegen.compare.comparison import Row, compare_backend
-from stt_codegen.compare.toolchain import run_compiler
-from stt_codegen.emit.render import template
+from stt_codegen.board.rust_images import board_objects
+from stt_codegen.compare import Row, compare_backend
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import Controller
 from stt_codegen.program import TICK, Function, Param, Program
-from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program.targets import run_compiler
+from stt_codegen.program.targets.backend import Backend
+from stt_codegen.program.targets.c import CPrinter
+from stt_codegen.program.targets.template_files import template
 
 Array = npt.NDArray[Any]
 LONGEST_RUN = 300.0  # seconds
@@ -114,7 +114,7 @@ class Emulated(Backend):
             at += length * per
         if f.returns_real:
             return (results[0].ravel(), *results[1:])
-        return (rows[:, 0].astype(int), *results) if f.returns_status else tuple(results)
+        return (rows[:, 0].astype(int), *results) if f.returns_status or f.returns_bool else tuple(results)
 
     def _words(self, p: Param, values: Array) -> Array:
         """The bits of one parameter at every point, in words of 32; a count is one number's worth, padded."""

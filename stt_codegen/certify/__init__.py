@@ -1,0 +1,32 @@
+"""Certificates: properties P1 to P10 of a design and its Program, exact for refined tubes, by enclosures for adaptive ones.
+
+Large because the stand-alone checker, half of it, shares no code with the rest.
+"""
+
+from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
+from stt_codegen.certify.claims import Claim, claims_of, cuts_of
+from stt_codegen.certify.monitor import Cycle, Span, Time, holds
+from stt_codegen.certify.moving_slack import Lines
+
+__all__ = [
+    "Certificate",
+    "Claim",
+    "Cycle",
+    "Finding",
+    "Lines",
+    "MissionProof",
+    "PeriodProof",
+    "Span",
+    "Time",
+    "adaptive",
+    "checker",
+    "claims_of",
+    "cuts_of",
+    "exact",
+    "holds",
+    "missions",
+    "moving_slack",
+    "rounding_allowance",
+    "sampled",
+    "slack",
+]

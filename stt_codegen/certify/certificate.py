@@ -9,24 +9,8 @@ from fractions import Fraction
 
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
-from stt_codegen.task.formula import Formula
-from stt_codegen.task.mission import State
-
-TITLES = {
-    "P1": "width",
-    "P2": "start",
-    "P3": "stay",
-    "P4": "avoid",
-    "P5": "reach",
-    "P6": "smooth",
-    "P7": "arithmetic",
-    "P8": "limits",
-    "P9": "period",
-    "P10": "mission",
-}
-
-
-ROUNDED = ("P1", "P2", "P3", "P4", "P5", "P10")  # properties that must have room for the arithmetic
+from stt_codegen.properties import OF_THE_EDGES, SECONDS, Property
+from stt_codegen.task.mission import Formula, State
 
 
 @dataclass(frozen=True)
@@ -34,9 +18,9 @@ class Finding:
     """One property. It holds when `margin` >= `required` (task's units; seconds for P9 and the second of P10, but a length where
     initial_state is outside the share; units per second for P8); then `margin` is a proved lower bound on the slack, least in the
     time interval `time` (seconds), `dimension` (from 1) and at `obstacle`. When it fails, margin and place are those of one place
-    where it fails, not necessarily the worst."""
+    where it fails, not necessarily the worst. advice: what would mend it; empty: what the property advises."""
 
-    code: str
+    subject: Property
     statement: str
     margin: Fraction
     required: Fraction
@@ -47,8 +31,19 @@ class Finding:
     in_time: bool = False  # margin and required are seconds
 
     @property
-    def title(self) -> str:
-        return TITLES[self.code]
+    def code(self) -> str:
+        """The property as certificates spell it: "P1" to "P10"."""
+        return self.subject.code
+
+    @property
+    def remedy(self) -> str:
+        """What would mend it."""
+        return self.advice or self.subject.advice
+
+    @property
+    def is_in_seconds(self) -> bool:
+        """Whether margin and required are seconds."""
+        return self.in_time or (self.subject.unit == SECONDS and self.time is None)
 
     @property
     def holds(self) -> bool:
@@ -68,8 +63,8 @@ class Finding:
 
     def fault(self, axes: Sequence[str] = ()) -> str:
         """What fails, where and by how much; axes as for `place`."""
-        where, unit = self.place(axes), " s" if self.in_time or (self.code == "P9" and self.time is None) else ""
-        return f"{self.code} {self.title}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
+        where, unit = self.place(axes), " s" if self.is_in_seconds else ""
+        return f"{self.subject.label}{' at ' + where if where else ''}: fails by {decimal(self.required - self.margin)}{unit}"
 
 
 @dataclass(frozen=True)
@@ -87,8 +82,9 @@ class PeriodProof:
 
 @dataclass(frozen=True)
 class MissionProof:
-    """What P10 shows. spans: where each state holds, in slices of a segment (certify/mission.py); margin: in units of the table,
-    on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds; cycle: what is repeated for ever."""
+    """What P10 shows. spans: where each state holds, in slices of a segment (certify/missions/proof.py); margin: in units of the
+    table, on all of them; time_margin: in slices; witnesses: by entry of the mission, in seconds; cycle: what is repeated for
+    ever."""
 
     formula: Formula
     spans: dict[State, tuple[tuple[int, int], ...]]
@@ -136,25 +132,26 @@ class Certificate:
     @property
     def tube_holds(self) -> bool:
         """Whether P1 to P7 and P10 do, whatever becomes of P8 and P9."""
-        return self.proves and all(f.holds for f in self.findings if f.code not in ("P8", "P9"))
+        return self.proves and all(f.holds for f in self.findings if f.subject not in (Property.LIMITS, Property.PERIOD))
 
     @property
     def lacks_rounding(self) -> bool:
         """Whether the exact tube is sound, and only what the arithmetic takes is missing."""
-        short = [f for f in self.failures if f.code != "P7"]
-        return self.method == "exact" and bool(short) and all(f.margin >= 0 and f.code in ROUNDED for f in short)
+        short = [f for f in self.failures if f.subject is not Property.ARITHMETIC]
+        return self.method == "exact" and bool(short) and all(f.margin >= 0 and f.subject in OF_THE_EDGES for f in short)
 
     def refusal(self) -> str:
         """All that fails, in one line, and what to change, each advice once, after all that it would mend. P7 is named only where
         the exact tube itself is sound."""
         if self.method == "sampled" and not self.failures:
-            return 'P1 to P6 hold at the samples, but this design is not proved between them; use tube.design = "refined"'
-        broken = [f for f in self.failures if f.margin < 0 and f.code != "P7"]
+            at_samples = f"{Property.WIDTH.label} to {Property.SMOOTH.label} hold at the samples"
+            return f'{at_samples}, but this design is not proved between them; use tube.design = "refined"'
+        broken = [f for f in self.failures if f.margin < 0 and f.subject is not Property.ARITHMETIC]
         faults: dict[str, list[str]] = {}
-        seventh = next((f.advice for f in self.findings if f.code == "P7"), "")
+        more_room = next((f.remedy for f in self.findings if f.subject is Property.ARITHMETIC), "")
         for f in broken or self.failures:  # what has a margin, but less than the arithmetic takes, no other set would mend
-            narrow = f.margin >= 0 and f.code in ROUNDED and not f.in_time
-            faults.setdefault(seventh if narrow and seventh else f.advice, []).append(f.fault(self.axes))
+            narrow = f.margin >= 0 and f.subject in OF_THE_EDGES and not f.in_time
+            faults.setdefault(more_room if narrow and more_room else f.remedy, []).append(f.fault(self.axes))
         told = "; ".join("; ".join([*found, *([advice] if advice else [])]) for advice, found in faults.items())
         return f"holds at samples but cannot be proved between them: {told}" if self.method == "enclosure" else told
 

@@ -52,8 +52,8 @@ LAW = {
     "integers": {20: 2.0**-10},
 }  # its rounding, see docs/certificate-format.md
 KNOWN = {
-    "": "name axes units prescribed_time repeat start_delay initial_state body state_space initial_set target_set unsafe region "
-        "mission tube control emit plant",
+    "": "name axes units periodic prescribed_time repeat start_delay initial_state body state_space initial_set target_set "
+        "unsafe region mission tube control emit plant",
     "state_space": "lower upper axes vertices normals offsets", "initial_set": "lower upper share speed",
     "target_set": "lower upper axes vertices normals offsets centre radius motion",
     "unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius",
@@ -64,6 +64,7 @@ KNOWN = {
     "emit": "scalar math tick_period selftest rust", "plant": "order f_max w_max g_min g_max g_cross noise noise_v",
 }  # fmt: skip
 LISTS = ("unsafe", "region", "mission")
+UNREAD = (".rs",)  # of files in a language that a task has to ask for: of these nothing is proved here
 FORMS = ("lower upper", "vertices", "normals offsets", "centre radius", "segment radius")  # of an unsafe set
 FAN: tuple[tuple[tuple[int, ...], ...], ...] = (  # normals of a target that is a ball, by its dimensions
     (), ((1,),), ((1, 0), (5, 1), (5, 2), (3, 2), (1, 1)),
@@ -101,10 +102,7 @@ class Task:
     def __init__(self, data: bytes) -> None:
         document = tomllib.loads(data.decode("utf-8-sig"), parse_float=_decimal)
         self.digest = hashlib.sha256(json.dumps(_plain(document), sort_keys=True, separators=(",", ":")).encode()).hexdigest()
-        if "map" in document:
-            raise Unusable(
-                "the task has a map; give the .task.toml that was written beside the C, where its sets are spelled out"
-            )
+        _spelled_out(document)
         tables = [(name, entry) for name, v in document.items() for entry in (v if name in LISTS else [v]) if name in KNOWN]
         for name, entry in [("", document), *tables]:
             unknown = set(entry) - set(KNOWN[name].split())
@@ -115,26 +113,21 @@ class Task:
         n = self.n = len(self.state)
         body = _each(document.get("body", 0), n)
         self.start, (lower, upper) = _box(document["initial_set"], n), _box(document["state_space"], n)
-        self.farthest = max(map(abs, lower + upper))
-        self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
         names = document.get("axes") or [f"x{i + 1}" for i in range(n)]
         walls = _cuts(document["state_space"], names)
         self.reaches = "target_set" in document or "mission" not in document
         target = document["target_set"] if self.reaches else document["state_space"]
-        self.target, self.goals = _target(target, names, self.space, self.t_c)
+        self.turns = Turns(document, names, self.state, self.start, body, self.t_c)
+        self.turns.space(target if self.reaches else None, walls, lower, upper)
+        self.farthest = max(map(abs, lower + upper))
+        self.space = ([a + h for a, h in zip(lower, body)], [b - h for b, h in zip(upper, body)])
+        self.target, self.goals = self.turns.target(*_target(target, names, self.space, self.t_c))
         self.walls = [(normal, offset - sum(abs(c) * h for c, h in zip(normal, body))) for normal, offset in walls]
-        sets = enumerate(document.get("unsafe", []), 1)
-        self.unsafe = [(str(e.get("name") or f"U{j}"), _unsafe(e, names, (lower, upper), body)) for j, e in sets]
-        _differ([name for name, _ in self.unsafe])
-        delay, timed, given = _number(document.get("start_delay", 0)), {"motion", "during", "spread"}, document.get("unsafe", [])
-        self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for e in given]
-        doubt = {name: str(_number(e["timing"])) for (name, _), e in zip(self.unsafe, given) if "timing" in e}
-        moving = "motion" in target or any({"motion", "during"} & {*e} or e.get("spread") for e in given)
-        self.clock = {"start_delay": str(delay), "timing": doubt} if moving else None
+        delay, tube = _number(document.get("start_delay", 0)), document.get("tube", {})
+        moving = self._sets(document, names, (lower, upper), delay) or "motion" in target
+        self.clock = {"start_delay": str(delay), "timing": self.doubt} if moving else None
         self.mission = Mission(document, names, (lower, upper), body, self.t_c, delay) if "mission" in document else None
         self.repeats = self._repeats(document, moving)
-        tube = document.get("tube", {})
-        self.clearance = _number(tube.get("clearance", Decimal("0.03")))
         self.min_width = max(_number(tube.get("min_width", Decimal("0.05"))), LEAST_WIDTH)
         self.segments = _number(tube["segments"]) if "segments" in tube else None
         self.limits = [_each(tube[k], n) if k in tube else None for k in ("max_speed", "max_acceleration")]
@@ -163,6 +156,18 @@ class Task:
         if min(positive) <= 0 or min(not_negative) < 0 or max(self.share, *self.e_max) >= 1:
             raise Unusable("the task has a number of the wrong sign, or a share or e_max that is not below 1")
 
+    def _sets(self, document: dict[str, Any], names: list[str], space: Box, delay: Fraction) -> bool:
+        """Unsafe sets, how they move, and the clearance; whether their clock matters."""
+        clearance = _number(document.get("tube", {}).get("clearance", Decimal("0.03")))
+        named = [(str(e.get("name") or f"U{j}"), e) for j, e in enumerate(document.get("unsafe", []), 1)]
+        found, timed = self.turns.sets(named, space, clearance, delay), {"motion", "during", "spread"}
+        self.clearance = clearance + self.turns.margin
+        self.unsafe = [(name, convex) for name, convex, _ in found]
+        _differ([name for name, _ in self.unsafe])
+        self.courses = [Course(e, names, delay, self.t_c) if timed & {*e} else None for *_, e in found]
+        self.doubt = {name: str(_number(e["timing"])) for name, _, e in found if "timing" in e}
+        return any({"motion", "during"} & {*e} or e.get("spread") for *_, e in found)
+
     def _repeats(self, document: dict[str, Any], moving: bool) -> bool:
         """Whether the tube goes on for ever."""
         told = document.get("repeat", False)
@@ -172,13 +177,12 @@ class Task:
 
     def _emitted(self, control: dict[str, Any], emit: dict[str, Any]) -> None:
         """How late u may be; what the C looks like, and has beside it."""
-        self.latency = _number(control.get("latency", 0))
         self.outside, self.inline = (
             _outside(control, self.order == 2 or (self.clock or self.mission) is not None),
             emit.get("math") == "inline",
         )
         self.selftest = bool(emit.get("selftest", False))
-        self.tick = _number(emit["tick_period"]) if "tick_period" in emit else None
+        self.tick: Fraction | None = _number(emit["tick_period"]) if "tick_period" in emit else None
 
     def _plant(self, document: dict[str, Any]) -> None:
         """What is said of the plant, of its starts, and for order 2 of lambda."""
@@ -218,6 +222,15 @@ class Task:
             return None
         return shortest if "period_min" in control else self.period / 2
 
+    unwrap_noise: Fraction | None = None  # of a measured x, with what unwrapping adds; None where no axis closes
+
+    def unwrapped(self, bits: int) -> None:
+        """Add what unwrapping is wrong by to the noise of a measured x, for a scalar of so many bits."""
+        if self.turns.periods:
+            noise = self.unwrap_noise = self.turns.noise(bits, (self.plant["noise"] or [Fraction(0)])[0])
+            if self.period is not None:
+                self.plant["noise"], self.stated["noise"] = [noise] * self.n, str(noise)
+
     @property
     def limited(self) -> bool:
         """Whether P8 is asked for."""
@@ -231,7 +244,7 @@ class Course:
 
     def __init__(self, table: Any, names: list[str], delay: Fraction, t_c: Fraction) -> None:
         own, timing = _own(table, names), _number(table.get("timing", 0))
-        self.early, self.late, self.spread, self.t_c = timing, timing + delay, _number(table.get("spread", 0)), t_c
+        self.early, self.late, self.spread = timing, timing + delay, _number(table.get("spread", 0))
         self.knots = [(Fraction(0), [Fraction(0)] * len(names))]
         if "motion" in table:
             entries = table["motion"]
@@ -269,6 +282,134 @@ class Course:
             yield p, q, ends + [(d, d) for d in still]
 
 
+@cache
+def two_pi() -> tuple[Fraction, Fraction]:
+    """2 pi from below and above, by Machin's formula: partial sums of an alternating series bound it."""
+
+    def arctangent(n: int, terms: int) -> Fraction:
+        return sum((Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(terms)), Fraction(0))
+
+    (a, b), (c, d) = (sorted(arctangent(n, terms) for terms in (40, 41)) for n in (5, 239))
+    return 8 * (4 * a - d), 8 * (4 * b - c)
+
+
+def drift(period: Fraction) -> Fraction:
+    """What a period differs from 2 pi/m, m up to 12, up to a multiple of 1e-18, where it is within a thousandth of it; else 0."""
+    low, high = two_pi()
+    for m in range(1, 13):
+        off = max(abs(period - low / m), abs(period - high / m))
+        if off <= high / (1000 * m):
+            return Fraction(math.ceil(off * 10**18), 10**18)
+    return Fraction(0)
+
+
+class Turns:
+    """Axes that close after a period: what else their turns make of state space, target and unsafe sets. All of it is nothing
+    where no axis closes."""
+
+    def __init__(
+        self, document: dict[str, Any], names: list[str], state: list[Fraction], start: Box, body: list[Fraction], t_c: Fraction
+    ) -> None:
+        given = document.get("periodic", {})
+        known = isinstance(given, dict) and set(given) <= set(names) and ("periodic" not in document or given)
+        regions = (e.get("axes", names) for e in document.get("region", []) if "any_of" not in e)
+        integers = bool(given) and document.get("emit", {}).get("scalar") == "fixed"
+        if not known or integers or any({*given} & {*axes} for axes in regions):
+            raise Unusable("the task has axes that close and are not its own, or of a region, or of a controller in integers")
+        self.names, self.state, self.start, self.body, self.t_c = names, state, start, body, t_c
+        self.periods = {i: _number(given[name]) for i, name in enumerate(names) if name in given}
+        if any(v <= 0 for v in self.periods.values()):
+            raise Unusable("the task has a period of an axis that is not above 0")
+        self.drifts = {i: drift(v) for i, v in self.periods.items()}
+        self.steps = dict[int, Fraction]()  # by less than so much x may move between samples
+        self.by, self.margin, self.most = dict.fromkeys(self.periods, 0), Fraction(0), 0
+
+    def space(self, target: Any, walls: list[tuple[list[int], Fraction]], lower: list[Fraction], upper: list[Fraction]) -> None:
+        """Choose the target's turn, nearest to the initial state; where the state space has a whole turn, let it go half a turn
+        beyond start and target. Lower and upper edges are changed in place."""
+        before = ([a + h for a, h in zip(lower, self.body)], [b - h for b, h in zip(upper, self.body)])
+        edges = None if target is None else _target(target, self.names, before, self.t_c)[0]
+        for i, period in self.periods.items():
+            limited = upper[i] - lower[i] < period
+            if not limited and any(normal[i] for normal, _ in walls):
+                raise Unusable("the task has half-spaces that cut the state space in an axis that closes")
+            ends = [(self.start[0][i], self.start[1][i])]
+            if edges is not None and ("lower" in target or i in _own(target, self.names)):
+                a, b = edges[0][i], edges[1][i]
+                off = (self.state[i] - (a + b) / 2) / period
+                near = list(range(math.floor(off) - 100, math.ceil(off) + 101))
+                if limited:
+                    near = [k for k in near if before[0][i] <= a + k * period and b + k * period <= before[1][i]]
+                if not near:
+                    raise Unusable("the task has a target of which no image lies in the state space")
+                k = self.by[i] = min(near, key=lambda k: (abs(k - off), abs(k), -k))
+                ends.append((a + k * period, b + k * period))
+            if not limited:
+                lower[i], upper[i] = min(a for a, _ in ends) - period / 2, max(b for _, b in ends) + period / 2
+        self.far = {i: int(max(abs(lower[i]), abs(upper[i])) / v) + 2 for i, v in self.periods.items()}
+
+    def target(self, edges: Box, goals: list[tuple[list[int], Fraction]]) -> tuple[Box, list[tuple[list[int], Fraction]]]:
+        """The target on its turn, less what the periods differ from 2 pi/m."""
+        for i, k in self.by.items():
+            by, less = k * self.periods[i], abs(k) * self.drifts[i]
+            if k:  # of a target that does not bound the axis k is 0
+                edges[0][i], edges[1][i] = edges[0][i] + by + less, edges[1][i] + by - less
+            goals = [(normal, offset + normal[i] * by - abs(normal[i]) * less) for normal, offset in goals]
+        if any(a >= b for a, b in zip(*edges)):
+            raise Unusable("the task has a target that is narrower than what its turns are wrong by")
+        return edges, goals
+
+    def sets(
+        self, named: list[tuple[str, Any]], space: Box, clearance: Fraction, delay: Fraction
+    ) -> list[tuple[str, Unsafe, Any]]:
+        """The unsafe sets by name, and after them their images, as far as these can come near the state space."""
+        found, images = list[tuple[str, Unsafe, Any]](), list[tuple[str, Unsafe, Any]]()
+        for name, table in named:
+            own = _own(table, self.names)
+            closed = [i for i in own if i in self.periods]
+            room = [list(edges) for edges in space]
+            for i in closed:
+                room[0][i], room[1][i] = (self.state[i] + s * 64 * self.periods[i] for s in (-1, 1))
+            points, half, _, radius = convex = _unsafe(table, self.names, (room[0], room[1]), self.body)
+            if "normals" in table and any(not room[0][i] < p[i] < room[1][i] for i in closed for p in points):
+                raise Unusable("the task has half-spaces that leave a set open in an axis that closes")
+            found.append((name, convex, table))
+            ranges = []
+            for i in closed:
+                place, period = own.index(i), self.periods[i]
+                by = [_number(p["by"][place]) for p in table.get("motion", [])] or [Fraction(0)]
+                grown = _number(table.get("spread", 0)) * (self.t_c + _number(table.get("timing", 0)) + delay)
+                reach = clearance + half[i] + radius + grown + period / 8
+                first = math.ceil((space[0][i] - reach - max(p[i] for p in points) - max(by)) / period)
+                last = math.floor((space[1][i] + reach - min(p[i] for p in points) - min(by)) / period)
+                ranges.append(sorted({0, *range(first, last + 1)}, key=lambda k: (abs(k), -k)))
+            if math.prod(map(len, ranges)) > 64:
+                raise Unusable("the task has a set with more images than can be checked in good time")
+            for turns in itertools.product(*ranges):
+                if any(turns):
+                    by_axis = {i: k * self.periods[i] for i, k in zip(closed, turns)}
+                    moved = [[v + by_axis.get(i, Fraction(0)) for i, v in enumerate(p)] for p in points]
+                    images.append((name + "".join(f"{k:+d}" for k in turns), (moved, half, own, radius), table))
+                    self.margin = max([self.margin, *(abs(k) * self.drifts[i] for i, k in zip(closed, turns))])
+                    self.most = max(self.most, *map(abs, turns))
+        return found + images
+
+    def noise(self, bits: int, noise: Fraction) -> Fraction:
+        """A bound on the error of an unwrapped measurement; its first, and all that move by less than what is left of half a
+        turn, are on the right one."""
+        worst = Fraction(0)
+        for i, period in self.periods.items():
+            far = self.far[i]
+            more = far * self.drifts[i] + period * (3 * far + 3) / (1 << bits)
+            more = Fraction(math.ceil(more * 10**12), 10**12)
+            step = period / 2 - 2 * (noise + more) - 4 * more
+            first = max(self.state[i] - self.start[0][i], self.start[1][i] - self.state[i])
+            if max(far, self.most) > 100 or first >= step:
+                raise Unusable("the task has starts, turns or noise with which a measured angle is on no known turn")
+            worst, self.steps[i] = max(worst, more), step
+        return noise + worst
+
+
 def _number(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, int | Decimal):
         raise Unusable(f"the task has {value!r} where a number is needed")
@@ -299,6 +440,15 @@ def _outside(control: dict[str, Any], goes_on: bool) -> str:
 def _differ(names: list[str]) -> None:
     if len({*names}) < len(names):
         raise Unusable("the task has two unsafe sets of one name")
+
+
+def _spelled_out(document: dict[str, Any]) -> None:
+    space = document.get("state_space")
+    unread = "a map" if "map" in document else "an outline" if isinstance(space, dict) and "outline" in space else None
+    if unread is not None:
+        raise Unusable(
+            f"the task has {unread}; give the .task.toml that was written beside the C, where its sets are spelled out"
+        )
 
 
 def _told(value: Any) -> Any:
@@ -680,6 +830,19 @@ def wrap(task: Task) -> tuple[list[str], list[str]]:
     return heads, found
 
 
+def unwrap(task: Task, single: bool) -> tuple[list[str], list[str]]:
+    """The same of what counts an axis that closes on over its ends."""
+    if not task.turns.periods:
+        return [], []
+    f, lines = "F" if single else "", ""
+    for i in task.turns.periods:
+        lines += f"""turns = (x_before[{i}] - x[{i}]) / M_TURN_{i + 1}; if ((turns > -1000.0{f}) && (turns < 1000.0{f})) {{
+            x[{i}] += M_TURN_{i + 1} * (P_real)(int)(turns + ((turns < 0.0{f}) ? -0.5{f} : 0.5{f})); }}"""
+    text = f"void P_unwrap(const P_real x_before[M_N], P_real x[M_N]) {{ P_real turns; {lines} }}"
+    found = tokens(re.sub(r"\bM_", f"{task.name.upper()}_", re.sub(r"\bP_", f"{task.name}_", text)).encode())
+    return [*found[: found.index("{")], ";"], [f'#include "{task.name}.h"', *found]
+
+
 def header(source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> list[str]:
     """The tokens that the header must have; * stands for a literal that is compared by its value. phased: it has a phase."""
     p, macro = source.p, source.p.upper()
@@ -687,16 +850,18 @@ def header(source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> 
     if task.repeats:
         turn = [f"#define {macro}_CYCLE *", *([f"#define {macro}_CYCLE_TICKS {tube.cycle / task.tick}U"] if task.tick else [])]
     return [
-        f"#ifndef {macro}_H", f"#define {macro}_H", *(["#include <stdint.h>"] if task.tick else []),
+        f"#ifndef {macro}_H", f"#define {macro}_H", "#include <stdbool.h>", *(["#include <stdint.h>"] if task.tick else []),
         "#ifdef __cplusplus", "extern", '"C"', "{", "#endif",
         *f"typedef {source.scalar} {p}_real ;".split(), f"#define {macro}_N {task.n}", f"#define {macro}_T_C *",
         *([f"#define {macro}_TICK_PERIOD *", f"#define {macro}_TICKS {last}U"] if task.tick else []),
         *turn, *([f"#define {macro}_PERIOD_PROVED *"] if task.period is not None else []),
-        *([f"#define {macro}_PERIOD_SHORTEST *"] if task.apart is not None else []), f'#define {macro}_DESIGN_HASH "{hash_}"',
+        *([f"#define {macro}_PERIOD_SHORTEST *"] if task.apart is not None else []),
+        f"#define {macro}_SHARE *", *(f"#define {macro}_TURN_{i + 1} *" for i in task.turns.periods),
+        f'#define {macro}_DESIGN_HASH "{hash_}"',
         *f"typedef enum {{ {macro}_OK = 0 , {macro}_OUTSIDE_TUBE = 1 , {macro}_BAD_INPUT = 2 }} {p}_status ;".split(),
         *(word for name, f in source.functions.items() if name not in KERNELS for word in (*f.head.split(), ";")),
         *guard(task)[0], *(f"int {p}_phase ( {p}_real t ) ;".split() if phased else []),
-        *wrap(task)[0],
+        *wrap(task)[0], *unwrap(task, source.bits == 24)[0],
         *([f"#define {macro}_SELFTEST_{hash_}", *f"int {p}_selftest ( void ) ;".split()] if task.selftest else []),
         "#ifdef __cplusplus", "}", "#endif", "#endif",
     ]  # fmt: skip
@@ -704,6 +869,7 @@ def header(source: Source, task: Task, tube: Tube, hash_: str, phased: bool) -> 
 
 # ------------------------------------------------------------------------------------------------ the C, run on symbols
 
+STARTS = ("start_lower", "start_upper", "filtered_start_lower", "filtered_start_upper")
 PRIME = 2**521 - 1  # numbers and symbols are elements of this field
 Value = tuple[str, Any]  # type, and an element, a bool or the name of a status
 OPERATIONS: dict[str, Callable[[int, int], int]] = {
@@ -736,6 +902,7 @@ class Machine:
     def __init__(self, source: Source, task: Task) -> None:
         self.source, self.task = source, task
         self.symbols: dict[Any, int] = {}
+        self.readings: dict[Any, Any] = {}  # of statements and literals: each is read once for all paths
         self.segments = len(source.tables["coefficients"]) // (2 * task.n) - 3
         name, word, out = r"([A-Za-z_]\w*)", rf"([A-Za-z_]\w*|\d\S*|\( - \S+ \)|\( {task.name}_real \) NAN)", r"\* ([A-Za-z_]\w*)"
         kind = "(" + "|".join(map(re.escape, source.types)) + ")"
@@ -858,13 +1025,16 @@ class Machine:
         return False
 
     def sure(self, holds: bool, what: str, where: str) -> None:
-        need(holds, f"{self.where} of the C has {what}: {where[:80]}")
+        if not holds:
+            raise Failed(f"{self.where} of the C has {what}: {where[:80]}")
 
     def match(self, shapes: dict[str, re.Pattern[str]], text: str) -> tuple[str, tuple[str, ...]]:
+        key = (shapes is self.shapes, text)
+        if key in self.readings:
+            return self.readings[key]  # type: ignore[no-any-return]
         for kind, shape in shapes.items():
-            found = shape.fullmatch(text)
-            if found:
-                return kind, found.groups()
+            if found := shape.fullmatch(text):
+                return self.readings.setdefault(key, (kind, found.groups()))  # type: ignore[no-any-return]
         raise Failed(f"{self.where} of the C has what is no statement of one operation: {text[:80]}")
 
     def statement(self, text: str, scope: dict[str, Any]) -> bool:
@@ -902,7 +1072,7 @@ class Machine:
         self.sure(match[1] not in inner and LOCAL.fullmatch(match[1]) is not None, "a name twice, or none", head)  # type: ignore[index]
         inner[match[1]] = ["int", self.symbol("i"), True]  # type: ignore[index]
         self.here = False
-        changed = [name for name in scope if any(item.startswith(f"{name} = ") for item in body)]
+        changed = list(scope.keys() & {item.split(" = ")[0] for item in body if isinstance(item, str)})
         self.sure(len(changed) < 2, "two values carried through a loop", head)
         for name in changed:
             inner[name][1] = self.carry(scope[name][0])
@@ -916,8 +1086,10 @@ class Machine:
         if text.endswith(" NAN"):
             found = ("real", self.symbol("nan"))
         elif text[0] in "(0123456789":
-            label, value = self.source.number(text.removeprefix("( ").removesuffix(" )"))
-            found = (label, element(value))
+            if text not in self.readings:
+                label, value = self.source.number(text.removeprefix("( ").removesuffix(" )"))
+                self.readings[text] = (label, element(value))
+            found = self.readings[text]
         elif text in ("true", "false"):
             found = ("bool", text == "true")
         elif text.startswith(f"{self.source.p.upper()}_"):
@@ -1051,7 +1223,10 @@ class Machine:
 class Specification:
     """What every function of the C must do, in the same operations on the same symbols."""
 
-    def __init__(self, machine: Machine, gain: list[Fraction], wide: bool, filtered: list[Fraction]) -> None:
+    def __init__(
+        self, machine: Machine, gain: list[Fraction], wide: bool, filtered: list[Fraction], starts: dict[str, list[Fraction]]
+    ) -> None:
+        self.starts = starts
         self.m, self.task, self.bits, self.guarded = machine, machine.task, machine.source.bits, not wide
         self.k, self.n, self.i = machine.segments, machine.task.n, machine.symbol("i")
         shares = [(1 - v) / 2 for v in self.task.e_max]
@@ -1062,7 +1237,7 @@ class Specification:
         """What differs by component stands in a table."""
         found = {name: values for name, values in self.constants.items() if len(set(values)) > 1}
         limits = [rounded(v, self.bits, math.floor) for v in self.task.u_max or []]
-        return found | ({"u_max": limits} if limits and not self.task.scales else {})
+        return found | self.starts | ({"u_max": limits} if limits and not self.task.scales else {})
 
     def each(self, name: str) -> int:
         values = self.constants[name]
@@ -1197,16 +1372,35 @@ class Specification:
         m = self.m
         if self.bad(True, [], m.symbol("nan")):
             return
-        before = m.carry("real")
+        before, share = m.carry("real"), self.share()
+        m.effects.append(("carried", element(Fraction(1, 2)), share if m.less(share, before) else before))
+        m.effects.append(("return", m.carry("real")))
+
+    def share(self) -> int:
+        """The margin of component i: of what is held, and for order 2 of x where that is less."""
+        m, shares = self.m, list[int]()
         own, held = self.apart()
-        shares = []
         for apart in (held, own)[: self.task.order]:
             nearest, _, _, width, _ = self.place(*apart, self.guarded)
             share = m.op("/", nearest, width)
             shares.append(-1 % PRIME if m.less(share, -1) else share)
-        share = shares[0] if len(shares) == 1 or m.less(shares[0], shares[1]) else shares[1]
-        m.effects.append(("carried", element(Fraction(1, 2)), share if m.less(share, before) else before))
-        m.effects.append(("return", m.carry("real")))
+        return shares[0] if len(shares) == 1 or m.less(shares[0], shares[1]) else shares[1]
+
+    def margins(self) -> None:
+        finite = self.m.ask("finite", self.m.symbol("t"))
+        self.m.effects += [("store", "margin", self.share() if finite else self.m.symbol("nan")), ("return", None)]
+
+    def covered(self) -> None:
+        """Whether x, and for order 2 v + lambda x, is strictly between the bounds of starts, in every component."""
+        m = self.m
+        values = [m.symbol("load x", self.i)]
+        if self.task.order == 2:
+            values.append(m.op("+", m.symbol("load v", self.i), m.op("*", values[0], self.each("filter"))))
+        bounds = [m.symbol(f"load {name}", self.i) for name in STARTS]
+        pairs = [pair for k, value in enumerate(values) for pair in ((bounds[2 * k], value), (value, bounds[2 * k + 1]))]
+        answers, was = [m.less(a, b) for a, b in pairs], m.carry("bool")
+        inside = all(answers)
+        m.effects += [("carried", True, was if inside else False), ("return", m.carry("bool"))]
 
     def tube(self) -> None:
         self.of_time(["lower", "upper"], [self.m.symbol("L"), self.m.symbol("U")])
@@ -1248,15 +1442,28 @@ class Specification:
         m.effects.append(("return", None))
 
 
-def computes(source: Source, task: Task, gain: list[Fraction], wide: bool, filtered: list[Fraction]) -> None:
+def computes(
+    source: Source, task: Task, gain: list[Fraction], wide: bool, filtered: list[Fraction], starts: dict[str, list[Fraction]]
+) -> None:
     """That the C computes the tube of its table and the law of the task. wide: the edges are always farther apart than
-    LEAST_WIDTH, so `control` and `margin` may do without a guard against narrower tubes."""
-    m = Machine(source, task)
-    spec, free, ticks = Specification(m, gain, False, filtered), Specification(m, gain, wide, filtered), task.tick is not None
+    LEAST_WIDTH, so `control` and `margin` may do without a guard against narrower tubes. starts: the tables of `covered`."""
+    m, ticks = Machine(source, task), task.tick is not None
+    spec, free = (Specification(m, gain, guard, filtered, starts) for guard in (False, wide))
     kernels = [k for k in KERNELS if ticks or k != "segment_at_tick"]
     second = ["filtered_tube"] if task.order == 2 else []
     velocity = ["velocity"] if task.apart is not None else []
-    public = ["tube", "tube_rate", *second, *velocity, "control", *(["control_tick"] if ticks else []), "margin", "transform"]
+    public = [
+        "tube",
+        "tube_rate",
+        *second,
+        *velocity,
+        "control",
+        *(["control_tick"] if ticks else []),
+        "margin",
+        "margins",
+        "covered",
+    ]
+    public.append("transform")
     need(list(source.functions) == kernels + public, "the C has other functions than it should")
     need({k: v for k, v in source.tables.items() if k != "coefficients"} == spec.tables(), "a table of the C is not the task's")
     t, tick, x, out = ("real", m.symbol("t")), ("uint", m.symbol("tick")), ("real", "array"), ("real", "result")
@@ -1270,6 +1477,8 @@ def computes(source: Source, task: Task, gain: list[Fraction], wide: bool, filte
         ("tube_rate", [spec.tube_rate], {"t": t, "lower_rate": out, "upper_rate": out}),
         ("transform", [spec.transform], {"lower": x, "upper": x, "x": x, "e": out, "epsilon": out, "xi": out}),
         ("margin", [free.margin, spec.margin][: 1 + wide], {"t": t, **state}),
+        ("margins", [free.margins, spec.margins][: 1 + wide], {"t": t, **state, "margin": out}),
+        ("covered", [spec.covered], dict(state)),
     ]
     functions += [("filtered_tube", [spec.filtered_tube], {"t": t, "lower": out, "upper": out}) for _ in second]
     apart: dict[str, Value] = {"dt": ("real", m.symbol("dt")), "x": x, "x_before": x, "v": out}
@@ -1420,8 +1629,10 @@ FOUND = (  # of order 1 and 2
     "lower_edge = edge(at, {w}); upper_edge = edge(at_upper, {w})",
     "edge(at, {w}, &lower_edge, &lower_rate); edge(at_upper, {w}, &upper_edge, &upper_rate)",
 )
-HELD = """{x}_all = {x}[i]; {x}_near = {x}_all over (-{far}); {x}_i = {x}_near under {far}; {x}_lower = {x}_i - lower_{of};
-{x}_upper = upper_{of} - {x}_i"""
+NEAR = "{x}_all = {x}[i]; {x}_near = {x}_all over (-{far}); {x}_i = {x}_near under {far}"
+HELD = NEAR + "; {x}_lower = {x}_i - lower_{of}; {x}_upper = upper_{of} - {x}_i"
+WITHIN = """{start}_lower_i = {start}_lower[i]; {start}_upper_i = {start}_upper[i]; {x}_after = {start}_lower_i < {x};
+{x}_before = {x} < {start}_upper_i; {x}_between = {x}_after && {x}_before"""
 FILTERED = """filter_i = filters[i]; {more_l}lower_filtered = upper({l}, filter_i); to_lower = v_lower + lower_filtered;
 {more_u}upper_filtered = upper({u}, filter_i); to_upper = v_upper + upper_filtered"""
 OVER = """{n}_width = {room} over ?{narrow}; {n}_n = leading({n}_width); {n}_width_up = up({n}_width, {n}_n);
@@ -1485,6 +1696,7 @@ static inline int32_t P_low(int32_t a, int32_t mask) { const uint32_t bits = (ui
 """
 HEAD = """#ifndef M_H
 #define M_H
+#include <stdbool.h>
 #include <stdint.h>
 #ifdef __cplusplus
 extern "C" {{
@@ -1497,7 +1709,8 @@ extern "C" {{
 #define M_UNITS(v, scale) ((int32_t)(((v) * (scale)) + (((v) < 0) ? -0.5 : 0.5)))
 #define M_TICKS UINT32_C({last})
 #define M_TICKS_A_SECOND {second}
-{proved}#define M_DESIGN_HASH "{hash}"
+{proved}#define M_SHARE {share}
+#define M_DESIGN_HASH "{hash}"
 typedef enum {{ M_OK = 0, M_OUTSIDE_TUBE = 1 }} P_status;
 {heads}
 #ifdef __cplusplus
@@ -1552,7 +1765,8 @@ def written(listing: list[Step], n: int, reads: dict[str, int]) -> Iterator[str]
             yield f"const bool {test} = 0 < {parts[0]}; const int32_t {minus} = -{parts[0]};"
             yield f"const int32_t {size} = {test} ? {parts[0]} : {minus};"
         else:
-            label = "uint32_t" if name == "held" else "bool" if kind in ("<", "&&") or parts[-1] == "true" else "int32_t"
+            truth = kind in ("<", "&&") or parts[-1] in ("true", "false")
+            label = "uint32_t" if name == "held" else "bool" if truth else "int32_t"
             a, b, c = (*parts, "", "", "")[:3]
             own = {
                 "pick": f"{a} ? {b} : {c}", "short": f"(int32_t)(int16_t){a}", "same": f"(int32_t){a}", "neg": f"-{a}",
@@ -1627,7 +1841,26 @@ def listings(n: int, order: int, positive: bool, words: list[str]) -> list[tuple
         f"{begin}; !int32_t margin = 32768; each i; {place}; {'; '.join(shares)}{least}; less = {name} < margin; "
         f"margin_next = less ? {name} : margin; !margin = margin_next; end; !return margin"
     )))  # fmt: skip
+    found.append((f"void P_margins(uint32_t tick, {state}int32_t margin[M_N])", (
+        f"{begin}; each i; {place}; {'; '.join(shares)}{least}; !margin[i] = {name}; end"
+    )))  # fmt: skip
+    found.append((f"bool P_covered({state.removesuffix(', ')})", covered_listing(moves, more)))
     return found
+
+
+def covered_listing(moves: bool, more: bool) -> str:
+    """Whether x, and for order 2 v + lambda x, is strictly between the bounds of starts. more: lambda has less than 16 bits."""
+    within, inside = WITHIN.format(x="x_i", start="start"), "x_i_between"
+    if moves:
+        numbers = "; ".join(NEAR.format(x=v, far=far) for v, far in (("x", 67108864), ("v", 268435456)))
+        moved = "filtered_more = x_i * ?more; filtered = upper(filtered_more" if more else "filtered = upper(x_i"
+        filtered, inside = WITHIN.format(x="z", start="filtered_start"), "inside"
+        within = f"{numbers}; filter_i = filters[i]; {moved}, filter_i); z = v_i + filtered; {within}; {filtered}"
+        within += "; inside = x_i_between && z_between"
+    else:
+        within = f"x_i = x[i]; {within}"
+    end = "!covered = covered_next; end; !return covered"
+    return f"!bool covered = true; each i; {within}; covered_next = {inside} ? covered : false; {end}"
 
 
 Function1 = Callable[[Fraction], tuple[Fraction, Fraction]]  # from below and above
@@ -1665,7 +1898,7 @@ class Integers(Source):
             task.period is None or (task.period / task.tick).denominator == 1, "the task's period is no whole number of its ticks"
         )
         self.names = ["coefficients", *(["filters"] if task.order == 2 else []), "levels", "slopes", "bends", "places"]
-        self.names += ["gains", "offsets", "limits"]
+        self.names += ["gains", "offsets", "limits", *STARTS[: 2 * task.order]]
         words = tokens(data)
         own = tokens(self.named(f'#include "{p}.h"\n#include <stdbool.h>\n' + COUNTED))
         different = next((f"{a} where {b} is expected" for a, b in zip([*words, "the end"], own) if a != b), "")
@@ -1728,7 +1961,8 @@ class Integers(Source):
         heads += [f"\n#define M_SELFTEST_{hash_}\nint P_selftest(void);"] if task.selftest else []
         own = HEAD.format(
             n=task.n, **whole, last=-(-task.t_c // task.tick), second=f"INT32_C({a})" if b == 1 else f"({a}.0 / {b}.0)",
-            proved=proved, hash=hash_, heads="\n".join(heads), **scales,
+            proved=proved, share=repr(float(rounded(start_share(task), 53, math.floor))), hash=hash_,
+            heads="\n".join(heads), **scales,
         )  # fmt: skip
         should = [*tokens(self.named(own)), "the end"]
         different = next((f"{a} where {b} is expected" for a, b in zip([*tokens(text), "the end"], should) if a != b), "")
@@ -1771,11 +2005,11 @@ class Integers(Source):
                     results.append(get(of[1]))
                 elif kind == "each i":
                     known["i"] = (0, len(self.tables["gains"]) - 1)
-                elif kind == "!int32_t margin = 32768":
-                    known["margin"] = INT32  # with which nothing is reckoned
+                elif kind in ("!int32_t margin = 32768", "!bool covered = true"):
+                    known[kind.split()[1]] = INT32  # with which nothing is reckoned
                 continue
             made[label] = (kind, parts)
-            if kind in ("<", "&&") or parts[-1] == "true":
+            if kind in ("<", "&&") or parts[-1] in ("true", "false"):
                 continue
             if kind == "size":
                 test, minus, label = label.split(", ")
@@ -1940,7 +2174,7 @@ class Integers(Source):
                 need(tube.fastest(i) * per + s * held[i][1] < 1 << 28, "the tube's rates are beyond where the C holds v")
                 z, room = [(h - v) / unit for piece in pieces for v, h in zip(*piece[i])], 2 * (rates[i] + s * wrong[i]) / unit
                 held[i] = (min(z) - room, max(z) + room)
-        for name in self.listings.keys() & {"tube", "filtered_tube", "control", "margin"}:
+        for name in self.listings.keys() & {"tube", "filtered_tube", "control", "margin", "margins", "covered"}:
             self.body(name, {"tick": (0, (1 << 32) - 1)})
         self.law(task, tube, gain, held)
 
@@ -2730,6 +2964,44 @@ def starting(task: Task, tube: Tube, filtered: list[Fraction]) -> list[Fraction]
     return found
 
 
+def start_share(task: Task) -> Fraction:
+    """The share of gamma(0)'s half widths that covered starts are within: that of P9, or where the law is not clamped."""
+    return min(task.e_max) if task.period is None else task.share
+
+
+def covered_starts(task: Task, tube: Tube, source: Source, filtered: list[Fraction]) -> dict[str, list[Fraction]]:
+    """The tables of `covered`: a measured x strictly between the first two, and for order 2 the C's v + lambda x strictly
+    between the others, is of no state but one that P9 (or, without a period, Theorem 4.1) begins at. The middle is that of the
+    tube; the half width the share of it, of v + lambda x what `starting` says, less what a measurement may be wrong by: the
+    noise, and roundings. Real numbers: of x twice 2^-bits of the largest coordinate, and as much of all that v + lambda x is
+    summed from, twice. Integers: half a unit of x and of v, and a unit that lambda x loses."""
+    whole, unit = isinstance(source, Integers), tube.unit
+    noise, noise_v = ((task.plant.get(k) or [Fraction(0)])[0] for k in ("noise", "noise_v"))
+    noise = noise if task.unwrap_noise is None else task.unwrap_noise  # the period proof may do without
+    speed, eps = unit * tube.segments / task.t_c, Fraction(2, 1 << source.bits)
+    ratios = starting(task, tube, filtered) if task.period is not None and task.order == 2 else []
+    found: list[list[Fraction]] = [[] for _ in STARTS[: 2 * task.order]]
+    for i, (low, high) in enumerate(tube.pieces[0]):
+        begin, end, share = low[0] * unit, high[0] * unit, start_share(task)
+        wrong = [noise + (unit / 2 if whole else eps * task.farthest)]
+        spans = [(begin, end, share)]
+        if task.order == 2:
+            s, (a, b) = filtered[i], (3 * (e[1] - e[0]) * speed + filtered[i] * e[0] * unit for e in (low, high))
+            spans.append((a, b, (ratios[i] - 1) / (ratios[i] + 1) if ratios else share))
+            rounded_ = unit * (Fraction(3, 2) + s / 2) if whole else 2 * eps * (2 * s * task.farthest + max(abs(a), abs(b)))
+            wrong.append((Fraction(0) if task.apart is not None else noise_v) + s * noise + rounded_)
+        for k, ((a, b, part), off) in enumerate(zip(spans, wrong)):
+            middle, half = (a + b) / 2, part * (b - a) / 2 - off
+            least, most = middle - half, middle + half
+            if whole:
+                found[2 * k].append(Fraction(math.ceil(least / unit) - 1))
+                found[2 * k + 1].append(Fraction(math.floor(most / unit) + 1))
+            else:
+                found[2 * k].append(rounded(least, source.bits, math.ceil))
+                found[2 * k + 1].append(rounded(most, source.bits, math.floor))
+    return dict(zip(STARTS, found))
+
+
 def sampled(
     task: Task,
     tube: Tube,
@@ -2818,16 +3090,12 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
         same = type(certificate[key]) is type(value) and certificate[key] == value
         need(same, f"the certificate's {key} is {certificate[key]!r:.200}, the task's {value!r}")
     scalar, p = certificate["scalar"], task.name
-    need(scalar in ("float", "double", "fixed"), "the scalar is not known")
+    need(scalar in ("float", "double", *(["fixed"] if not task.turns.periods else [])), "the scalar is not known")
     source = Integers(text, task) if scalar == "fixed" else Source(text, task, scalar == "float")
+    task.unwrapped(source.bits)
     phased = task.mission is not None and f"{p}_phase.c" in certificate["sha256"]
-    there = {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased, "wrap": task.repeats}
-    names = [f"{p}.h", f"{p}.c", f"{p}.py", *(f"{p}_{name}.c" for name, wanted in there.items() if wanted)]
-    names += [f"{p}.rs"] if f"{p}.rs" in certificate["sha256"] else []  # of the Rust nothing is proved here
-    need(set(certificate["sha256"]) == {"task_data", *names}, "the certificate has other hashes than it should")
-    need(certificate["sha256"]["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
-    _beside(task, certificate["sha256"], text, folder)
-    head = (folder / names[0]).read_bytes()
+    _beside(task, certificate["sha256"], text, folder, phased, scalar == "float")
+    head = (folder / f"{p}.h").read_bytes()
 
     grid = certificate["grid"]
     keys = {"segments", "cuts", "unit_bits", *(["seam"] if task.repeats else [])}
@@ -2855,11 +3123,13 @@ def compare(task: Task, certificate: dict[str, Any], text: bytes, folder: Path) 
     claims = [dict(claim) for claim in certificate["claims"]]
     prove(task, tube, max(certificate["edge_error"]), claims, cuts, source.bits, more, certificate.get("mission"), late)
     hash_ = design_hash(task, tube, scalar, grid["unit_bits"], filtered)
+    starts = covered_starts(task, tube, source, filtered)
     if isinstance(source, Integers):
         source.proves(task, tube, gain, fractions(certificate["control"]["u_max"], task.n), filtered, grid["unit_bits"])
+        need(all(source.tables[k] == v for k, v in starts.items()), "a table of the C has other starts than are covered")
     else:
         narrowest = min(h - low for piece in tube.pieces for e in piece for low, h in zip(*e)) * tube.unit
-        computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered)
+        computes(source, task, gain, wide and narrowest - 2 * max(error) > LEAST_WIDTH, filtered, starts)
     _header(head, source, task, tube, hash_, phased)
     if task.period is not None:
         _sampled(task, tube, certificate["sampled"], gain, source, error, filtered)
@@ -2875,9 +3145,15 @@ def _rounds(what: str, error: list[Fraction], told: Any, unit: Fraction) -> None
         need(fits, f"P7: the arithmetic moves an edge or a rate by {float(own / unit):.4g} units, not {claimed} ({what}_error)")
 
 
-def _beside(task: Task, hashes: dict[str, str], text: bytes, folder: Path) -> None:
+def _beside(task: Task, hashes: dict[str, str], text: bytes, folder: Path, phased: bool, single: bool) -> None:
     """The files beside the C are those of the certificate, and what small ones do is known. text: of the C."""
+    p, there = task.name, {"guard": task.outside != "return", "selftest": task.selftest, "phase": phased, "wrap": task.repeats}
+    there["unwrap"] = bool(task.turns.periods)
+    names = {f"{p}{end}" for end in (".h", ".c", ".py", *(f"_{key}.c" for key, wanted in there.items() if wanted))}
+    need({*hashes} - {p + end for end in UNREAD} == {"task_data", *names}, "the certificate has other hashes than it should")
+    need(hashes["task_data"] == task.digest, "the task's data is not that of the certificate (SHA-256)")
     known = {"_guard.c": (guard(task)[1], "the guard does"), "_wrap.c": (wrap(task)[1], "the clock is turned back by")}
+    known["_unwrap.c"] = (unwrap(task, single)[1], "turns are counted by")
     for name in (name for name in hashes if name != "task_data"):
         data = text if name == f"{task.name}.c" else (folder / name).read_bytes() if (folder / name).exists() else None
         wanted, what = known.get(name.removeprefix(task.name), ([], ""))
@@ -2969,6 +3245,23 @@ def _sampled(
         need(own + rest <= claimed <= own * Fraction(32769, 32768) + rest, "P9: the law sees more wrong than `shift` says")
     for own, claimed in zip(sampled(task, tube, gain, source.bits, rho, shift, filtered), u):
         need(own <= claimed <= own * (1 + Fraction(1, 10**5)), f"P9: |u| is at most {float(own):.6g}, not {float(claimed):.6g}")
+    _turning(task, tube, u, filtered)
+
+
+def _turning(task: Task, tube: Tube, u: list[Fraction], filtered: list[Fraction]) -> None:
+    """In an axis that closes a state of the loop moves by less from sample to sample than unwrapping allows: by no more than the
+    tube's width and what its edges move, or what the plant does with |u_i| <= u_i, or of order 2 as fast as both tubes let it."""
+    assert task.period is not None
+    for i, allowed in task.turns.steps.items():
+        width = max(h - v for piece in tube.pieces for v, h in zip(*piece[i])) * tube.unit
+        speed = tube.fastest(i) * tube.unit * tube.segments / task.t_c
+        moves = width + speed * task.period
+        if task.order == 2:
+            moves = min(moves, (speed + filtered[i] * width) * task.period)
+        force, _, g_max, cross = bounds(task, i)
+        if task.order == 1:
+            moves = min(moves, (force + g_max * u[i] + cross * (sum(u, Fraction(0)) - u[i])) * task.period)
+        need(moves < allowed, f"P9: between two samples an axis that closes may move by {float(moves):.6g}, its turn is lost")
 
 
 def design_hash(task: Task, tube: Tube, scalar: str, bits: int, filtered: Sequence[Fraction] = ()) -> str:
@@ -2985,13 +3278,14 @@ def _header(text: bytes, source: Source, task: Task, tube: Tube, hash_: str, pha
     if isinstance(source, Integers):
         return source.header(text, task, tube, hash_, phased)
     numbers = {"T_C": task.t_c, "TICK_PERIOD": task.tick, "PERIOD_PROVED": task.period, "PERIOD_SHORTEST": task.apart}
-    numbers["CYCLE"] = tube.cycle or None
+    numbers |= {"CYCLE": tube.cycle or None, "SHARE": start_share(task)}
+    numbers |= {f"TURN_{i + 1}": period for i, period in task.turns.periods.items()}
     found = tokens(text)
     for k, token in enumerate(found):
         name, value = (token.split(" ") if token.startswith("#define ") and token.count(" ") == 2 else ["", "", ""])[1:3]
         wanted = numbers.get(name.removeprefix(f"{task.name.upper()}_"))
         if wanted is not None:
-            toward = math.floor if name.endswith("PROVED") else math.ceil if name.endswith("SHORTEST") else round
+            toward = math.floor if name.endswith(("PROVED", "SHARE")) else math.ceil if name.endswith("SHORTEST") else round
             need(source.number(value) == ("real", rounded(wanted, source.bits, toward)), f"{name} of the header is wrong")
             found[k] = f"#define {name} *"
     should = [*header(source, task, tube, hash_, phased), "the end"]

@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.inertia import allowance, filtered_width, spare_acceleration, starts
+from stt_codegen.certify.filtered_findings import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.certify.limits import least_spare
-from stt_codegen.certify.mission import SLICES, kept_off
-from stt_codegen.certify.moving import moving_pieces
+from stt_codegen.certify.missions import SLICES, kept_off
+from stt_codegen.certify.moving_slack import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
-from stt_codegen.designs import RefinedDesign
-from stt_codegen.rows import (
+from stt_codegen.constraints import (
     Row,
     acceleration_rows,
     avoid_rows,
@@ -33,9 +32,11 @@ from stt_codegen.rows import (
     stay_rows,
     width_rows,
 )
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.formula import In
-from stt_codegen.task.shapes import UnsafeSet
+from stt_codegen.task.mission import In
+from stt_codegen.task.sets import UnsafeSet
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Claim:
     None where there is no row. name: of the unsafe set. hints: empty where whole segments and every row do. order: of the
     derivative, where the property does not tell it."""
 
-    code: str
+    subject: Property
     on: tuple[int | Fraction, ...]
     margin: int | None
     name: str | None = None
@@ -67,16 +68,16 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     error = units_of_error(design, certificate.edge_error)
     always, n = (0, segments), task.dimension
 
-    def every(code: str, rows: Sequence[Row]) -> Claim:
+    def every(subject: Property, rows: Sequence[Row]) -> Claim:
         found = pieces_of(bezier, RowBlock.of(rows, unit), error * _demand(rows))
         worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
         cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
-        return Claim(code, always, min(_whole(slack[0]) for _, _, slack in worst), hints=cut)
+        return Claim(subject, always, min(_whole(slack[0]) for _, _, slack in worst), hints=cut)
 
-    def at(code: str, rows: Sequence[Row], piece: int, point: int) -> Claim:
+    def at(subject: Property, rows: Sequence[Row], piece: int, point: int) -> Claim:
         place = 0 if piece == 0 else segments
         held = np.repeat(bezier[piece : piece + 1 or None, ..., point : point + 1 or None], 4, axis=-1)
-        return Claim(code, (place, place), int(RowBlock.of(rows, unit).slack(held)[0][0]))
+        return Claim(subject, (place, place), int(RowBlock.of(rows, unit).slack(held)[0][0]))
 
     def avoid() -> list[Claim]:
         found = []
@@ -87,7 +88,7 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
             else:
                 pieces = list(moving_pieces(one, design, required))
             margin = min(_whole(slack.max()) for _, _, slack in pieces)
-            found.append(Claim("P4", always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
+            found.append(Claim(Property.AVOID, always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
         return found
 
     kink = int(design.kink(task.order).max())
@@ -105,20 +106,20 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     if task.order == 2:
         wrong = allowance(design, certificate.edge_error, certificate.rate_error)
         width, first, pushed = filtered_width(design), starts(task, design, wrong), spare_acceleration(task, design)
-        inert = [Claim("P1", always, width.units, order=2), Claim("P2", (0, 0), first.units, order=2)]
-        inert += [] if pushed is None else [Claim("P8", always, pushed.units)]
+        inert = [Claim(Property.WIDTH, always, width.units, order=2), Claim(Property.START, (0, 0), first.units, order=2)]
+        inert += [] if pushed is None else [Claim(Property.LIMITS, always, pushed.units)]
     else:
         spare = least_spare(task, design)
-        inert = [] if spare is None else [Claim("P8", always, spare.slack)]
+        inert = [] if spare is None else [Claim(Property.LIMITS, always, spare.slack)]
     second = within(2, acceleration_rows(task))
     return [
-        every("P1", width_rows(task)),
-        at("P2", (*state_rows(task), *start_rows(task)), 0, 0),
-        every("P3", stay_rows(task)),
+        every(Property.WIDTH, width_rows(task)),
+        at(Property.START, (*state_rows(task), *start_rows(task)), 0, 0),
+        every(Property.STAY, stay_rows(task)),
         *avoid(),
-        *([] if task.target_set is None else [at("P5", reach_rows(task), -1, -1)]),
-        Claim("P6", always, -kink if kink else within(1, speed_rows(task))),
-        *([] if second is None else [Claim("P6", always, second, order=2)]),
+        *([] if task.target_set is None else [at(Property.REACH, reach_rows(task), -1, -1)]),
+        Claim(Property.SMOOTH, always, -kink if kink else within(1, speed_rows(task))),
+        *([] if second is None else [Claim(Property.SMOOTH, always, second, order=2)]),
         *inert,
         *_mission(task, design, certificate),
     ]
@@ -135,7 +136,7 @@ def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> lis
         for span in spans:
             told = kept_off(design, RowBlock.of(rows, design.unit), span, shown.margin) if hinted else []
             hints = tuple(Stretch(a, b, _normal(rows[r], task.dimension)) for a, b, r in told)
-            found.append(Claim("P10", tuple(Fraction(v, SLICES) for v in span), shown.margin, str(state), hints))
+            found.append(Claim(Property.MISSION, tuple(Fraction(v, SLICES) for v in span), shown.margin, str(state), hints))
     return found
 
 
@@ -160,7 +161,7 @@ def cuts_of(claims: Sequence[Claim]) -> int:
     """Into how many parts a segment is cut where the hints have it finest: a power of two; of missions into slices."""
     places = [v for claim in claims for hint in claim.hints for v in (hint.begin, hint.end)]
     finest = max((v.denominator for v in places), default=1)
-    return max(finest, SLICES) if any(claim.code == "P10" for claim in claims) else finest
+    return max(finest, SLICES) if any(claim.subject is Property.MISSION for claim in claims) else finest
 
 
 def _demand(rows: Sequence[Row]) -> Fraction:

@@ -1,8 +1,9 @@
 """P1 to P6 for a refined tube, in exact integer arithmetic.
 
-The coefficients are integers in units of 2**-bits. The bound of a row (rows.py, an exact decimal) enters as the least
-integer not below it in these units, so every comparison is between integers and nothing is rounded the wrong way. A cubic lies
-within the hull of its Bezier coefficients; where that is too coarse the piece is halved by de Casteljau's rule, exactly.
+The coefficients are integers in units of 2**-bits. The bound of a row (stt_codegen/constraints.py, an exact decimal) enters as
+the least integer not below it in these units, so every comparison is between integers and nothing is rounded the wrong way. A
+cubic lies within the hull of its Bezier coefficients; where that is too coarse the piece is halved by de Casteljau's rule,
+exactly.
 """
 
 from __future__ import annotations
@@ -16,16 +17,12 @@ import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
 from stt_codegen.certify.claims import units_of_error
-from stt_codegen.certify.inertia import certify_inertia
+from stt_codegen.certify.filtered_findings import certify_inertia
 from stt_codegen.certify.limits import certify_limits
-from stt_codegen.certify.mission import certify_mission
-from stt_codegen.certify.moving import least_moving
+from stt_codegen.certify.missions import certify_mission
+from stt_codegen.certify.moving_slack import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
-from stt_codegen.controller.arithmetic import edge_error, rate_error
-from stt_codegen.decimals import above, by_component, decimal
-from stt_codegen.designs import RefinedDesign
-from stt_codegen.program import Program
-from stt_codegen.rows import (
+from stt_codegen.constraints import (
     Avoidance,
     Row,
     acceleration_rows,
@@ -38,6 +35,11 @@ from stt_codegen.rows import (
     stay_rows,
     width_rows,
 )
+from stt_codegen.controller import edge_error, rate_error
+from stt_codegen.decimals import above, by_component, decimal
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.program import Program
+from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 
@@ -46,12 +48,12 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
     is a mission."""
     error = edge_error(design, program)
     certificate = certify_refined(task, design, error)
-    tenth, mission = certify_mission(task, design, units_of_error(design, error))
-    seventh = Finding(
-        "P7",
+    of_mission, mission = certify_mission(task, design, units_of_error(design, error))
+    of_arithmetic = Finding(
+        Property.ARITHMETIC,
         f"{_arithmetic(program)} arithmetic moves no edge by more than {above(max(error), 2):g}",
         min(
-            (f.margin - f.required for f in (*certificate.findings, *tenth) if f.required > 0 and not f.in_time),
+            (f.margin - f.required for f in (*certificate.findings, *of_mission) if f.required > 0 and not f.in_time),
             default=Fraction(0),
         ),
         Fraction(0),
@@ -62,18 +64,19 @@ def certify_emitted(task: Task, design: RefinedDesign, program: Program) -> Cert
             else 'the task needs more room than integers of 15 bits leave: use emit.scalar = "float", shift the origin, or raise '
             "prescribed_time"
             if program.scalar == "fixed"
-            else "the task needs more room than the tube's grid leaves: shift the origin near the task, or raise prescribed_time"
+            else f"the task needs more room than the tube's grid leaves: {Property.ARITHMETIC.advice}"
         ),
     )
     rate = rate_error(design, program) if task.order == 2 else ()
     certificate = replace(certificate, rate_error=rate, mission=mission)
-    own = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
-    if task.control.period is None or (task.order == 2 and not all(f.holds for f in own)):
-        return replace(certificate, findings=(*certificate.findings, seventh, *own, *tenth))
-    from stt_codegen.certify.period import certify_period
+    of_limits = certify_inertia(task, design, error, rate) if task.order == 2 else certify_limits(task, design)
+    if task.control.period is None or (task.order == 2 and not all(f.holds for f in of_limits)):
+        return replace(certificate, findings=(*certificate.findings, of_arithmetic, *of_limits, *of_mission))
+    from stt_codegen.certify.sampled import certify_period
 
-    ninth, proved = certify_period(task, design, error, rate)
-    return replace(certificate, findings=(*certificate.findings, seventh, *own, ninth, *tenth), proved_period=proved)
+    of_period, proved = certify_period(task, design, error, rate)
+    findings = (*certificate.findings, of_arithmetic, *of_limits, of_period, *of_mission)
+    return replace(certificate, findings=findings, proved_period=proved)
 
 
 def _arithmetic(program: Program) -> str:
@@ -121,19 +124,19 @@ class _Tube:
     error: Fraction
     bezier: npt.NDArray[np.int64]
 
-    def always(self, code: str, statement: str, block: RowBlock, advice: str) -> Finding:
+    def always(self, subject: Property, statement: str, block: RowBlock) -> Finding:
         """The finding of rows that must hold for all t: the least slack over all segments, and where it is."""
         least = least_slack(self.bezier, block, self.error / self.design.unit)
         scale = self.design.prescribed_time / self.design.segments
         chosen = block.rows[least.row]
         needed = max(row.needed for row in block.rows)  # what least_slack has asked of every row
         return Finding(
-            code, statement, least.slack * self.design.unit, self.error * needed,
+            subject, statement, least.slack * self.design.unit, self.error * needed,
             (least.interval[0] * scale, least.interval[1] * scale), None if chosen.dimension is None else chosen.dimension + 1,
-            block.names[least.choice] if block.names else None, advice,
+            block.names[least.choice] if block.names else None,
         )  # fmt: skip
 
-    def at(self, code: str, statement: str, rows: Sequence[Row], piece: int, point: int, advice: str) -> Finding:
+    def at(self, subject: Property, statement: str, rows: Sequence[Row], piece: int, point: int, advice: str = "") -> Finding:
         """The finding of rows about one moment, the control point `point` of segment `piece`: 0 or t_c."""
         edges, unit = self.bezier[piece, :, :, point], self.design.unit
         left = [sum((c * int(edges[i, side]) for i, side, c in row.terms), Fraction(0)) * unit for row in rows]
@@ -142,44 +145,44 @@ class _Tube:
         row = room.index(min(room))
         time = Fraction(0) if piece == 0 else self.design.prescribed_time
         where = rows[row].dimension
-        return Finding(code, statement, slack[row], self.error, (time, time), None if where is None else where + 1, None, advice)
+        return Finding(
+            subject, statement, slack[row], self.error, (time, time), None if where is None else where + 1, None, advice
+        )
 
     def width(self) -> Finding:
         """P1: both edges may move by the arithmetic, so twice its error is demanded."""
-        advice = "lower tube.min_width, or leave tube.segments out so that a finer tube is tried"
         statement = f"width >= {decimal(least_width(self.task))} in every dimension"
-        return self.always("P1", statement, RowBlock.of(width_rows(self.task), self.design.unit), advice)
+        return self.always(Property.WIDTH, statement, RowBlock.of(width_rows(self.task), self.design.unit))
 
     def start(self) -> list[Finding]:
         """P2: x(0) inside gamma(0), and gamma(0) within the initial set."""
         inside, within = "x(0) inside gamma(0)", "gamma(0) within the initial set"
         return [
-            self.at("P2", inside, state_rows(self.task), 0, 0, "move initial_state inside the initial set"),
-            self.at("P2", within, start_rows(self.task), 0, 0, "design the tube again"),
+            self.at(Property.START, inside, state_rows(self.task), 0, 0),
+            self.at(Property.START, within, start_rows(self.task), 0, 0, "design the tube again"),
         ]
 
     def stay(self) -> Finding:
         """P3: both edges within the state space, for the body's middle."""
         statement = "gamma within the state space" + (" less the body" if any(self.task.half_extents) else "")
         block = RowBlock.of(stay_rows(self.task), self.design.unit)
-        return self.always("P3", statement, block, "enlarge the state space there, or design the tube again")
+        return self.always(Property.STAY, statement, block)
 
     def avoid(self) -> Finding:
         """P4: at every moment at least the clearance from every unsafe set, along one of its normals."""
         sets = avoid_rows(self.task)
         if not sets:
-            return Finding("P4", "there is no unsafe set", Fraction(0), Fraction(0))
+            return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
         statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
-        advice = "lower tube.clearance or tube.min_width, or move the unsafe set"
         standing = [one for one in sets if one.course is None]
         if len(standing) == len(sets):
-            return self.always("P4", statement, RowBlock.choice(sets, self.design.unit), advice)
+            return self.always(Property.AVOID, statement, RowBlock.choice(sets, self.design.unit))
         doubt = [f"start_delay {decimal(self.task.start_delay)} s"] if self.task.start_delay else []
         doubt += [f"timing of {s.name} {decimal(s.timing)} s" for s in self.task.unsafe if s.timing]
         told = f", within {', '.join(doubt)}" if doubt else ""
-        return self.avoid_moving(sets, standing, f"{statement}, as they are stated to move{told}", advice)
+        return self.avoid_moving(sets, standing, f"{statement}, as they are stated to move{told}")
 
-    def avoid_moving(self, sets: Sequence[Avoidance], standing: Sequence[Avoidance], statement: str, advice: str) -> Finding:
+    def avoid_moving(self, sets: Sequence[Avoidance], standing: Sequence[Avoidance], statement: str) -> Finding:
         """P4 where some sets move, or are unsafe only at times."""
         design, needed = self.design, max(row.needed for one in sets for row in one.rows)
         required = self.error / design.unit * needed
@@ -191,13 +194,13 @@ class _Tube:
         rows = one.rows if one.course is not None else tuple(row for other in standing for row in other.rows)
         scale, where = design.prescribed_time / design.segments, rows[least.row].dimension
         return Finding(
-            "P4", statement, least.slack * design.unit, self.error * needed,
-            (least.interval[0] * scale, least.interval[1] * scale), None if where is None else where + 1, one.name, advice,
+            Property.AVOID, statement, least.slack * design.unit, self.error * needed,
+            (least.interval[0] * scale, least.interval[1] * scale), None if where is None else where + 1, one.name,
         )  # fmt: skip
 
     def reach(self) -> Finding:
         """P5: gamma(t_c) within the target set, and held there."""
-        return self.at("P5", "gamma(t_c) within the target set", reach_rows(self.task), -1, 3, "widen the target set")
+        return self.at(Property.REACH, "gamma(t_c) within the target set", reach_rows(self.task), -1, 3)
 
 
 def _derivative(design: RefinedDesign, bezier: npt.NDArray[np.int64], order: int) -> tuple[npt.NDArray[np.int64], Fraction]:
@@ -223,7 +226,7 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
     if kink.any() and design.seam is not None:
         i = int(kink.argmax())
         advice = "the last three control points must be those with which the cycle begins"
-        return Finding("P6", smooth, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
+        return Finding(Property.SMOOTH, smooth, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
     if kink.any():
         i = int(kink.argmax())
         told, advice = (
@@ -231,11 +234,11 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
             if task.order == 1
             else (smooth, "the last three control points must agree")
         )
-        return Finding("P6", told, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
+        return Finding(Property.SMOOTH, told, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
     bound = ", ".join(f"{above(v, 4):g}" for v in speed)
     statement = f"{smooth}; |gammadot| <= {bound}"
-    return _limited(task, design, bezier, speed_rows(task), statement, "max_speed") or Finding(
-        "P6", statement, Fraction(0), Fraction(0)
+    return _limited(design, bezier, speed_rows(task), statement, "max_speed") or Finding(
+        Property.SMOOTH, statement, Fraction(0), Fraction(0)
     )
 
 
@@ -244,12 +247,12 @@ def _accelerated(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64
     second, unit = _derivative(design, bezier, 2)
     bound = ", ".join(f"{above(int(v) * unit, 4):g}" for v in np.abs(second).max(axis=(0, 2, 3)))
     when = " before t_c" if design.seam is None else ""
-    found = _limited(task, design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound}{when}", "max_acceleration")
+    found = _limited(design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound}{when}", "max_acceleration")
     return () if found is None else (found,)
 
 
 def _limited(
-    task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Row], statement: str, option: str
+    design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Row], statement: str, option: str
 ) -> Finding | None:
     """P6 for rows of rates or accelerations, four for each dimension; None where there are none."""
     slack = []
@@ -263,4 +266,4 @@ def _limited(
     dimension = rows[worst].dimension
     told = f"{statement}, within {option} {by_component([-row.bound for row in rows[::4]])}"
     where = None if dimension is None else dimension + 1
-    return Finding("P6", told, slack[worst], Fraction(0), None, where, None, f"raise tube.{option} or prescribed_time")
+    return Finding(Property.SMOOTH, told, slack[worst], Fraction(0), None, where, None, f"raise tube.{option} or prescribed_time")

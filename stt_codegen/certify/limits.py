@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stt_codegen.certify.certificate import Finding
+from stt_codegen.constraints import limit_rows, spare_input
 from stt_codegen.decimals import by_component
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.rows import limit_rows, spare_input
+from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 
@@ -56,5 +57,4 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
         most = by_component(task.u_max)
         statement = f"|u| <= {most}, scaled as a whole, outdoes all that pushes: no edge moves at {spare}/s or more"
     where = (least.segment * length, (least.segment + 1) * length)
-    advice = "raise control.u_max or prescribed_time, or state a milder plant"
-    return (Finding("P8", statement, least.slack * per_second, per_second, where, least.dimension + 1, None, advice),)
+    return (Finding(Property.LIMITS, statement, least.slack * per_second, per_second, where, least.dimension + 1),)

@@ -21,8 +21,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.task.formula import Always, And, Eventually, Formula, Interval, Or, Until
-from stt_codegen.task.mission import State, states_of
+from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, State, Until, states_of
 
 Time = Fraction | float  # seconds, or an infinity
 Span = tuple[Time, Time]  # from, to, both included

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.designs.refined import MOST_BITS
-from stt_codegen.rows import Avoidance, Row
+from stt_codegen.constraints import Avoidance, Row
+from stt_codegen.designs import MOST_BITS
 
 ZERO, ONE = Fraction(0), Fraction(1)
 DEPTH = 20  # a piece is halved at most this often before its property counts as failed
@@ -95,9 +95,9 @@ class RowBlock:
         chosen = [int(self.first[a] + left[p, self.first[a] : ends[a]].argmax()) for p, a in enumerate(j.tolist())]
         return slack, np.array(chosen)
 
-    def told(self, pieces: Pieces, begin: Fraction = ZERO, length: Fraction = ONE) -> Any:
-        """The slack of every row on every piece, told as a distance, whole units of the table rounded down: (P, R). begin: of the
-        first piece, in spline time; length: of each, one after the other. Here they do not matter."""
+    def told(self, pieces: Pieces, _begin: Fraction = ZERO, _length: Fraction = ONE) -> Any:
+        """The slack of every row on every piece, told as a distance, whole units of the table rounded down: (P, R). For sets that
+        move: _begin of the first piece, in spline time; _length of each, one after the other."""
         left = self._left(pieces) - self.bound
         if (self.per != 1).any():
             left = left // self.per if pieces.dtype == np.int64 else left * Fraction(1) / self.per

@@ -1,1 +1,1 @@
-"""The command line, one command a file; main.py joins them."""
+"""The command line; main.py joins the commands."""

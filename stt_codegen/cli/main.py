@@ -12,7 +12,7 @@ from typing import Annotated, Any
 
 import typer
 
-from stt_codegen.cli import bench, certify, check, compare, design, generate, maps, pil, prove, report, schema, simulate, theorem
+from stt_codegen.cli import check_commands, design_commands
 from stt_codegen.cli.options import print_json, say
 from stt_codegen.errors import SttError
 
@@ -25,13 +25,8 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
-app.add_typer(bench.bench, name="bench")
-for _command in (
-    design.design, generate.generate, check.check, compare.compare, simulate.simulate, pil.pil, certify.certify, prove.prove,
-    theorem.theorem, report.report, schema.schema,
-):  # fmt: skip
-    app.command()(_command)
-app.command("map")(maps.map_)
+for _command in (*design_commands.COMMANDS, *check_commands.COMMANDS):
+    app.command(_command.__name__.rstrip("_"))(_command)
 
 
 def _version(wanted: bool) -> None:
@@ -55,11 +50,11 @@ def _options(
 UsageError: Any = typer.BadParameter.__mro__[1]
 
 
-def _run() -> int:
+def _exit_code(commands: typer.Typer, program: str) -> int:
     """The exit code of the command asked for. The context is made here, because `app()` would answer a closed pipe with 1."""
-    command = typer.main.get_command(app)
+    command = typer.main.get_command(commands)
     try:
-        with command.make_context("stt-codegen", sys.argv[1:]) as context:
+        with command.make_context(program, sys.argv[1:]) as context:
             command.invoke(context)
         return 0
     except typer.Exit as end:
@@ -69,16 +64,21 @@ def _run() -> int:
 
 
 def main() -> None:
-    """Run the command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
+    """Run `stt-codegen`."""
+    run(app, "stt-codegen")
+
+
+def run(commands: typer.Typer, program: str) -> None:
+    """Run a command line; every `SttError` becomes one message and its exit code (with --json also one document)."""
     try:
-        sys.exit(_run())
+        sys.exit(_exit_code(commands, program))
     except UsageError as error:
         error.show()
         if "--json" in sys.argv:
             print_json({"error": error.format_message(), "exit_code": 2})
         sys.exit(2)
     except SttError as error:
-        say(f"stt-codegen: {error}")
+        say(f"{program}: {error}")
         if "--json" in sys.argv:
             print_json({"error": str(error), "exit_code": error.exit_code})
         sys.exit(error.exit_code)
@@ -86,7 +86,7 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
     except OSError as error:
-        say(f"stt-codegen: the output cannot be written ({error.strerror})")
+        say(f"{program}: the output cannot be written ({error.strerror})")
         sys.exit(2)
     except KeyboardInterrupt:
         sys.exit(130)

@@ -6,17 +6,20 @@ import json
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
 
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.program.targets import TARGETS
+
 TaskFile = Annotated[Path, typer.Argument(metavar="TASK", help="a task file, see tasks/")]
 TaskFiles = Annotated[list[Path], typer.Argument(metavar="TASK...", help="task files, see tasks/")]
 Json = Annotated[bool, typer.Option("--json", help="one JSON document on stdout")]
-DesignOption = Annotated[Literal["refined", "adaptive", "literal"] | None, typer.Option(help="override tube.design")]
+DesignOption = Annotated[DesignKind | None, typer.Option(help="override tube.design")]
 Axes = Annotated[
     list[str] | None,
     typer.Option(metavar="A,B", help="two dimensions by name (x1, x2, .. or the task's axes) to draw in; may be given again"),
@@ -36,6 +39,20 @@ Noise = Annotated[
 Latency = Annotated[
     float | None, typer.Option(min=0, help="seconds from a sample to its input (default: the task's control.latency, or 0)")
 ]
+
+
+PACKAGES = ("plain", "cmake", "arduino", "platformio", *(t.key for t in TARGETS if t.package), "fmu", "ros2")
+
+
+def one_of(names: Sequence[str], explanation: str) -> Any:
+    """Return an option whose value is one of these names, which its help lists."""
+
+    def known(value: str) -> str:
+        if value not in names:
+            raise typer.BadParameter(f"{value!r} is none of {', '.join(names)}")
+        return value
+
+    return typer.Option(metavar=f"[{'|'.join(names)}]", help=explanation, callback=known)
 
 
 def say(text: str) -> None:

@@ -12,14 +12,11 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from stt_codegen.certify.schedule import sentence
-from stt_codegen.compare.comparison import Row
+from stt_codegen.certify.missions import sentence
+from stt_codegen.compare import Row
 from stt_codegen.decimals import by_component
-from stt_codegen.loop.command import RunReport
-from stt_codegen.report.bounds import BoundsReport, Sampling
-from stt_codegen.report.design import DesignReport
-from stt_codegen.report.trade import TradeReport
-from stt_codegen.report.words import few, sampling_lines, time_told
+from stt_codegen.loop import RunReport
+from stt_codegen.report import BoundsReport, DesignReport, Sampling, TradeReport, few, sampling_lines, time_told
 
 
 class _Console(Console):
@@ -58,13 +55,20 @@ def show_design(report: DesignReport) -> None:
             "  [yellow]note[/yellow]: the smooth maximum narrows gamma(0), so starts near the edge of the initial set are outside"
         )
     elif not report.covers_initial_set:
-        console.print("  [yellow]note[/yellow]: an unsafe set is near the initial set; only a part of it is covered")
+        left_out = zip(report.axes, report.start_left_out, strict=True)
+        sides = ", ".join(f"{v:.3g} in {escape(name)}" for name, v in left_out if v)
+        _indented(
+            console,
+            f"[yellow]note[/yellow]: gamma(0) leaves out a rim of the initial set, up to {sides}; starts there are not covered",
+        )
+    for note in report.notes:
+        _indented(console, f"[yellow]note[/yellow]: {escape(note)}")
     table = Table(box=None, pad_edge=True, header_style="bold")
     for heading in ("", "property", "holds", "to spare", "least at"):
         table.add_column(heading, justify="right" if heading == "to spare" else "left")
     for p in report.properties:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
-        table.add_row(p.property, p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
+        table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
     for one in report.mission:
         _indented(console, f"mission {one.entry}, {escape(sentence(one))}")
@@ -95,7 +99,7 @@ def show_trade(report: TradeReport) -> None:
         period, gain = ("none", "") if t.period is None or t.gain is None else (time_told(t.period), by_component(t.gain))
         table.add_row(f"{t.least_width:.4g}", f"{t.speed:.4g}", period, gain, ", ".join(t.preferred))
     console.print(table)
-    console.print("  periods: at control.gain, or the longest over all gains, for the plant and the starts of the task")
+    console.print("  periods: at control.gain, or the longest of the gains tried, for the plant and the starts of the task")
     if report.picture is not None:
         console.print(f"  picture: {report.picture}")
 
@@ -162,7 +166,12 @@ def show_bounds(report: BoundsReport) -> None:
         console.print(f"  sampled, {name}: {time_told(p.period)}, |e| below {few(p.e)}; {where}{short}")
     _sampling(console, report.sampling, None)
     if report.proposed is not None:
-        console.print(f"  as bounds in the task: [plant] {report.proposed.toml()}", markup=False)
+        if report.proposed.reason:
+            _indented(console, f"no \\[plant] can state this plant: {escape(report.proposed.reason)}")
+            return
+        console.print("  as bounds in the task:")
+        for line in report.proposed.lines:
+            console.print(f"    {line}", markup=False, soft_wrap=True)
         if report.filter:
             own = by_component(report.filter)
             console.print(f'  (for lambda = {own}: state tube.filter too, for "auto" goes by these bounds)', markup=False)

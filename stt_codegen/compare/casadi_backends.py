@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.compare.backends import Backend
-from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
+from stt_codegen.controller import starts_of
+from stt_codegen.designs import LEAST_WIDTH, require_adaptive, require_refined
 from stt_codegen.pipeline import Controller
+from stt_codegen.program.targets.backend import Backend
 
 Array = npt.NDArray[Any]
 
@@ -56,13 +57,16 @@ class _CasadiLaw(Backend):
         return np.where(inside, 0, 1), u
 
     def _margin(self, *inputs: Array) -> tuple[Array, ...]:
+        return (np.asarray(self._margins(*inputs)[0].min(axis=1)),)
+
+    def _margins(self, *inputs: Array) -> tuple[Array, ...]:
         *at, x = inputs
         lower, upper = self.call("tube", *at)
-        return (self._least_share(lower, upper, x),)
+        return (self._shares(lower, upper, x),)
 
-    def _least_share(self, lower: Array, upper: Array, x: Array) -> Array:
+    def _shares(self, lower: Array, upper: Array, x: Array) -> Array:
         share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(LEAST_WIDTH))
-        return np.asarray(np.clip(share.min(axis=1), -1.0, 0.5))
+        return np.asarray(np.clip(share, -1.0, 0.5))
 
 
 def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
@@ -81,8 +85,7 @@ class CasadiRefined(_CasadiLaw):
         from stt_codegen.paper import refined_tube
 
         super().__init__(controller)
-        assert isinstance(controller.design, RefinedDesign)
-        self.design = controller.design
+        self.design, self.certified = require_refined(controller.design), controller.certificate.holds
         self.basis, self.basis_rate, self.blend = refined_tube.basis(), refined_tube.basis_rate(), refined_tube.blend()
 
     def _edges(self, t: Array, weights: Any) -> tuple[Array, Array]:
@@ -126,13 +129,22 @@ class CasadiRefined(_CasadiLaw):
         low, high = self._tube(t)
         return np.where(((low < x) & (x < high)).all(axis=1), status, 1), u
 
-    def _margin(self, *inputs: Array) -> tuple[Array, ...]:
+    def _margins(self, *inputs: Array) -> tuple[Array, ...]:
         if not self.design.filter:
-            return super()._margin(*inputs)
+            return super()._margins(*inputs)
         t, x, v = inputs
-        held = v + np.array([float(s) for s in self.design.filter]) * x
+        filtered = v + np.array([float(s) for s in self.design.filter]) * x
         (low, high), (lower, upper) = self._tube(t), self._filtered_tube(t)
-        return (np.minimum(self._least_share(low, high, x), self._least_share(lower, upper, held)),)
+        return (np.minimum(self._shares(low, high, x), self._shares(lower, upper, filtered)),)
+
+    def _covered(self, *state: Array) -> tuple[Array, ...]:
+        starts = starts_of(self.task, self.design)
+        places, sums = (np.array([[float(v) for v in pair] for pair in bounds]) for bounds in (starts.places, starts.filtered))
+        inside = ((places[:, 0] < state[0]) & (state[0] < places[:, 1])).all(axis=1)
+        if self.design.filter:
+            filtered = state[1] + np.array([float(s) for s in self.design.filter]) * state[0]
+            inside = inside & ((sums[:, 0] < filtered) & (filtered < sums[:, 1])).all(axis=1)
+        return (np.asarray(inside & self.certified),)
 
     def _control_tick(self, ticks: Array, *state: Array) -> tuple[Array, ...]:
         assert self.task.emit.tick_period is not None
@@ -147,8 +159,7 @@ class CasadiAdaptive(_CasadiLaw):
 
     def __init__(self, controller: Controller) -> None:
         super().__init__(controller)
-        assert isinstance(controller.design, AdaptiveDesign)
-        self.design = d = controller.design
+        self.design = d = require_adaptive(controller.design)
         self.update = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma)]
 
     def _lines(self, t: Array) -> tuple[Array, Array, Array, Array, Array]:

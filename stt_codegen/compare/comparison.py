@@ -3,27 +3,27 @@
 eps is half a unit in the last place of 1 in the backend's scalar (2^-24 or 2^-53). delta is property P7's bound on an
 emitted edge. The bounds, first-order terms rounded up:
 
-    tube, tube rate   refined: `controller.arithmetic`, delta and its like for the rate
+    tube, tube rate   refined: `controller.edge_errors`, delta and its like for the rate
     margin m          (1 + 2 |m|) delta over the width (an edge in the distance, both in the width), and 8 eps
     e                 8 eps           the nearer distance: 3 roundings, the farther what it leaves; difference, quotient
     epsilon           (8 + 4 |epsilon|) eps    a/b within 7 eps, and a logarithm within 2 units in its last place; written out
-                      (`math = "inline"`): `controller.logarithm`'s relative error more, for u too
+                      (`math = "inline"`): `controller.kernels.logarithm`'s relative error more, for u too
     xi                12 eps xi       b/a, 1 + b/a, division by b
     u                 refined: h(a, b) = (1/a + 1/b) ln(a/b) rises in a and falls in b, so edges moved by delta change k h by no
                       more than to the two corners (a +- delta, b -+ delta) clamped in a width changed by 2 delta; plus
                       |k| xi (8 + 4 |epsilon|) eps + 16 eps |u| for the arithmetic of the law
     status            may differ only where x is within delta (plus rounding) of an edge
 
-Everything of the adaptive and literal designs that depends on t and alpha (and their u) is bounded by `program.running`: a
-forward error analysis of every statement of the very program, at every point. Newton's iterates in alpha_step count as
-settled: Newton's map has slope zero at the root, so the error of one iterate enters the next squared.
+Everything of the adaptive and literal designs that depends on t and alpha (and their u) is bounded by
+`program.analyse.running`: a forward error analysis of every statement of the very program, at every point. Newton's iterates in
+alpha_step count as settled: Newton's map has slope zero at the root, so the error of one iterate enters the next squared.
 
 Long because the bounds of all quantities stand beside one another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -31,21 +31,20 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
-from stt_codegen.compare.backends import Backend, CompiledC, GeneratedPython
 from stt_codegen.compare.casadi_backends import CasadiAdaptive, CasadiRefined
-from stt_codegen.compare.integers import integer_rows, same_as_python
+from stt_codegen.compare.integer_comparison import integer_rows, same_as_python
 from stt_codegen.compare.law_bounds import law_spread, logarithm_error
 from stt_codegen.compare.points import random_alpha, random_states, random_times, with_trajectory
-from stt_codegen.compare.rust import CompiledRust, find_rustc
-from stt_codegen.controller.arithmetic import edge_error, errors_of_tube, rate_error
-from stt_codegen.controller.probes import probe_program
-from stt_codegen.controller.ticks import ticks_of
-from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign
-from stt_codegen.designs.grid import parameters_of
+from stt_codegen.compare.start_comparison import covered_row
+from stt_codegen.controller import edge_error, errors_of_tube, probe_program, rate_error, ticks_of
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign, parameters_of, require_adaptive, require_refined
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.pipeline import Controller, build_program, build_task, render_files
-from stt_codegen.program.number import FORMATS
-from stt_codegen.program.running import Runner
+from stt_codegen.program import FORMATS
+from stt_codegen.program.analyse import Runner
+from stt_codegen.program.targets import targets_of
+from stt_codegen.program.targets.backend import Backend
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -88,14 +87,11 @@ Maker = Callable[[Controller], Backend]
 
 def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
     if task.emit.scalar == "fixed":
-        made = build_task(task, uncertified=True)
-        yield made, GeneratedPython
-        yield made, CompiledC
+        yield from _printed(build_task(task, uncertified=True), progress)
         return
     double = build_task(task.with_options(scalar="double"), uncertified=True)
-    yield double, CasadiRefined if isinstance(double.design, RefinedDesign) else CasadiAdaptive
-    yield double, GeneratedPython
-    yield double, CompiledC
+    yield double, BY_KIND[double.design.kind].casadi
+    yield from _printed(double, progress)
     try:
         single = build_task(task.with_options(scalar="float"), uncertified=True)
     except NotCertified:
@@ -103,21 +99,23 @@ def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Con
             raise
         progress(f"{task.name}: a float has no room for this task, so double alone is compared")
     else:
-        yield single, CompiledC
-        yield from _rust(single, progress)
-    yield from _rust(double, progress)
+        yield from _printed(single, progress)
 
 
-def _rust(controller: Controller, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
-    """The Rust, where the task asks for it and there is a compiler."""
-    if not controller.task.emit.rust:
-        return
-    try:
-        find_rustc()
-    except MissingTool as error:
-        progress(f"{controller.task.name}: the {controller.task.emit.scalar} Rust is not compared: {error}")
-    else:
-        yield controller, CompiledRust
+def _printed(controller: Controller, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
+    """The backend of each language of the task. One that the task has to ask for is left out where its tools are missing."""
+    scalar = controller.task.emit.scalar
+    for target in targets_of(controller.task.emit):
+        if scalar not in (*target.scalars, "fixed"):
+            continue
+        try:
+            make = target.runner()
+        except MissingTool as error:
+            if not target.option:
+                raise
+            progress(f"{controller.task.name}: the {scalar} {target.title} is not compared: {error}")
+        else:
+            yield controller, make
 
 
 def compare_backend(
@@ -128,17 +126,19 @@ def compare_backend(
     task = controller.task.with_options(scalar=backend.scalar)
     controller = replace(controller, task=task, program=build_program(task, controller.design))
     rows = _Rows(backend.name, float(FORMATS[backend.scalar].roundoff))
-    if controller.program.tick is not None:
-        assert isinstance(controller.design, RefinedDesign)
-        _integer_rows(rows, controller, controller.design, backend, points)
-    elif isinstance(controller.design, RefinedDesign):
-        _refined_rows(rows, controller, controller.design, backend, points)
-    else:
-        known = {} if known is None else known
-        if backend.scalar not in known:
-            known[backend.scalar] = _adaptive_truth(controller, controller.design, points)
-        _adaptive_rows(rows, controller, controller.design, make, known[backend.scalar])
+    BY_KIND[controller.design.kind].add_rows(rows, _Compared(controller, make, backend, points, {} if known is None else known))
     return rows.rows
+
+
+@dataclass(frozen=True)
+class _Compared:
+    """One backend of a controller, how it is made, and the reference's values that are known already, by scalar type."""
+
+    controller: Controller
+    make: Maker
+    backend: Backend
+    points: int
+    known: dict[str, _Truth]
 
 
 class _Rows:
@@ -181,6 +181,13 @@ class _Rows:
         )
 
 
+def _rows_of_refined(rows: _Rows, compared: _Compared) -> None:
+    """Compare a refined tube, in integers or in floating point."""
+    design = require_refined(compared.controller.design)
+    add_rows = _refined_rows if compared.controller.program.tick is None else _integer_rows
+    add_rows(rows, compared.controller, design, compared.backend, compared.points)
+
+
 def _integer_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
     edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
     integer_rows(controller, backend, points, (edge, rate), rows.add, rows.status)
@@ -204,6 +211,7 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     fastest = max(float(np.abs(rates[0]).max()), float(np.abs(rates[1]).max()), 1e-30)
     rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
     rows.transform(controller, backend, lower, upper, x)
+    rows.add("covered", *covered_row(controller, backend, points, eps), 1.0)
 
     if task.order == 2:
         _inertial_rows(rows, controller, design, backend, t, (delta, rate_bound))
@@ -213,6 +221,8 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
     moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
     weight = 1 + 2 * np.abs(np.clip(np.minimum(x - low, high - x) / width, -1, 0.5))  # of the distance, and twice of the width
     rows.add("margin", backend.margin(t, x), want, (moved * weight).max(axis=1) + 8 * eps, 1.0)
+    by_component = reference.margins(low, high, x, float(LEAST_WIDTH))
+    rows.add("margins", backend.call("margins", t, x)[0], by_component, moved * weight + 8 * eps, 1.0)
     _law_rows(rows, controller, (low, high, delta), x, backend.control(t, x), "")
     period = task.emit.tick_period
     if period is not None:
@@ -245,9 +255,11 @@ def _inertial_rows(
     rows.add("filtered tube", np.stack(backend.call("filtered_tube", t)), np.stack(edges), moved[None], largest)
     rooms = [(np.minimum(z - a, b - z), b - a, d) for z, a, b, d in ((truth, *edges, moved), (x, low, high, moved / value))]
     shares = [np.clip(near / wide, -1, 0.5) for near, wide, _ in rooms]
-    bounds = [((1 + 2 * np.abs(s)) * d / (wide - 2 * d)).max(axis=1) for s, (_, wide, d) in zip(shares, rooms, strict=True)]
-    want = np.minimum(shares[0].min(axis=1), shares[1].min(axis=1))
-    rows.add("margin", backend.call("margin", t, x, v)[0], want, np.maximum(*bounds) + 8 * rows.eps, 1.0)
+    bounds = [(1 + 2 * np.abs(s)) * d / (wide - 2 * d) for s, (_, wide, d) in zip(shares, rooms, strict=True)]
+    want, bound = np.minimum(*shares), np.maximum(*bounds) + 8 * rows.eps
+    rows.add("margins", backend.call("margins", t, x, v)[0], want, bound, 1.0)
+    bound = np.maximum(*(b.max(axis=1) for b in bounds)) + 8 * rows.eps
+    rows.add("margin", backend.call("margin", t, x, v)[0], want.min(axis=1), bound, 1.0)
     if task.differs:
         dt = np.abs(v[:, 0]) % np.asarray(2, dtype=x.dtype) + np.asarray(float(task.shortest_period), dtype=x.dtype)
         dt[::16] = np.array([0, -1], dtype=x.dtype)[np.arange(len(dt[::16])) % 2]
@@ -335,7 +347,7 @@ def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int)
     update = run("alpha_rate", {"t": t, "alpha": alpha})
     step = run("alpha_step", {"t": t, "dt": dt, "alpha": alpha})
     law = run("control", {"t": t, "alpha": alpha, "x": x})
-    watched = run("margin", {"t": t, "alpha": alpha, "x": x})
+    watched, by_component = (run(name, {"t": t, "alpha": alpha, "x": x}) for name in ("margin", "margins"))
 
     def flat(values: Array) -> Array:
         return np.hstack([values[:, :, 0], values[:, :, 1]])
@@ -354,6 +366,10 @@ def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int)
         "tube rate": (flat(rates), np.hstack([tube_rate["lower_rate"].error, tube_rate["upper_rate"].error])),
         "u": (u, law["u"].error),
         "margin": (reference.margin(low, high, x, float(LEAST_WIDTH))[:, None], watched["return"].error[:, None]),
+        "margins": (
+            reference.margins(low, high, x, float(LEAST_WIDTH)),
+            by_component["margin"].error,
+        ),
     }
     mu = float(design.mu)
     held = 4e-35 * float(design.theta0) * (1 + mu**-2 + 2 * mu**-3)  # y in theta is held at 40, where psi + alpha > mu
@@ -364,9 +380,13 @@ def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int)
     return _Truth(t, dt, alpha, x, status, room - 2 * eps * np.abs(x), values)
 
 
-def _adaptive_rows(rows: _Rows, controller: Controller, design: AdaptiveDesign, make: Maker, truth: _Truth) -> None:
-    """(4)-(11) from the probe, then what the public functions return."""
-    backend = make(controller)
+def _rows_of_adaptive(rows: _Rows, compared: _Compared) -> None:
+    """Compare (4)-(11) from the probe, then what the public functions return."""
+    controller, make, known = compared.controller, compared.make, compared.known
+    design, scalar = require_adaptive(controller.design), compared.backend.scalar
+    if scalar not in known:
+        known[scalar] = _adaptive_truth(controller, design, compared.points)
+    truth, backend = known[scalar], make(controller)
     probe = probe_program(controller.task, design)
     probed = make(replace(controller, program=probe, files=render_files(controller.task, design, probe, controller.certificate)))
     t, alpha = truth.t, truth.alpha
@@ -378,8 +398,24 @@ def _adaptive_rows(rows: _Rows, controller: Controller, design: AdaptiveDesign, 
     got["tube rate"] = np.hstack(backend.tube_rate(t, alpha))
     status, got["u"] = backend.control(t, alpha, truth.x)
     got["margin"] = backend.margin(t, alpha, truth.x)[:, None]
+    (got["margins"],) = backend.call("margins", t, alpha, truth.x)
     for name, (want, bound) in truth.values.items():
         if name == "u":
             rows.transform(controller, backend, lower, upper, truth.x)
         rows.add(name, got[name][:, : want.shape[1]], want, bound, float(np.abs(want).max()))
     rows.status(status, truth.status, truth.distance)
+
+
+@dataclass(frozen=True)
+class _KindComparison:
+    """How a kind of tube is compared: its CasADi backend, and what adds the rows of any backend."""
+
+    casadi: Maker
+    add_rows: Callable[[_Rows, _Compared], None]
+
+
+BY_KIND: Mapping[DesignKind, _KindComparison] = {
+    "refined": _KindComparison(CasadiRefined, _rows_of_refined),
+    "adaptive": _KindComparison(CasadiAdaptive, _rows_of_adaptive),
+    "literal": _KindComparison(CasadiAdaptive, _rows_of_adaptive),
+}

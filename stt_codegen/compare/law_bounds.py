@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.controller.logarithm import relative_error
+from stt_codegen.controller.kernels import relative_error
 from stt_codegen.pipeline import Controller
 
 Array = npt.NDArray[Any]

@@ -8,8 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
-from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign
-from stt_codegen.designs.grid import grid_tube, parameters_of
+from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, grid_tube, parameters_of
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]

@@ -3,8 +3,7 @@ the public functions, and what the certificate encloses."""
 
 from __future__ import annotations
 
-from stt_codegen.controller.adaptive_parts import Frame, kernels_of_the_paper, lines_of, profile, psi_of, tables_of
-from stt_codegen.controller.law import control_law_of
+from stt_codegen.controller.kernels import Frame, control_law_of, kernels_of_the_paper, lines_of, profile, psi_of, tables_of
 from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.program import REAL, Block, Function, Param, Program, Var, integer
 from stt_codegen.task import Task

@@ -14,29 +14,28 @@ from fractions import Fraction
 
 import numpy as np
 
+from stt_codegen.constraints import Avoidance, Row, avoid_rows, fastest_edges, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.decimals import below, decimal
-from stt_codegen.design.faces import Array, Cuts, Faces
+from stt_codegen.design.half_spaces import Array, Cuts, Faces
 from stt_codegen.design.lattice import Lattice, lattice_of
-from stt_codegen.design.movers import Mover, mover_of
+from stt_codegen.design.moving_half_spaces import Mover, mover_of
 from stt_codegen.errors import NotCertified
-from stt_codegen.rows import Avoidance, Row, avoid_rows, fastest_edges, reach_rows, start_rows, stay_rows, width_rows
+from stt_codegen.properties import Property
 from stt_codegen.task import Task
 from stt_codegen.task.sets import ConvexSet
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
-    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what an unsafe set
-    has beside its span. movers: the unsafe sets that move, or are unsafe only at times, which are not among the names. walls,
-    goals: what cuts the boxes of space and target.
+    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what it has beside a span.
+    movers: the sets that move, or are unsafe only at times, which are not among the names. walls, goals: cut space and target.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
     search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
-    bound. allowance: what rounding of the coefficients and of the emitted arithmetic may move an edge by, see
-    `Lattice.allowance`. length_unit, time_unit: what lengths and times here must be multiplied by to be the task's; origin:
-    where in the task 0 is, by dimension. order: of the plant; where it is 2 edges are to be as little accelerated as they can be.
-    seam: as of a design."""
+    bound. allowance, difference_allowance: what rounding may change an edge by, and a difference of control points (`Lattice`).
+    length_unit, time_unit: what lengths and times are multiplied by to be the task's; origin: where in the task 0 is. order: of
+    the plant; where it is 2 edges are to be as little accelerated as they can be. seam: as of a design."""
 
     names: tuple[str, ...]
     axes: tuple[str, ...]
@@ -56,6 +55,7 @@ class Arena:
     swiftness: Array
     max_acceleration: Array | None
     allowance: float
+    difference_allowance: float
     origin: tuple[Fraction, ...]
     movers: tuple[Mover, ...] = ()
     order: int = 1
@@ -101,7 +101,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
             width = box.upper[i] - box.lower[i]
             if width < wide + 4 * allowance:
                 raise NotCertified(
-                    f"P1 width: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
+                    f"{Property.WIDTH.label}: {field} is {decimal(width)} wide in {task.axis_words[i]}, too narrow for a tube of "
                     f"min_width {decimal(least)} (plus {decimal(6 * allowance)} for rounding); "
                     + (
                         f"the coordinates are too large for a tube in {task.emit.scalar}: move the origin near the task"
@@ -131,6 +131,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         swiftness=np.ones(n),
         max_acceleration=None if accelerations is None else np.array([float(v) for v in accelerations]),
         allowance=float(allowance),
+        difference_allowance=float(lattice.difference_allowance),
         origin=origin,
         order=task.order,
         movers=tuple(mover_of(one, origin) for _, one in found if one.course is not None),
@@ -231,6 +232,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         max_speeds=arena.max_speeds * arena.prescribed_time / unit,
         max_acceleration=None if bend is None else bend * (arena.prescribed_time * arena.prescribed_time) / unit,
         allowance=arena.allowance / unit,
+        difference_allowance=arena.difference_allowance / unit,
         length_unit=unit,
         time_unit=arena.prescribed_time,
         movers=tuple(m.scaled(unit, arena.prescribed_time) for m in arena.movers),
@@ -281,20 +283,18 @@ def starting_box(arena: Arena) -> Array:
             box[1, i] = arena.unsafe[j, 0, i] - arena.clearance
         else:
             box[0, i] = arena.unsafe[j, 1, i] + arena.clearance
-        x = arena.initial_state[i]
+        x, size = arena.initial_state[i], arena.length_unit
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance or (box[1, i] - box[0, i] < arena.min_width):
-            size = arena.length_unit
-            kept, place = (arena.clearance - arena.allowance) * size, arena.place(i, x)
+            kept, place, gap = (arena.clearance - arena.allowance) * size, arena.place(i, x), max(nearest, 0.0) * size
             raise NotCertified(
-                f"P4 avoid at t = 0: {name} is {max(nearest, 0.0) * size:.6g} from the initial set {along}, nearer than the "
-                f"clearance {kept:.6g}, and x(0) = {place:.6g} in {arena.axes[i]} leaves no room to start elsewhere; "
+                f"{Property.AVOID.label} at t = 0: {name} is {gap:.6g} from the initial set {along}, nearer than the clearance "
+                f"{kept:.6g}, and x(0) = {place:.6g} in {arena.axes[i]} leaves no room to start elsewhere; "
                 "lower tube.clearance, or move the initial set or x(0) away from it"
             )
     for i, x in enumerate(arena.initial_state):
         if not box[0, i] + arena.allowance <= x <= box[1, i] - arena.allowance:
             raise NotCertified(
-                f"P2 start: initial_state[{i}] = {arena.place(i, x):.9g} is nearer than "
-                f"{4 * arena.allowance * arena.length_unit:.3g} (the room for rounding) "
-                "to the edge of the initial set; move it inside"
+                f"{Property.START.label}: initial_state[{i}] = {arena.place(i, x):.9g} is nearer than "
+                f"{4 * arena.allowance * arena.length_unit:.3g} (for rounding) to the edge of the initial set; move it inside"
             )
     return box

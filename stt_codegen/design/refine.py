@@ -1,6 +1,6 @@
 """The refined design: a width, a route with room for it, its sides, then a spline tube by linear programming.
 
-    arena -> the widest share of start and target for which a route is short enough (design/widest.py)
+    arena -> the widest share of start and target for which a route is short enough (design/spline_tubes/widest.py)
           -> sides of the box of that width that moves along the route; where that fails, stays and stretch times
           -> the slowest tube of that width (small linear programs, one for each dimension), sides chosen anew while it helps
           -> a smaller share, until the tube is slow enough; then, of all that slow, the one that bends least
@@ -14,22 +14,20 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 
 import numpy as np
 
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
-from stt_codegen.design.asked import mission_of, require_start
-from stt_codegen.design.filter import with_filter
+from stt_codegen.design.filter_rate import with_filter
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.refusal import refusal
-from stt_codegen.design.shape import Shape, calmest
-from stt_codegen.design.visits import anew, search_of
-from stt_codegen.design.widest import PLENTY, Search, segments_tried
+from stt_codegen.design.mission_search import anew, search_of
+from stt_codegen.design.missions import mission_of, require_start
+from stt_codegen.design.refusals import refusal
+from stt_codegen.design.spline_tubes import PLENTY, Search, Shape, calmest, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import Gains
-from stt_codegen.sampling.gains import natural_gain
-from stt_codegen.sampling.loops import loop_of, statements_of
+from stt_codegen.sampling import Gains, loop_of, natural_gain, statements_of
 from stt_codegen.task import Task
 
 CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
@@ -37,14 +35,26 @@ LITTLE = 3_000  # labels of a search for an order, where it is only asked what w
 AS_SLOW = 1.01  # times the slowest tube is as slow, where that is preferred: so much for width
 
 
-def refine(task: Task, room: int = 1) -> RefinedDesign:
-    """Design a refined tube, the one that tube.prefer asks for. room: times what is usually left at every bound for the
-    arithmetic. Raises `NotCertified` with the reason when none is found."""
-    arena = _arena(task, room)
+def refine(task: Task) -> RefinedDesign:
+    """Design a refined tube, the one that tube.prefer asks for. Raises `NotCertified` with the reason when none is found."""
+    arena = _arena(task)
     found = _designed(task, arena)
     if found is None:
         raise NotCertified(refusal(task, arena, _is_found))
-    search, shape = found
+    return _completed(task, *found)
+
+
+def refine_with_allowance(task: Task, rounding_allowance_factor: int) -> RefinedDesign | None:
+    """Design the tube that is preferred with so many times the usual allowance for rounding at every bound on its edges. Returns
+    None where there is none."""
+    with suppress(NotCertified):
+        designed = _designed(task, _arena(task, rounding_allowance_factor))
+        return None if designed is None else _completed(task, *designed)
+    return None
+
+
+def _completed(task: Task, search: Search, shape: Shape) -> RefinedDesign:
+    """Round the tube and choose its filter; where no filter does, those of the slowest tube."""
     try:
         return _finished(task, search, shape)
     except NotCertified:  # of order 2: a narrower tube presses less
@@ -64,8 +74,8 @@ def family(task: Task) -> list[RefinedDesign]:
     return [_finished(task, fresh, shape) for shape in _others(fresh)]
 
 
-def _arena(task: Task, room: int = 1) -> Arena:
-    lattice = replace(lattice_of(task), room=room)
+def _arena(task: Task, rounding_allowance_factor: int = 1) -> Arena:
+    lattice = replace(lattice_of(task), rounding_allowance_factor=rounding_allowance_factor)
     return normalised(arena_of(task, lattice), lattice.exponent)
 
 
@@ -124,7 +134,8 @@ def _preferred(task: Task, search: Search, shapes: list[Shape]) -> Shape | None:
     if not shapes:
         return None
     if task.tube.prefer == "period":
-        return max(shapes, key=lambda shape: _longest_period(task, _finished(task, search, shape)))
+        allowance = Fraction(search.arena.allowance) * Fraction(search.arena.length_unit)
+        return max(shapes, key=lambda shape: _longest_period(task, _finished(task, search, shape), allowance))
     if task.tube.prefer == "wide":
         return max(shapes, key=lambda shape: (shape.width.min(), -shape.speed))
     slow = [shape for shape in shapes if shape.speed <= AS_SLOW * min(s.speed for s in shapes)]
@@ -135,10 +146,9 @@ def _finished(task: Task, search: Search, shape: Shape) -> RefinedDesign:
     return with_filter(task, round_design(task, calmest(search.arena, search.start, shape)))
 
 
-def _longest_period(task: Task, design: RefinedDesign) -> float:
+def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> float:
     """Seconds between samples that are proved for the plant's bounds and the share of starts: at the task's gain, over all gains
-    where that is left open. 0 where there are none."""
-    allowance = lattice_of(task).allowance
+    where that is left open. 0 where there are none. allowance: for the arithmetic, whose error is not derived yet."""
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
     setting, statements = loop_of(task, design, edge, rate), statements_of(task)
     if task.control.gain is None or task.gain_chosen:
@@ -150,7 +160,8 @@ def _longest_period(task: Task, design: RefinedDesign) -> float:
 
 def round_design(task: Task, shape: Shape) -> RefinedDesign:
     """Control points over 6 (here in units of the lattice's size, from its origin), rounded to the lattice, so that the scalar
-    holds them exactly. Floats and doubles share one tube, and one certificate, unless the task is far from the origin."""
+    holds them exactly. Floats and doubles share one tube, and one certificate, unless the task is far from the origin or a
+    float needs a larger allowance."""
     lattice = lattice_of(task)
     integers = np.rint(np.ldexp(shape.points / 6, lattice.step_bits)).astype(np.int64)
     integers += np.array(lattice.offsets, dtype=np.int64)[:, None]

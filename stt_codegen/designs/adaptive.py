@@ -1,16 +1,27 @@
-"""What an adaptive or literal design is: the numbers of (2)-(11), as exact fractions."""
+"""What an adaptive or literal design is: the numbers of (2)-(11), as exact fractions; and its tube on a grid of times.
+
+The tube is computed by `reference.py`, which shares no code with what is emitted; alpha is stepped by the implicit step that the
+target makes.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
-from typing import Any
+from functools import cache
+from typing import Any, ClassVar
 
+import numpy as np
+
+from stt_codegen import reference
 from stt_codegen.decimals import nine_digits
-from stt_codegen.designs.tube import LOWER, UPPER, Edge
+from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
+from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, Edge
+
+POINTS = 4000
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Bump:
     """One circumvent function (7) or (8): `side` LOWER raises beta_L of `dimension`, UPPER lowers beta_U.
 
@@ -26,7 +37,7 @@ class Bump:
     unsafe: str
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class AdaptiveDesign:
     """An adaptive tube (10): `kind` is "adaptive" (sound windows and sides) or "literal" (the paper's rule).
 
@@ -34,7 +45,7 @@ class AdaptiveDesign:
     theta0 (units cubed per second), kappa (1/s), mu (units), varsigma, nu (1/units): parameters of (10) and (11).
     """
 
-    kind: str
+    kind: DesignKind
     prescribed_time: Fraction
     start: tuple[Edge, ...]
     target: tuple[Edge, ...]
@@ -47,16 +58,18 @@ class AdaptiveDesign:
     nu: Fraction
     seed: int | None = None  # of the literal design's random sides
 
-    stateful = True  # the caller keeps alpha
+    is_stateful: ClassVar[bool] = True  # the caller keeps alpha
+    filter: ClassVar[tuple[Fraction, ...]] = ()
+    cycle_begin: ClassVar[None] = None
+    parts: ClassVar[None] = None
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return CAPABILITIES[self.kind]
 
     @property
     def dimension(self) -> int:
         return len(self.start)
-
-    @property
-    def parts(self) -> int | None:
-        """Into how many parts of equal length its data divide the time: none."""
-        return None
 
     def parameters(self) -> dict[str, Any]:
         """What a certificate tells of the design itself: all of its numbers, to nine digits."""
@@ -78,6 +91,15 @@ class AdaptiveDesign:
         """How large the design is, in words."""
         return f"{len(self.bumps)} circumvent function{'' if len(self.bumps) == 1 else 's'}"
 
+    def numbers(self) -> dict[str, Any]:
+        """All numbers by name."""
+        return asdict(self)
+
+    def edges_at(self, t: Array) -> tuple[Array, Array]:
+        """Lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""
+        _, _, gamma, _ = grid_tube(self, len(t) - 1)
+        return gamma[:, :, LOWER], gamma[:, :, UPPER]
+
     def of(self, dimension: int, side: int) -> tuple[Bump, ...]:
         """The bumps on one side of one dimension."""
         return tuple(b for b in self.bumps if (b.dimension, b.side) == (dimension, side))
@@ -87,3 +109,52 @@ class AdaptiveDesign:
         """Rows of bumps that every dimension has, lower and upper side: as many as the fullest dimension needs."""
         low, high = (max(len(self.of(i, side)) for i in range(self.dimension)) for side in (LOWER, UPPER))
         return low, high
+
+
+def require_adaptive(design: Design) -> AdaptiveDesign:
+    """Return the design, which is adaptive or literal wherever this is called: a table of kinds led there."""
+    if not isinstance(design, AdaptiveDesign):
+        raise TypeError(f"an adaptive or literal tube is needed here; this one is {design.kind}")
+    return design
+
+
+def parameters_of(design: AdaptiveDesign) -> reference.Parameters:
+    """The plain data of a design for the reference."""
+
+    def edges(pairs: tuple[tuple[Fraction, Fraction], ...]) -> Array:
+        return np.array([[reference.exact(v) for v in pair] for pair in pairs])
+
+    e = reference.exact
+    return reference.Parameters(
+        t_c=e(design.prescribed_time), start=edges(design.start), target=edges(design.target), walls=edges(design.walls),
+        bumps=tuple((b.dimension, b.side, e(b.height), e(b.steepness), e(b.middle), e(b.radius)) for b in design.bumps),
+        theta0=e(design.theta0), kappa=e(design.kappa), mu=e(design.mu), varsigma=e(design.varsigma), nu=e(design.nu),
+    )  # fmt: skip
+
+
+def grid_tube(design: AdaptiveDesign, points: int = POINTS) -> tuple[Array, Array, Array, Array]:
+    """Times (S + 1,), and alpha, gamma and gammadot of shape (S + 1, n, 2), alpha stepped from 0 with dt = t_c / S."""
+    p = parameters_of(design)
+    step = float(design.prescribed_time) / points
+    t = np.arange(points + 1) * step
+    now = reference.lines(p, t)
+    alpha = step_alpha(design, now.psi.astype(float), step)
+    gamma, rate = reference.adaptive_tube(p, now, alpha)
+    return t, alpha, gamma.astype(float), rate.astype(float)
+
+
+def step_alpha(design: AdaptiveDesign, psi: Array, dt: float) -> Array:
+    """alpha on a grid of step dt from 0, by the implicit step that is emitted; psi and the result of shape (S + 1, n, 2)."""
+    steps = _steps(len(psi) - 1)
+    parameters = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
+    alpha = np.zeros(psi.shape)
+    for i, side in np.ndindex(*psi.shape[1:]):
+        alpha[1:, i, side] = np.array(steps(0.0, psi[1:, i, side][None], dt, *parameters)).ravel()
+    return alpha
+
+
+@cache
+def _steps(count: int) -> Any:
+    from stt_codegen.paper.adaptive_tube import implicit_step_function
+
+    return implicit_step_function().mapaccum("steps", count)

@@ -10,13 +10,17 @@ The numbers are dyadic, hence exact in the emitted file, and the certificate spe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, asdict, dataclass
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
+
+from stt_codegen import reference
+from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
+from stt_codegen.designs.tube import Array, Design
 
 MOST_BITS = 50  # of a coefficient: the hull's are up to 6 times as large
 
@@ -36,17 +40,22 @@ class RefinedDesign:
     segments: int
     bits: int
     table: tuple[tuple[tuple[int, int], ...], ...]
+    _: KW_ONLY
     filter: tuple[Fraction, ...] = ()
     seam: int | None = None
 
-    kind = "refined"
-    stateful = False  # the tube is a function of time alone
+    kind: ClassVar[DesignKind] = "refined"
+    is_stateful: ClassVar[bool] = False  # the tube is a function of time alone
 
     def __post_init__(self) -> None:
         """Every sum of the hull must be exact in a double, and every coefficient in the scalar of the emitted file, which is what
         the certificate and the file rest on: `significant` says how many bits that takes."""
         if self.significant > MOST_BITS:
             raise ValueError(f"a coefficient of the tube needs more than {MOST_BITS} bits")
+
+    @property
+    def capabilities(self) -> Capabilities:
+        return CAPABILITIES[self.kind]
 
     @property
     def dimension(self) -> int:
@@ -67,9 +76,18 @@ class RefinedDesign:
         """Into how many parts of equal length its data divide the time."""
         return self.segments
 
-    def parameters(self) -> dict[str, Any]:
-        """What a certificate tells of the design itself; its coefficients stand in the C file."""
-        return {"segments": self.segments, "coefficient_bits": self.bits}
+    @property
+    def cycle_begin(self) -> Fraction | None:
+        return None if self.seam is None else self.prescribed_time * self.seam / self.segments
+
+    def numbers(self) -> dict[str, Any]:
+        """All numbers by name; those of order 2 and of what is repeated only where there are some."""
+        return {name: value for name, value in asdict(self).items() if name not in ("filter", "seam") or value not in (None, ())}
+
+    def edges_at(self, t: Array) -> tuple[Array, Array]:
+        """Lower and upper edges at any times t, shape (P, n) each, by `reference`."""
+        low, high = reference.tube(self.integers(), self.unit, self.prescribed_time, t)
+        return low.astype(float), high.astype(float)
 
     @property
     def unit(self) -> Fraction:
@@ -100,3 +118,10 @@ class RefinedDesign:
         wanted = q[-3:-2] if self.seam is None else q[self.seam : self.seam + 3]
         last = q[-order:] if self.seam is None else q[-3:]
         return np.asarray(np.abs(last - wanted).max(axis=(0, 2)))
+
+
+def require_refined(design: Design) -> RefinedDesign:
+    """Return the design, which is refined wherever this is called: a table of kinds led there, or an option of refined tubes."""
+    if not isinstance(design, RefinedDesign):
+        raise TypeError(f"a refined tube is needed here; this one is {design.kind}")
+    return design

@@ -1,9 +1,61 @@
-"""What all designs share: a tube has a lower and an upper edge in every dimension."""
+"""What every design answers, whatever its kind: a tube has a lower and an upper edge in every dimension."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any, Protocol
+
+import numpy.typing as npt
+
+from stt_codegen.design_kinds import Capabilities, DesignKind
 
 LOWER, UPPER = 0, 1  # the sides, as indices
 Edge = tuple[Fraction, Fraction]  # lower, upper
 LEAST_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide, so that xi stays finite
+Array = npt.NDArray[Any]
+
+
+class Design(Protocol):
+    """The numbers that fix a tube. What is done by kind stands in tables whose keys are kinds; everything else is asked here."""
+
+    @property
+    def kind(self) -> DesignKind:
+        """The name of its kind, as `tube.design` has it."""
+
+    @property
+    def capabilities(self) -> Capabilities:
+        """What its kind offers."""
+
+    @property
+    def is_stateful(self) -> bool:
+        """Whether the tube depends on an update function alpha that the caller keeps and steps; else on time alone."""
+
+    @property
+    def prescribed_time(self) -> Fraction:
+        """t_c in seconds."""
+
+    @property
+    def dimension(self) -> int:
+        """n, the number of state components."""
+
+    @property
+    def size(self) -> str:
+        """How large the design is, in words."""
+
+    @property
+    def parts(self) -> int | None:
+        """Into how many parts of equal length its data divide the time; None where they divide nothing."""
+
+    @property
+    def filter(self) -> tuple[Fraction, ...]:
+        """lambda by component, 1/s, where v + lambda x is held in a tube too, for plants of order 2; else empty."""
+
+    @property
+    def cycle_begin(self) -> Fraction | None:
+        """The time with which the part begins that is repeated for ever, to t_c; None for a tube that stands from t_c on."""
+
+    def numbers(self) -> dict[str, Any]:
+        """All numbers that fix the tube, by name, as the design's hash reads them."""
+
+    def edges_at(self, t: Array) -> tuple[Array, Array]:
+        """Lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""

@@ -8,25 +8,23 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify.certificate import Certificate, Finding, MissionProof, PeriodProof
-from stt_codegen.certify.claims import Claim, claims_of, cuts_of
-from stt_codegen.certify.mission import SLICES
+from stt_codegen.certify import Certificate, Claim, Finding, MissionProof, PeriodProof, claims_of, cuts_of
+from stt_codegen.certify.missions import SLICES
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
-from stt_codegen.program import Program
-from stt_codegen.program.number import round_down
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.designs import Design, RefinedDesign, require_adaptive, require_refined
+from stt_codegen.program import Program, round_down
 from stt_codegen.task import Task
 
 CERTIFICATE_FORMAT = 2
 DIGITS = {"enclosure": 4, "sampled": 6}  # of margins and bounds: fewer where a library's last digit has a part
 
 
-def certificate_text(
-    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, digests: dict[str, str]
-) -> str:
+def certificate_text(task: Task, design: Design, program: Program, certificate: Certificate, digests: dict[str, str]) -> str:
     """The document as it is written: one claim a line."""
     head = {
         "format": CERTIFICATE_FORMAT,
@@ -38,10 +36,7 @@ def certificate_text(
         "scalar": program.scalar,
         "sha256": {"task_data": task.digest, **digests},
     }
-    body = (
-        _exact(task, design, program, certificate) if isinstance(design, RefinedDesign) else _decimals(task, design, certificate)
-    )
-    return _lines({**head, **body}) + "\n"
+    return _lines({**head, **BODIES[design.kind](task, design, certificate)}) + "\n"
 
 
 def _lines(document: dict[str, Any]) -> str:
@@ -61,8 +56,9 @@ def _lines(document: dict[str, Any]) -> str:
 # ------------------------------------------------------------------------------------------------ exact
 
 
-def _exact(task: Task, design: RefinedDesign, program: Program, certificate: Certificate) -> dict[str, Any]:
+def _exact(task: Task, any_design: Design, certificate: Certificate) -> dict[str, Any]:
     """What is claimed of a refined tube."""
+    design = require_refined(any_design)
     claims, bezier = claims_of(task, design, certificate), design.bezier()
     cuts = cuts_of(claims)
     rates = 3 * abs(bezier[..., 1:] - bezier[..., :-1]).max(axis=(0, 2, 3))
@@ -95,7 +91,7 @@ def _filter(design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
 
 def _claim(claim: Claim, cuts: int) -> dict[str, Any]:
     """One claim; times in parts of a segment."""
-    entry: dict[str, Any] = {"property": claim.code}
+    entry: dict[str, Any] = {"property": claim.subject.code}
     if claim.name is not None:
         entry["set"] = claim.name
     if claim.order is not None:
@@ -146,8 +142,9 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
 # ------------------------------------------------------------------------------------------------ decimals
 
 
-def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> dict[str, Any]:
+def _decimals(task: Task, any_design: Design, certificate: Certificate) -> dict[str, Any]:
     """What is claimed of an adaptive or literal tube: margins rounded down, bounds up."""
+    design = require_adaptive(any_design)
     digits = DIGITS[certificate.method]
     steps = {} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}
     return {
@@ -193,3 +190,10 @@ def _finding(finding: Finding, digits: int) -> dict[str, Any]:
     if finding.obstacle is not None:
         entry["unsafe_set"] = finding.obstacle
     return entry
+
+
+BODIES: Mapping[DesignKind, Callable[[Task, Design, Certificate], dict[str, Any]]] = {
+    "refined": _exact,
+    "adaptive": _decimals,
+    "literal": _decimals,
+}

@@ -3,18 +3,17 @@ from its kernel (templates/loop/)."""
 
 from __future__ import annotations
 
-from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.mission import cycle_of
-from stt_codegen.controller.integers.law import law_of
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.certify import Certificate
+from stt_codegen.certify.missions import cycle_of
+from stt_codegen.controller.integers import law_of
+from stt_codegen.designs import Design, require_refined
 from stt_codegen.emit.integers import power_of_two
 from stt_codegen.emit.naming import file_names, guard_name, wrap_name
-from stt_codegen.emit.render import template
 from stt_codegen.plants import Model, model
-from stt_codegen.program import Program
-from stt_codegen.program.lower import lower
-from stt_codegen.program.number import round_to, shortest
-from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program import Program, round_to, shortest
+from stt_codegen.program.convert import lower
+from stt_codegen.program.targets.c import CPrinter
+from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
 STEPS = 2000  # of alpha over t_c, where the certificate says nothing of them
@@ -27,26 +26,26 @@ def driven_sources(task: Task) -> list[str]:
     return [source, *guard, *([wrap_name(task.name)] if task.repeat else [])]
 
 
-def cycle_literal(design: RefinedDesign | AdaptiveDesign) -> str | None:
+def cycle_literal(design: Design) -> str | None:
     """The length of the cycle of a tube that repeats itself, seconds, as a double's literal."""
     cycle = cycle_of(design)
     return None if cycle is None else shortest(round_to(cycle.length, "double"), "double")
 
 
-def adapter_source(task: Task, design: RefinedDesign | AdaptiveDesign, certificate: Certificate) -> str:
+def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
     """`loop_own_step`, `loop_own_tube`, `loop_own_margin` and what else templates/loop/adapter.c.j2 has."""
     if task.emit.scalar == "fixed":
-        assert isinstance(design, RefinedDesign)
+        refined = require_refined(design)
         return template("loop/adapter_fixed.c.j2").render(
-            prefix=task.name, macro=task.name.upper(), order=task.order, x_scale=power_of_two(design.bits),
-            u_scale=power_of_two(law_of(task, design).u_bits), t_c=repr(float(task.prescribed_time)), segments=design.segments,
-            rows=len(design.table), filter=[repr(float(v)) for v in design.filter],
-            table=[[f"{v}.0" for v in row] for row in design.integers().reshape(len(design.table), -1)],
+            prefix=task.name, macro=task.name.upper(), order=task.order, x_scale=power_of_two(refined.bits),
+            u_scale=power_of_two(law_of(task, refined).u_bits), t_c=repr(float(task.prescribed_time)), segments=refined.segments,
+            rows=len(refined.table), filter=[repr(float(v)) for v in refined.filter],
+            table=[[f"{v}.0" for v in row] for row in refined.integers().reshape(len(refined.table), -1)],
         )  # fmt: skip
     steps = certificate.steps
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(
-        prefix=task.name, macro=task.name.upper(), adaptive=design.stateful, longest=longest, order=task.order,
+        prefix=task.name, macro=task.name.upper(), is_stateful=design.is_stateful, longest=longest, order=task.order,
         outside=task.control.outside, differs=task.differs, cycle=cycle_literal(design),
     )  # fmt: skip
 

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
-import jinja2
-
-from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.schedule import phases
-from stt_codegen.controller.integers.curves import OVER_BITS, RISE_BITS
-from stt_codegen.controller.integers.law import law_of
+from stt_codegen.certify import Certificate
+from stt_codegen.certify.missions import phases
+from stt_codegen.controller import start_share
+from stt_codegen.controller.integers import OVER_BITS, RISE_BITS, law_of
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.emit.naming import file_names, phase_name, selftest_name
-from stt_codegen.program import Program, Status
-from stt_codegen.program.print.c import CPrinter
-from stt_codegen.program.print.python import PythonPrinter
+from stt_codegen.emit.naming import phase_name, selftest_name
+from stt_codegen.program import Program, Status, round_down, shortest
+from stt_codegen.program.targets import targets_of
+from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
 CALM: tuple[float, ...] = (0.48, 0.53, 0.505, 0.46)  # of the way from the lower edge to the upper one
@@ -34,11 +31,9 @@ def texts(
     program: Program,
     certificate: Certificate,
     common: dict[str, Any],
-    template: Callable[[str], jinja2.Template],
 ) -> dict[str, str]:
-    """Header, C and Python by name; a self-test and phases where they are asked for. common: what both templates are told."""
+    """The files of each language by name, a self-test and phases where asked for. common: what all templates are told."""
     assert program.tick is not None
-    header, source, module, _ = file_names(task.name)
     law = law_of(task, design)
     told = common | {
         "x_bits": design.bits,
@@ -51,30 +46,31 @@ def texts(
         "t_c": decimal(task.prescribed_time),
         "statuses": [Status.OK, Status.OUTSIDE_TUBE],
         "phases": [],
+        "share_text": decimal(start_share(task)),
+        "share": shortest(round_down(start_share(task), "double"), "double"),
     }
     if certificate.mission is not None:
         told["phases"] = [(math.ceil(until / program.tick), entry) for until, entry in phases(task, certificate.mission)]
     if certificate.proved_period is not None:
         told["proved"] = int(certificate.proved_period.period / program.tick)
-    printer, python = CPrinter(program), PythonPrinter(program)
 
     def made(name: str, **more: Any) -> str:
         return template(name).render(**told, **more)
 
     files = {
-        header: made("fixed.h.j2", c=printer),
-        source: made("fixed.c.j2", c=printer),
-        module: made("fixed.py.j2", python=python),
+        task.name + suffix: made(f"{target.key}/fixed{suffix}.j2", **{target.key: target.printer(program)})
+        for target in targets_of(task.emit)
+        for suffix in target.suffixes
     }
     if told["phases"]:
-        files[phase_name(task.name)] = made("fixed_phase.c.j2")
+        files[phase_name(task.name)] = made("c/fixed_phase.c.j2")
     if task.emit.selftest:
         vectors = [p.name for p in program.function("control").params if p.length and not p.output]
         calls = [
             (tick, [_literal(v) for v in given], status)
-            for tick, given, status in _calls(design, loaded(files[module]), int(told["last_tick"]), law.octaves)
+            for tick, given, status in _calls(design, loaded(files[f"{task.name}.py"]), int(told["last_tick"]), law.octaves)
         ]
-        files[selftest_name(task.name)] = made("fixed_selftest.c.j2", vectors=vectors, calls=calls, n=program.dimension)
+        files[selftest_name(task.name)] = made("c/fixed_selftest.c.j2", vectors=vectors, calls=calls, n=program.dimension)
     return files
 
 

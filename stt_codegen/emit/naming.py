@@ -9,15 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from stt_codegen.program import Assign, Call, For, Program, Return, Statement
-from stt_codegen.task.reserved import C_WORDS, CPP_WORDS, RUST_WORDS
-
-SUFFIXES = (".h", ".c", ".py", ".certificate.json")
-MATH_WORDS = frozenset("j0 j1 jn y0 y1 yn gamma lgamma signgam isfinite NAN INFINITY".split())
+from stt_codegen.program.targets import TARGETS
 
 
 def file_names(prefix: str) -> tuple[str, ...]:
-    """The files that `generate` writes for one task."""
-    return tuple(prefix + suffix for suffix in SUFFIXES)
+    """The files that every task has: of the languages that are always emitted (header, source, module), and the certificate."""
+    emitted = [name for target in TARGETS if not target.option for name in target.file_names(prefix)]
+    return (*emitted, f"{prefix}.certificate.json")
 
 
 def selftest_name(prefix: str) -> str:
@@ -40,15 +38,20 @@ def wrap_name(prefix: str) -> str:
     return f"{prefix}_wrap.c"
 
 
-def rust_name(prefix: str) -> str:
-    """The file that `emit.rust` adds."""
-    return f"{prefix}.rs"
+def unwrap_name(prefix: str) -> str:
+    """The file that `periodic` adds."""
+    return f"{prefix}_unwrap.c"
+
+
+def spelled_name(prefix: str) -> str:
+    """The task with the sets of its map or outline spelled out, for who checks the certificate."""
+    return f"{prefix}.task.toml"
 
 
 def check_names(program: Program) -> None:
-    """Raise ValueError when two externals collide, a local is assigned twice, or a name is a word of C, C++, <math.h> or Rust."""
+    """Raise ValueError when two externals collide, a local is assigned twice, or a name is taken in a target language."""
     external = [t.name for t in program.tables] + [k.name for k in program.kernels] + [f.name for f in program.functions]
-    external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "exponent", "mantissa"]
+    external += ["real", "status", "selftest", "guard", "phase", "wrap", "wrap_tick", "unwrap", "exponent", "mantissa"]
     _unique(external, "the file")
     for kernel in program.kernels:
         _unique([v.name for v in kernel.inputs] + [a.var.name for a in kernel.body], kernel.name)
@@ -76,6 +79,9 @@ def _unique(names: list[str], where: str) -> None:
     for name in names:
         if name in seen:
             raise ValueError(f"{where}: the name {name!r} is used twice")
-        if name in C_WORDS | CPP_WORDS | MATH_WORDS | RUST_WORDS:
-            raise ValueError(f"{where}: {name!r} is a word of C, C++, <math.h> or Rust")
+        for target in TARGETS:
+            if name in target.words:
+                raise ValueError(f"{where}: {name!r} is {target.words_are}")
+            if name in target.globals:
+                raise ValueError(f"{where}: {name!r} is a name of the library of {target.title}")
         seen.add(name)

@@ -1,38 +1,43 @@
-"""From a Program and its certificate to the text of the four files. Templates place text; everything is decided here."""
+"""From a Program and its certificate to the text of its files. Templates place text; everything is decided here."""
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 import math
 import textwrap
-from functools import cache
-from pathlib import Path
 from typing import Any
 
-import jinja2
-
-from stt_codegen.certify.certificate import Certificate
-from stt_codegen.certify.mission import cycle_of
-from stt_codegen.certify.monitor import Cycle
-from stt_codegen.certify.schedule import phases, sentence, served
+from stt_codegen.certify import Certificate, Cycle
+from stt_codegen.certify.missions import cycle_of, phases, sentence, served
+from stt_codegen.controller import start_share
 from stt_codegen.decimals import above, below, by_component, decimal
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.designs import Design, require_refined
 from stt_codegen.emit.document import certificate_text
-from stt_codegen.emit.naming import check_names, file_names, guard_name, phase_name, rust_name, selftest_name, wrap_name
-from stt_codegen.program import Const, Program, Status
-from stt_codegen.program.number import FORMATS, round_down, round_to, round_up
-from stt_codegen.program.print.c import CPrinter
-from stt_codegen.program.print.python import PythonPrinter
+from stt_codegen.emit.naming import (
+    check_names,
+    file_names,
+    guard_name,
+    phase_name,
+    selftest_name,
+    spelled_name,
+    unwrap_name,
+    wrap_name,
+)
+from stt_codegen.emit.unwrapping import turns_notice, unwrapping
+from stt_codegen.program import FORMATS, Const, Program, Status, round_down, round_to, round_up
+from stt_codegen.program.targets import targets_of
+from stt_codegen.program.targets.c import CPrinter
+from stt_codegen.program.targets.template_files import template
+from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
 Files = dict[str, bytes]
 NO_BREAK = "\u00a0"
 
 
-def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate) -> Files:
-    """The emitted files by name: header, C, Python, certificate. UTF-8 with LF line ends; no date, version or path."""
+def render(task: Task, design: Design, program: Program, certificate: Certificate) -> Files:
+    """The emitted files by name: of every language, and the certificate. UTF-8 with LF line ends; no date, version or path."""
     check_names(program)
     *_, proof = file_names(task.name)
     common: dict[str, Any] = {
@@ -42,42 +47,42 @@ def render(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program,
         "statuses": list(Status),
         "scalar": program.scalar,
         "kind": design.kind,
+        "is_stateful": design.is_stateful,
         "order": task.order,
         "hash": design_hash(task, design),
         "notice": notice(task, certificate),
-        "clock": _clock(task),
+        "clock": clock_words(task),
         "selftest": task.emit.selftest,
         "outside": task.control.outside,
         "late": bool(task.control.latency),
         "steps": certificate.steps if certificate.holds else None,
         "entries": _entries(task, certificate),
+        **unwrapping(task, program.scalar),
     }
     if program.scalar == "fixed":
         from stt_codegen.emit.integers import texts
 
-        assert isinstance(design, RefinedDesign)
-        files = texts(task, design, program, certificate, common, template)
+        files = texts(task, require_refined(design), program, certificate, common)
     else:
         files = _texts(task, design, program, certificate, common)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
     if task.written is not None:
-        encoded[f"{task.name}.task.toml"] = task.written.encode()
+        encoded[spelled_name(task.name)] = task.written.encode()
     encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
     return encoded
 
 
-def _texts(
-    task: Task, design: RefinedDesign | AdaptiveDesign, program: Program, certificate: Certificate, common: dict[str, Any]
-) -> dict[str, str]:
+def _texts(task: Task, design: Design, program: Program, certificate: Certificate, common: dict[str, Any]) -> dict[str, str]:
     """The text of all files but the certificate, in floating point. common: what every template is told."""
-    header, source, module, _ = file_names(task.name)
-    printer, python = CPrinter(program), PythonPrinter(program)
     common = common | {
         "precision": "single" if program.scalar == "float" else "double",
         "phases": _phases(task, program, certificate),
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
+    if design.capabilities.tells_covered_starts:
+        common["share_text"] = decimal(start_share(task))
+        common["share"] = Const(round_down(start_share(task), program.scalar))
     period = task.emit.tick_period
     if certificate.proved_period is not None:
         common["proved"] = Const(round_down(certificate.proved_period.period, program.scalar))
@@ -89,43 +94,34 @@ def _texts(
     cycle = cycle_of(design)
     if cycle is not None:
         common |= _cycle(task, cycle, program.scalar)
-    shown = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
-    files = {
-        header: template("controller.h.j2").render(**common, c=printer, t_c_literal=printer.literal(t_c), step_literals=shown),
-        source: template("controller.c.j2").render(**common, c=printer),
-        module: template("controller.py.j2").render(**common, python=python, t_c_literal=python.literal(t_c)),
-    }
-    if task.emit.rust:
-        from stt_codegen.program.print.rust import RustPrinter
-
-        rust = RustPrinter(program)
-        steps = [rust.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
-        t_c_rust = rust.literal(t_c)
-        files[rust_name(task.name)] = template("controller.rs.j2").render(
-            **common, rust=rust, t_c_literal=t_c_rust, step_literals=steps
-        )
+    files: dict[str, str] = {}
+    for target in targets_of(task.emit):
+        printer = target.printer(program)
+        steps = [printer.literal(Const(round_to(v, program.scalar))) for v in common["steps"] or ()]
+        words = {target.key: printer, "t_c_literal": printer.literal(t_c), "step_literals": steps}
+        for suffix in target.suffixes:
+            files[task.name + suffix] = template(f"{target.key}/controller{suffix}.j2").render(**common, **words)
+    c = CPrinter(program)
     if task.emit.selftest and any(f.name == "control" for f in program.functions):  # a probe has none
         from stt_codegen.emit.selftest import suites
 
         made = suites(task, design, program)
         total = sum(len(v.statuses) for v in made)
-        files[selftest_name(task.name)] = template("selftest.c.j2").render(**common, c=printer, suites=made, total=total)
+        files[selftest_name(task.name)] = template("c/selftest.c.j2").render(**common, c=c, suites=made, total=total)
     if task.control.outside != "return":
-        files[guard_name(task.name)] = template("guard.c.j2").render(**common)
+        files[guard_name(task.name)] = template("c/guard.c.j2").render(**common)
     if common["phases"]:
-        files[phase_name(task.name)] = template("phase.c.j2").render(**common, c=printer)
+        files[phase_name(task.name)] = template("c/phase.c.j2").render(**common, c=c)
     if cycle is not None:
-        files[wrap_name(task.name)] = template("wrap.c.j2").render(**common)
+        files[wrap_name(task.name)] = template("c/wrap.c.j2").render(**common)
+    if task.closed:
+        files[unwrap_name(task.name)] = template("c/unwrap.c.j2").render(**common)
     return files
 
 
-def design_hash(task: Task, design: RefinedDesign | AdaptiveDesign) -> str:
+def design_hash(task: Task, design: Design) -> str:
     """16 hex digits that name this design and its options; firmware logs it to tell which controller runs."""
-    numbers = dataclasses.asdict(design)
-    for name in ("filter", "seam"):  # of order 2 alone, and of what is repeated
-        if numbers.get(name) in (None, ()):
-            numbers.pop(name, None)
-    data = {"task": task.digest, "scalar": task.emit.scalar, "design": numbers}
+    data = {"task": task.digest, "scalar": task.emit.scalar, "design": design.numbers()}
     return hashlib.sha256(json.dumps(data, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
@@ -137,6 +133,7 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
             f"unsafe set, stays in the state space, is at least {decimal(task.tube.min_width)} wide, and "
             + (_ends(task) if task.target_set is None else "ends in the target set."),
         ]
+        lines += turns_notice(task)
         lines += _mission(task, certificate)
         lines += _stated(task)
         if task.order == 2:
@@ -155,17 +152,18 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
         if not certificate.whole_start:
             lines.append("It starts on a part of the initial set only: see `start` in the certificate.")
         if certificate.proved_period is not None:
-            (ninth,) = (f for f in certificate.findings if f.code == "P9")
-            told = f"The state stays in it (P9) {ninth.statement}."
+            (of_period,) = (f for f in certificate.findings if f.subject is Property.PERIOD)
+            sentence = f"The state stays in it ({Property.PERIOD.code}) {of_period.statement}."
             for comparison in (" <= ", " = ", " < "):  # is not broken over two lines
-                told = told.replace(comparison, comparison.replace(" ", NO_BREAK))
-            lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(told, 115)]
-        elif task.scales and any(f.code == "P8" for f in certificate.findings):
+                sentence = sentence.replace(comparison, comparison.replace(" ", NO_BREAK))
+            lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(sentence, 115)]
+        elif task.scales and any(f.subject is Property.LIMITS for f in certificate.findings):
             lines.append("For every plant within [plant] of the task u within u_max, scaled as a whole, outdoes all that pushes")
-            lines.append("(P8), in continuous time. What this gain holds against `stt-codegen prove` tells.")
-        elif any(f.code == "P8" for f in certificate.findings):
+            lines.append(f"({Property.LIMITS.code}), in continuous time. What this gain holds against `stt-codegen prove` tells.")
+        elif any(f.subject is Property.LIMITS for f in certificate.findings):
             lines.append(
-                "For every plant within [plant] of the task |u| <= u_max is enough to hold the state in it (P8), in continuous"
+                "For every plant within [plant] of the task |u| <= u_max is enough to hold the state in it "
+                f"({Property.LIMITS.code}), in continuous"
             )
             lines.append("time. What this gain holds against, and how fast it must be sampled, `stt-codegen prove` tells.")
         elif task.u_max is not None:
@@ -174,8 +172,8 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
     return [
         "*** NOT CERTIFIED *** NOT CERTIFIED *** NOT CERTIFIED ***",
         "This controller was written with --uncertified. Do not run it on a machine. "
-        + ("What fails:" if certificate.failures else "P1 to P6 hold at samples;"),
-        *(f"  {f.code} {f.title}{' at ' + f.place(certificate.axes) if f.place() else ''}" for f in certificate.failures),
+        + ("What fails:" if certificate.failures else f"{Property.WIDTH.code} to {Property.SMOOTH.code} hold at samples;"),
+        *(f"  {f.code} {f.subject.word}{' at ' + f.place(certificate.axes) if f.place() else ''}" for f in certificate.failures),
         *(["between the samples nothing is proved."] if not certificate.failures else []),
     ]
 
@@ -189,11 +187,12 @@ def _mission(task: Task, certificate: Certificate) -> list[str]:
     shown = certificate.mission
     if shown is None:
         return []
-    (margin,) = (f.margin for f in certificate.findings if f.code == "P10" and f.in_time)
-    told = f"Every x(t) that stays in the tube satisfies the mission (P10): {shown.formula}; times are seconds of t"
-    told += (", not turned back" if task.repeat else "") + ". It still "
-    told += f"holds where every time at which the tube is in a region, or off one, is wrong by up to {below(margin, 3):g} s."
-    return textwrap.wrap(told, 115)
+    (margin,) = (f.margin for f in certificate.findings if f.subject is Property.MISSION and f.in_time)
+    sentence = f"Every x(t) that stays in the tube satisfies the mission ({Property.MISSION.code}): {shown.formula}; "
+    sentence += "times are seconds of t"
+    sentence += (", not turned back" if task.repeat else "") + ". It still "
+    sentence += f"holds where every time at which the tube is in a region, or off one, is wrong by up to {below(margin, 3):g} s."
+    return textwrap.wrap(sentence, 115)
 
 
 def _entries(task: Task, certificate: Certificate) -> list[str]:
@@ -223,7 +222,7 @@ def _cycle(task: Task, cycle: Cycle, scalar: str) -> dict[str, Any]:
     return found
 
 
-def _clock(task: Task) -> str:
+def clock_words(task: Task) -> str:
     """What is said beside t_c where the clock of the sets, or that of a mission, matters."""
     if not task.timed:
         late = f" at the latest {decimal(task.start_delay)} s after" if task.start_delay else " when"
@@ -237,34 +236,10 @@ def _stated(task: Task) -> list[str]:
     if not task.timed:
         return []
     late = f", or up to {decimal(task.start_delay)} s later" if task.start_delay else ""
-    told = f"The sets are those of the task, where and when it states them: t = 0 here is t = 0 on their clock{late}"
+    sentence = f"The sets are those of the task, where and when it states them: t = 0 here is t = 0 on their clock{late}"
     doubt = [f"{s.name} {decimal(s.timing)} s" for s in task.unsafe if s.timing]
-    told += f"; their times may be wrong by as much as the task says ({', '.join(doubt)})." if doubt else "."
-    told += " Nothing is shown for sets that move in another way."
+    sentence += f"; their times may be wrong by as much as the task says ({', '.join(doubt)})." if doubt else "."
+    sentence += " Nothing is shown for sets that move in another way."
     growing = [s.name for s in task.unsafe if s.spread]
-    told += f" Of what grows ({', '.join(growing)}) the tube keeps clear until t_c, not for every t." if growing else ""
-    return textwrap.wrap(told, 115)
-
-
-def template_folder() -> Path:
-    """Where the templates are: inside the installed package, or beside it in a checkout."""
-    inside = Path(__file__).parent.parent / "templates"
-    return inside if inside.is_dir() else Path(__file__).parent.parent.parent / "templates"
-
-
-@cache
-def _environment() -> jinja2.Environment:
-    return jinja2.Environment(
-        loader=jinja2.FileSystemLoader(template_folder(), encoding="utf-8"),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        newline_sequence="\n",
-        autoescape=False,
-    )
-
-
-def template(name: str) -> jinja2.Template:
-    """A template of the folder, undefined names being errors."""
-    return _environment().get_template(name)
+    sentence += f" Of what grows ({', '.join(growing)}) the tube keeps clear until t_c, not for every t." if growing else ""
+    return textwrap.wrap(sentence, 115)

@@ -2,8 +2,9 @@
 
 One call for every three segments of the table (a dozen where there is none), so that every coefficient moves some u, near the
 middle of the tube, where u is not saturated; and a few beside the edges, outside and far away. What u may be is an enclosure of
-the emitted arithmetic (`program.arb`), so every right compiler and library passes, whether or not it fuses multiplications or how
-it rounds, and nothing that is wrong by more than rounding does. A NaN at the end finds arithmetic without it.
+the emitted arithmetic (`program.analyse.balls`), so every right compiler and library passes, whether or not it fuses
+multiplications or how it rounds, and nothing that is wrong by more than rounding does. A NaN at the end finds arithmetic
+without it.
 
 For plants of order 2 it is v + lambda x that stands near the middle, of the filtered tube, and x elsewhere in its own, so that
 a wrong lambda moves u too; v is what is left. Then one of the two strikes while the other is calm.
@@ -19,12 +20,10 @@ from typing import Any
 
 from flint import arb
 
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput
-from stt_codegen.program import REAL, Program, Status, Table
-from stt_codegen.program.ball_arithmetic import ball
-from stt_codegen.program.balls import Enclosure
-from stt_codegen.program.number import FORMATS, round_to, ulp_exponent
+from stt_codegen.program import FORMATS, REAL, Program, Status, Table, round_to, ulp_exponent
+from stt_codegen.program.analyse import Enclosure, ball
 from stt_codegen.task import Task
 
 Edges = dict[str, list[arb]]
@@ -58,7 +57,7 @@ class Vectors:
     arguments: tuple[tuple[int, bool], ...]  # where in a point, and whether it is an array
 
 
-def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program) -> list[Vectors]:
+def suites(task: Task, design: Design, program: Program) -> list[Vectors]:
     """The vectors of `control`, and of `control_tick` where there is one."""
     balls = Enclosure(program, rounding=True)
     parts = design.parts or PARTS
@@ -74,7 +73,7 @@ def suites(task: Task, design: RefinedDesign | AdaptiveDesign, program: Program)
 
 def _vectors(
     task: Task,
-    design: RefinedDesign | AdaptiveDesign,
+    design: Design,
     program: Program,
     balls: Enclosure,
     name: str,
@@ -91,7 +90,7 @@ def _vectors(
     for k, (begin, (share, filtered_share)) in enumerate(when):
         given, tube, filtered = _time(task, program, balls, [begin + place * part for place in places], k)
         given["x"] = [round_to(value, scalar) for value in _standing(tube, share, k)]
-        if isinstance(design, RefinedDesign) and filtered is not None:
+        if filtered is not None:
             held = zip(_standing(filtered, filtered_share, k + 1), design.filter, given["x"], strict=True)
             given["v"] = [round_to(z - value * x, scalar) for z, value, x in held]
         if name == "control_tick":
@@ -135,12 +134,12 @@ def _found(task: Task, balls: Enclosure, name: str, given: dict[str, Any]) -> tu
     return balls.run_given(name, "segment", [(row, a.union(b)) for a, b in pairwise(ends)], **given)
 
 
-def _places(design: RefinedDesign | AdaptiveDesign, balls: Enclosure) -> Sequence[Fraction]:
+def _places(design: Design, balls: Enclosure) -> Sequence[Fraction]:
     """PLACES. For order 2 the best first: a table entry moves a filtered edge by the edge's rate and by lambda times the edge,
     and at some places in a segment the two cancel, so that a wrong entry is not seen there."""
-    if not isinstance(design, RefinedDesign) or not design.filter:
+    if not design.filter:
         return PLACES
-    per_second = float(Fraction(design.segments) / design.prescribed_time)
+    per_second = float(Fraction(design.parts or PARTS) / design.prescribed_time)
 
     def least_seen(place: Fraction) -> float:
         weights, rates = ([float(w.mid()) for w in balls.kernel(name, ball(place))] for name in ("basis", "basis_rate"))

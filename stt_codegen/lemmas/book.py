@@ -5,71 +5,59 @@ A family is one module with LEMMAS or several. What is refuted stands beside its
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from stt_codegen.lemmas import (
-    bumps,
-    conflict,
-    filtered,
+from stt_codegen.lemmas.cache import Cache
+from stt_codegen.lemmas.emitted import functions, printed_kernels
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, with_steps
+from stt_codegen.lemmas.paper import bumps, conflict, reach, smooth_maximum, theorem_4_1, transform, update_cells, update_function
+from stt_codegen.lemmas.sampling import (
+    definite_plants,
     first_exit,
-    functions,
-    inertia,
-    kernels,
-    limits,
-    moving,
-    plant,
-    reach,
-    refined,
-    rows,
     sampled,
     sampled_evaluated,
     sampled_exact,
     sampled_windows,
     saturated,
-    shapes,
-    smooth,
-    theorem,
-    transform,
-    update,
-    update_cells,
 )
-from stt_codegen.lemmas.cache import Cache
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, with_steps
+from stt_codegen.lemmas.sets import constraint_rows as rows
+from stt_codegen.lemmas.sets import moving_bounds as moving
+from stt_codegen.lemmas.sets import shape_supports
+from stt_codegen.lemmas.tube import filtered_tube, input_limits, spline_edges
+from stt_codegen.lemmas.tube import inertial_inputs as inertia
 
 # In this order: a step stands before what names it.
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
     "windows": ("Conflict windows, dimension and side", conflict.LEMMAS),
     "bumps": ("Circumvent functions", bumps.LEMMAS),
-    "smooth": ("Smooth maximum and minimum", smooth.LEMMAS),
-    "update": ("Update function", (*update.LEMMAS, *update_cells.LEMMAS)),
+    "smooth": ("Smooth maximum and minimum", smooth_maximum.LEMMAS),
+    "update": ("Update function", (*update_function.LEMMAS, *update_cells.LEMMAS)),
     "transform": ("Error transform and law", transform.LEMMAS),
-    "theorem": ("Theorem 4.1", theorem.LEMMAS),
-    "plant": ("Assumption 2 for a plant", plant.LEMMAS),
-    "refined": ("Refined tube", refined.LEMMAS),
+    "theorem": ("Theorem 4.1", theorem_4_1.LEMMAS),
+    "plant": ("Assumption 2 for a plant", definite_plants.LEMMAS),
+    "refined": ("Refined tube", spline_edges.LEMMAS),
     "sampled": (
         "Sampled control",
         tuple(v for m in (first_exit, sampled, sampled_evaluated, sampled_windows, sampled_exact) for v in m.LEMMAS),
     ),
     "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
-    "limits": ("Limits on u", (*limits.LEMMAS, *saturated.LEMMAS)),
-    "filtered": ("Plants of order 2", (*filtered.LEMMAS, *inertia.LEMMAS)),
-    "shapes": ("Shapes: normals, supports, distances", shapes.LEMMAS),
+    "limits": ("Limits on u", (*input_limits.LEMMAS, *saturated.LEMMAS)),
+    "filtered": ("Plants of order 2", (*filtered_tube.LEMMAS, *inertia.LEMMAS)),
+    "shapes": ("Shapes: normals, supports, distances", shape_supports.LEMMAS),
     "moving": ("Sets that move: parts of a piece, bounds, places", moving.LEMMAS),
-    "kernels": ("What is printed: kernels of the adaptive tube", kernels.LEMMAS),
+    "kernels": ("What is printed: kernels of the adaptive tube", printed_kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),
 }
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A lemma with what its proof came to, and how long that took."""
+    """A lemma with what its proof came to."""
 
     lemma: Lemma
     outcome: Outcome
-    seconds: float
 
     @property
     def verdict(self) -> Verdict:
@@ -84,12 +72,11 @@ def prove_all(progress: Callable[[str], None] = lambda _: None, fresh: bool = Tr
     for title, lemmas in FAMILIES.values():
         progress(title)
         for lemma in lemmas:
-            begin = time.perf_counter()
             outcome = cache.get(lemma.name) or lemma.run()
             cache.put(lemma.name, outcome)
             outcome = with_steps(lemma, outcome, known)
             known[lemma.name] = outcome.verdict
-            entries.append(Entry(lemma, outcome, time.perf_counter() - begin))
+            entries.append(Entry(lemma, outcome))
     cache.keep()
     return entries
 

@@ -16,16 +16,15 @@ from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv, of_task
 from stt_codegen.pipeline import Controller, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
-from stt_codegen.record.files import write_files
-from stt_codegen.report.analysis import Analysis
-from stt_codegen.report.bounds import above_float, below_float
+from stt_codegen.record import write_files
+from stt_codegen.report import Analysis, above_float, below_float
 from stt_codegen.sampling import least, most_room
 from stt_codegen.task import Task
 
 BOUNDS = "bounds"  # the name of the plants within_bounds
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Request:
     """What a user asks `simulate` for; None: what the task or the plant says. As in `Scenario`; plant: a name, a file, or
     "bounds" for the worst of the plants at the corners of [plant]; start: numbers with commas between them; gain: a number, or
@@ -63,7 +62,7 @@ class Request:
         return replace(scenario, strength=0.0 if self.disturbance == "none" else strength, start=_numbers(self.start))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RunReport:
     """What came of a loop, and what had been proved for it beforehand; files: what was written."""
 
@@ -130,7 +129,14 @@ def simulate(controller: Controller, request: Request, out: Path | None) -> RunR
     runs = [(model.name, Loop(controller, model).run(scenario, trace=out is not None)) for model in models]
     name, run = min(runs, key=lambda one: (one[1].good, one[1].margin))
     written = () if out is None else tuple(write_run(controller, run, out, request.axes, scenario.clock))
-    return RunReport(controller, name, scenario, run, tuple(foretold(controller, windy, scenario)), written)
+    return RunReport(
+        controller=controller,
+        plant=name,
+        scenario=scenario,
+        run=run,
+        foretold=tuple(foretold(controller, windy, scenario)),
+        files=written,
+    )
 
 
 def _numbers_or_null(value: Any) -> Any:
@@ -152,13 +158,20 @@ def within_bounds(task: Task) -> list[Plant]:
         cross = [min(c, Fraction(math.sqrt(max(most**2 - least**2, 0.0)) / (n - 1)) * Fraction(999, 1000)) for c in cross]
 
     def plant(words: str, own: list[Fraction], other: int) -> Plant:
-        def matrix(x: Any, *_: Any) -> list[list[float]]:
+        def matrix(*_: Any) -> list[list[float]]:
             def beside(i: int, j: int) -> Fraction:
                 return other * cross[i] * (-1 if task.scales and j < i else 1)
 
             return [[float(sign * own[i] if i == j else beside(i, j)) for j in range(n)] for i in range(n)]
 
-        return Plant(f"[plant], {words}", "", None, lambda x, *_: [0] * x.shape[0], matrix, push, None)
+        return Plant(
+            name=f"[plant], {words}",
+            dimension=None,
+            drift=lambda x, *_: [0] * x.shape[0],
+            input_matrix=matrix,
+            w_max=push,
+            order=None,
+        )
 
     weakest, strongest = [b.g_min for b in stated], [b.g_max for b in stated]
     gains = [("weakest g", weakest), ("strongest g", strongest)][: 1 + (weakest != strongest)]
@@ -170,7 +183,14 @@ def within_bounds(task: Task) -> list[Plant]:
 def with_wind(plant: Model, strength: float) -> Plant:
     """The plant with another bound on |w|."""
     return Plant(
-        plant.name, "", plant.dimension, plant.f, plant.g, Fraction(strength), plant.order, plant.constants, plant.mixing
+        name=plant.name,
+        dimension=plant.dimension,
+        drift=plant.f,
+        input_matrix=plant.g,
+        w_max=Fraction(strength),
+        order=plant.order,
+        constants=plant.constants,
+        mixing=plant.mixing,
     )
 
 
@@ -255,7 +275,7 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
 def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str] = (), clock: str = "stated") -> list[str]:
     """The trace and a picture of it; their paths."""
     from stt_codegen.loop.picture import draw_run
-    from stt_codegen.report.picture import plane_named
+    from stt_codegen.report.pictures import plane_named
 
     assert run.trace is not None
     name = f"{controller.task.name}.loop"

@@ -11,16 +11,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.compare.toolchain import find_compiler, run_compiler
-from stt_codegen.emit.driven import adapter_source, driven_sources, plant_source
-from stt_codegen.emit.render import template_folder
+from stt_codegen.emit import adapter_source, driven_sources, plant_source
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
+from stt_codegen.program.targets import run_compiler
+from stt_codegen.program.targets.c.runner import find_compiler
+from stt_codegen.program.targets.template_files import template_folder
 
 FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-Wno-unused-parameter", "-ffp-contract=off", "-shared", "-fPIC")
 MOST = 64  # dimensions, as in loop.h
-_double_p = ctypes.POINTER(ctypes.c_double)
-STEP = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, _double_p, _double_p)
 
 
 class Setting(ctypes.Structure):
@@ -80,7 +79,7 @@ class Judged(ctypes.Structure):
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Own:
     """An emitted controller as the loop calls it; `start` sets what it keeps to 0. `library` keeps it loaded; lag: by how many
     seconds its tube waits, of one that does."""
@@ -95,7 +94,7 @@ class Own:
 
 def driver(plant: Model, dimension: int, order: int = 1) -> Any:
     """`loop_run` for a plant; compiled once a process for each."""
-    return _driver(f"{plant.name}: {model(plant, dimension, order)}", plant_source(plant, dimension, order))
+    return _driver(plant_source(plant, dimension, order))
 
 
 def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
@@ -105,7 +104,7 @@ def is_constant(plant: Model, dimension: int, order: int = 1) -> bool:
 
 
 @cache
-def _driver(name: str, source: str) -> Any:
+def _driver(source: str) -> Any:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "plant.c").write_text(source)
         made, where = f"{folder}/loop.so", template_folder() / "loop"
@@ -126,7 +125,7 @@ def _driver(name: str, source: str) -> Any:
 
 def own(controller: Controller) -> Own:
     """Compile the emitted C of a controller and load it."""
-    adaptive, outside = controller.design.stateful, controller.task.control.outside
+    adaptive, outside = controller.design.is_stateful, controller.task.control.outside
     with tempfile.TemporaryDirectory() as folder:
         for name, data in controller.files.items():
             Path(folder, name).write_bytes(data)
@@ -136,8 +135,21 @@ def own(controller: Controller) -> Own:
         library = ctypes.CDLL(f"{folder}/own.so")
     if outside != "return":
         library.loop_own_lag.restype = ctypes.c_double
-        return Own(library.loop_own_step, library.loop_own_tube, None, library.loop_own_start, library, library.loop_own_lag)
+        return Own(
+            step=library.loop_own_step,
+            tube=library.loop_own_tube,
+            advance=None,
+            start=library.loop_own_start,
+            library=library,
+            lag=library.loop_own_lag,
+        )
     if not adaptive:
-        return Own(library.loop_own_step, library.loop_own_tube, None, lambda: None, library)
+        return Own(step=library.loop_own_step, tube=library.loop_own_tube, advance=None, start=lambda: None, library=library)
     library.loop_own_advance.argtypes = [ctypes.c_double, ctypes.c_double]
-    return Own(library.loop_own_step, library.loop_own_tube, library.loop_own_advance, library.loop_own_start, library)
+    return Own(
+        step=library.loop_own_step,
+        tube=library.loop_own_tube,
+        advance=library.loop_own_advance,
+        start=library.loop_own_start,
+        library=library,
+    )

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.monitor import Cycle, Span, Time, holds
+from stt_codegen.certify import Cycle, Span, Time, holds
 from stt_codegen.task import Task
-from stt_codegen.task.formula import And, Formula, In, Or
-from stt_codegen.task.mission import states_of
-from stt_codegen.task.shapes import Unsafe, UnsafeBall
+from stt_codegen.task.mission import And, Formula, In, Or, states_of
+from stt_codegen.task.sets import Unsafe, UnsafeBall
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -11,12 +11,21 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 
 from stt_codegen.decimals import by_component
-from stt_codegen.designs.grid import tube_at
 from stt_codegen.loop.simulate import Run
 from stt_codegen.pipeline import Controller
-from stt_codegen.report.drawn import COLOURS, label, patch
-from stt_codegen.report.outlines import Plane, outline
-from stt_codegen.report.picture import draw_arena, draw_dimension, draw_sets, panels, planes_of, save, sheet
+from stt_codegen.report import Plane, outline
+from stt_codegen.report.pictures import (
+    COLOURS,
+    draw_arena,
+    draw_dimension,
+    draw_sets,
+    label,
+    panels,
+    patch,
+    planes_of,
+    save,
+    sheet,
+)
 
 Array = npt.NDArray[Any]
 PATH = "#d35400"
@@ -30,11 +39,11 @@ def draw_run(controller: Controller, run: Run, path: Path, planes: Sequence[Plan
     task, n = controller.task, controller.task.dimension
     t, x, u = run.trace[:, 0], run.trace[:, 1 : n + 1], run.trace[:, n + 1 : 2 * n + 1]
     grid = np.linspace(0.0, float(task.prescribed_time), 1801)
-    low, high = tube_at(controller.design, grid)
+    low, high = controller.design.edges_at(grid)
     shown = planes_of(task, planes)
     there = np.stack([np.interp(grid, t, x[:, i]) for i in range(n)], axis=1)
     figure, above = sheet(controller, max(5.2, 1.8 * (n + 1)), grid, low, high, shown, there)
-    arenas, over = panels(above, task, shown, [*task.axis_names, "u"])
+    arenas, over = panels(above, shown, [*task.axis_names, "u"])
     for axis, plane in zip(arenas, shown, strict=True):
         draw_arena(axis, controller, low, high, plane)
         axis.plot(x[:, plane[0]], x[:, plane[1]], color=PATH, linewidth=1.6)
@@ -98,7 +107,7 @@ def _tube3(axis: Any, controller: Controller, colour: str) -> None:
     for s in task.bare:
         axis.add_collection3d(Poly3DCollection(pillar(outline(s), end), facecolor=COLOURS["unsafe"], alpha=0.12))
     t = np.linspace(0.0, end, SLICES * 8 + 1)
-    low, high = tube_at(controller.design, t)
+    low, high = controller.design.edges_at(t)
     faces = []
     for k in range(0, len(t), 8):
         (x, y), (a, b) = low[k, :2], high[k, :2]
@@ -116,14 +125,14 @@ def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
     """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adaptive tube, all in
     three dimensions."""
     from stt_codegen import reference
-    from stt_codegen.designs.grid import parameters_of
+    from stt_codegen.designs import parameters_of, require_adaptive
 
     assert run.trace is not None
-    task, design = controller.task, controller.design
+    task, design = controller.task, require_adaptive(controller.design)
     t = np.linspace(0.0, float(task.prescribed_time), 1601)
-    lines = reference.lines(parameters_of(design), t)  # type: ignore[arg-type]
-    low, high = tube_at(controller.design, t)
-    pushed = [b.dimension for b in design.bumps]  # type: ignore[union-attr]
+    lines = reference.lines(parameters_of(design), t)
+    low, high = controller.design.edges_at(t)
+    pushed = [b.dimension for b in design.bumps]
     i = max(set(pushed), key=pushed.count) if pushed else 0
     figure = Figure(figsize=(17, 3.9), layout="constrained")
     axes: list[Any] = [figure.add_subplot(1, 5, k + 1) for k in range(4)]

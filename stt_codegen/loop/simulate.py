@@ -19,27 +19,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.mission import cycle_of
+from stt_codegen.arrays import as_floats
+from stt_codegen.certify.missions import cycle_of
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant, own
 from stt_codegen.loop.mission import missed
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
-from stt_codegen.task.motion import Course
-from stt_codegen.task.polytopes import SOLID, HalfSpace
-from stt_codegen.task.sets import ConvexSet
+from stt_codegen.task.sets import SOLID, ConvexSet, Course, HalfSpace
 
 Array = npt.NDArray[Any]
 KINDS = ("none", "constant", "sinusoidal", "random", "nearest", "outward")
-DISTURBANCES = {
-    "none": "w = 0",
-    "constant": "one vector of the full norm, drawn from the seed",
-    "sinusoidal": "along one vector, 0.5 to 20 rad/s, drawn",
-    "random": "a new vector in the ball at every sample",
-    "nearest": "toward the nearest unsafe set or wall, full norm",
-    "outward": "toward the nearest edge of the tube, full norm",
-}
 CLOCKS = ("stated", "early", "late", "worst")  # what the sets' clock shows, within timing and start_delay
 STEP = 0.001  # seconds, of the integrator at most
 PARTS = 4  # of a period, at least
@@ -51,7 +42,7 @@ CYCLES = 2  # more than the first, of a tube that repeats itself
 WAITING = 100  # inputs on their way, less than in loop.h
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Scenario:
     """What a loop runs under. rate: samples a second; strength: bound on |w|; noise, noise_v: bounds on the error of every
     measured component of x and v; lost: samples that may be lost in a row; start: x(0), of order 2 with v(0) behind it or at
@@ -81,8 +72,13 @@ class Scenario:
         if self.clock not in CLOCKS:
             raise BadInput(f"--clock {self.clock}: is none of {', '.join(CLOCKS)}")
         for name, value in self._numbers():
+            if as_floats(name, value, finite=False).ndim:
+                raise BadInput(f"{name}: is an array; one number is needed")
             if not (math.isfinite(value) and value >= 0) or (name == "--rate" and value == 0):
                 raise BadInput(f"{name} {value:g}: a finite number {'above 0' if name == '--rate' else 'of 0 or more'} is needed")
+        for name, count in (("--lost", self.lost), ("--seed", self.seed)):
+            if isinstance(count, bool) or not isinstance(count, int | np.integer):
+                raise BadInput(f"{name}: is {count!r:.40}; a whole number is needed")
         if not 0 <= self.lost <= MOST_SAMPLES:
             raise BadInput(f"--lost {self.lost}: use 0 to {MOST_SAMPLES}")
         if self.latency * self.rate > WAITING:
@@ -97,6 +93,7 @@ class Scenario:
             ("--noise", self.noise),
             ("--latency", self.latency),
             ("--lag", self.lag),
+            ("noise_v", self.noise_v),
         )
 
     @property
@@ -105,7 +102,7 @@ class Scenario:
         return (self.lost + 1) / self.rate + self.latency
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Run:
     """What came of it. hit: the unsafe set that was entered first; times are None where it did not happen; outside: samples at
     which the controller said OUTSIDE_TUBE; margin: least distance to an edge over the width, all along; e, u: largest |e_i|,
@@ -149,22 +146,23 @@ class Loop:
         self.field = _Field(controller.task)
         self.constant = is_constant(plant, controller.task.dimension, controller.task.order)
         self.cycle = cycle_of(controller.design)
-        self.filter = np.array([float(v) for v in getattr(controller.design, "filter", ())])
+        self.filter = np.array([float(v) for v in controller.design.filter])
 
     def run(self, scenario: Scenario, trace: bool = False) -> Run:
         task = self.controller.task
-        given = task.initial_state if scenario.start is None else scenario.start
         try:
-            start = np.array([float(v) for v in given])  # doubles, whatever numbers they were: C reads them by address
-        except (TypeError, ValueError):
-            raise BadInput(f"--start: is {given!r}; {task.dimension} numbers are needed") from None
+            start = as_floats("--start", task.initial_state if scenario.start is None else scenario.start, texts=True)
+        except BadInput as refusal:
+            raise BadInput(f"{str(refusal).rpartition(';')[0]}; {task.dimension} numbers are needed") from None
+        if start.ndim != 1:
+            raise BadInput(f"--start: has shape {start.shape}; {task.dimension} numbers are needed")
         most = task.order * task.dimension
-        if start.ndim != 1 or start.size not in (task.dimension, most):
+        if start.size not in (task.dimension, most):
             told = "" if task.order == 1 else f", or {most} with the speeds"
             raise BadInput(f"--start: has {start.size} numbers, {task.dimension} are needed{told}")
-        start = np.concatenate([start, np.zeros(most - start.size)])
-        if not np.isfinite(start).all():
-            raise BadInput("--start: every number must be finite")
+        start = np.concatenate(
+            [start, np.zeros(most - start.size)]
+        )  # doubles, whatever numbers they were: C reads them by address
         constants = _constants(self.plant, scenario.seed)
         t_c = float(task.prescribed_time)
         if self.cycle is not None:
@@ -373,9 +371,7 @@ def csv(trace: Array, task: Task, clock: str = "stated") -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def starts(
-    task: Task, gamma: Sequence[tuple[Fraction, Fraction]], e: float, seed: int, corner: bool = False
-) -> tuple[float, ...]:
+def starts(gamma: Sequence[tuple[Fraction, Fraction]], e: float, seed: int, corner: bool = False) -> tuple[float, ...]:
     """A random start in the initial set with |e| up to a bound, by component, for gamma(0); or one with |e| at the bound."""
     draw = np.random.default_rng(seed)
     middle = np.array([float(a + b) / 2 for a, b in gamma])

@@ -17,9 +17,9 @@ import control
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.compare.toolchain import load_module
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
+from stt_codegen.program.targets.python.runner import load_module
 
 Array = npt.NDArray[Any]
 
@@ -34,17 +34,17 @@ def controller_system(controller: Controller, name: str = "controller") -> Any:
     module: Any = load_module(controller.task.name, controller.files[f"{controller.task.name}.py"])
     n = controller.task.dimension
     signals = {"name": name, "inputs": names("x", n), "outputs": [*names("u", n), "margin"]}
-    if not controller.design.stateful:
+    if not controller.design.is_stateful:
 
-        def law(t: float, _: Array, x: Array, params: Any) -> Array:
+        def law(t: float, _alpha: Array, x: Array, _params: Any) -> Array:
             return np.array([*module.control(t, x)[1], module.margin(t, x)])
 
         return control.nlsys(None, law, **signals)
 
-    def rate(t: float, alpha: Array, x: Array, params: Any) -> Array:
+    def rate(t: float, alpha: Array, _x: Array, _params: Any) -> Array:
         return np.array(module.alpha_rate(t, alpha)[0])
 
-    def adaptive_law(t: float, alpha: Array, x: Array, params: Any) -> Array:
+    def adaptive_law(t: float, alpha: Array, x: Array, _params: Any) -> Array:
         return np.array([*module.control(t, alpha, x)[1], module.margin(t, alpha, x)])
 
     return control.nlsys(rate, adaptive_law, states=names("alpha", 2 * n), **signals)
@@ -54,11 +54,11 @@ def plant_system(plant: Model, n: int, name: str = "plant") -> Any:
     """A plant as a system: u1..un and w1..wn in, x1..xn out (its states); unknown constants in the middle of their ranges."""
     evaluate, middle = model(plant, n), [(low + high) / 2 for low, high in plant.constants]
 
-    def rate(t: float, x: Array, inputs: Array, params: Any) -> Array:
+    def rate(_t: float, x: Array, inputs: Array, _params: Any) -> Array:
         f, g = (np.array(v) for v in evaluate(np.concatenate([x, middle, x if plant.mixing else []])))
         return np.asarray(f.ravel() + g @ inputs[:n] + inputs[n:])
 
-    def output(t: float, x: Array, inputs: Array, params: Any) -> Array:
+    def output(_t: float, x: Array, _inputs: Array, _params: Any) -> Array:
         return x
 
     signals = {"inputs": [*names("u", n), *names("w", n)], "outputs": names("x", n), "states": names("x", n)}
@@ -81,5 +81,5 @@ def start_of(controller: Controller, x0: Any = None) -> Array:
     """The closed loop's initial state: alpha = 0 where there is one, then x(0)."""
     n = controller.task.dimension
     x = np.array([float(v) for v in controller.task.initial_state] if x0 is None else x0)
-    alpha = np.zeros(2 * n if controller.design.stateful else 0)
+    alpha = np.zeros(2 * n if controller.design.is_stateful else 0)
     return np.concatenate([alpha, x])

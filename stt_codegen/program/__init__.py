@@ -1,15 +1,16 @@
-"""The Program: what is emitted, as typed single assignments (nodes.py), and everything that reads it."""
+"""The Program: what is emitted, as typed single assignments (nodes.py), and everything that reads it.
 
-from stt_codegen.program.build import Block, Loop
+Large because the target languages and eight readers of one intermediate representation are here.
+"""
+
+from stt_codegen.program.build import Block
 from stt_codegen.program.nodes import (
     FALSE,
     NAN,
     TRUE,
     Assign,
     Call,
-    Carry,
     Const,
-    Expression,
     For,
     Function,
     IsFinite,
@@ -23,24 +24,33 @@ from stt_codegen.program.nodes import (
     Select,
     Statement,
     Status,
-    Store,
     Table,
     Trunc,
     Var,
     integer,
     operands,
     real,
-    type_of,
-    uses_fixed,
-    uses_split,
 )
-from stt_codegen.program.operations import BOOL, INT, REAL, STATUS, TICK, Type
+from stt_codegen.program.number import (
+    FORMATS,
+    exponent_of,
+    largest_below,
+    round_down,
+    round_to,
+    round_toward,
+    round_up,
+    shortest,
+    ulp_exponent,
+)
+from stt_codegen.program.operations import COST_KINDS, INT, OPERATIONS, REAL, STATUS, TICK, Type
 
 __all__ = [
-    "BOOL",
+    "COST_KINDS",
     "FALSE",
+    "FORMATS",
     "INT",
     "NAN",
+    "OPERATIONS",
     "REAL",
     "STATUS",
     "TICK",
@@ -48,15 +58,12 @@ __all__ = [
     "Assign",
     "Block",
     "Call",
-    "Carry",
     "Const",
-    "Expression",
     "For",
     "Function",
     "IsFinite",
     "Kernel",
     "Load",
-    "Loop",
     "Op",
     "Operand",
     "Param",
@@ -65,15 +72,24 @@ __all__ = [
     "Select",
     "Statement",
     "Status",
-    "Store",
     "Table",
     "Trunc",
     "Type",
     "Var",
+    "analyse",
+    "convert",
+    "exponent_of",
     "integer",
+    "largest_below",
     "operands",
+    "read",
     "real",
-    "type_of",
-    "uses_fixed",
-    "uses_split",
+    "round_down",
+    "round_to",
+    "round_toward",
+    "round_up",
+    "shortest",
+    "symbolic",
+    "targets",
+    "ulp_exponent",
 ]

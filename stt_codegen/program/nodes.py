@@ -1,13 +1,13 @@
 """The Program: everything that is emitted, as typed single assignments over a small closed set of nodes.
 
     Program = tables + kernels + functions
-    Kernel  = pure straight-line function of scalars; lowered from CasADi (lower.py) or written here
+    Kernel  = pure straight-line function of scalars; lowered from CasADi (convert/from_casadi.py) or written here
     Function = a public entry point: loads, loops over a constant count, calls of kernels, stores, a status
 
-Printers stand in print/; read/ goes the other way and shows that the C is this Program. Beside them: balls.py (every node,
-enclosed), rounding.py (one error bound for all inputs of a kernel), running.py (values and error bounds at many points),
-symbols.py and paths.py (SymPy), cost.py. A new target language is one new printer, a new operation one row of operations.py.
-What is proved and counted is what is shipped.
+targets/ has a folder for each language: its printer, its templates, its runner. read/ goes the other way and shows that the C is
+this Program. In analyse/: balls.py (every node, enclosed), rounding.py (one error bound for all inputs of a kernel), running.py
+(values and error bounds at many points), ranges.py, cost.py. In symbolic/: symbols.py and paths.py (SymPy). In convert/: CasADi.
+A new operation is one row of operations.py. What is proved and counted is what is shipped.
 """
 
 from __future__ import annotations
@@ -234,7 +234,7 @@ class Param:
 
 @dataclass(frozen=True)
 class Function:
-    """A public entry point. It returns a status, a real, or nothing; `Return.status` holds what is returned."""
+    """A public entry point. It returns a status, a real, a truth value, or nothing; `Return.status` holds what is returned."""
 
     name: str
     params: tuple[Param, ...]
@@ -242,6 +242,7 @@ class Function:
     returns_status: bool
     doc: tuple[str, ...] = ()
     returns_real: bool = False
+    returns_bool: bool = False
 
     @property
     def inputs(self) -> tuple[Param, ...]:

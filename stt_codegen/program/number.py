@@ -82,6 +82,13 @@ def round_up(value: Fraction, scalar: str) -> Fraction:
     return nearest if nearest >= value else nearest + Fraction(2) ** ulp_exponent(nearest, scalar)
 
 
+def round_toward(value: Fraction, scalar: str, up: bool) -> Fraction:
+    """The nearest number of the format that is not below a value of either sign (`up`), or not above it."""
+    if value < 0:
+        return -round_toward(-value, scalar, not up)
+    return round_up(value, scalar) if up else round_down(value, scalar)
+
+
 def largest_below(value: Fraction, scalar: str) -> Fraction:
     """The largest number of the format below a positive value."""
     exact = round_down(value, scalar)

@@ -1,8 +1,8 @@
 """The operations of a Program, one row each: what printers and readers need to know of one.
 
-A new function of one argument is a new row and nothing else (tests/test_operations.py adds one). Beside the rows stand only the
-rules by which errors pass through + - * / and powers (running.py, rounding.py), and what a comparison's opposite is
-(symbols.py).
+A new operation is a new row and nothing else.
+
+Long because every operation stands here once, with how errors pass through it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
 from math import isqrt
-from typing import Any
+from typing import Any, Protocol
 
 LIBRARY_ULPS = 2  # units in the last place, of a function of the C library; assumed, and said in docs/c.md
 
@@ -30,9 +30,32 @@ class Type(Enum):
 REAL, INT, TICK, BOOL, STATUS = Type.REAL, Type.INT, Type.TICK, Type.BOOL, Type.STATUS
 COST_KINDS = ("add", "mul", "div", "math", "compare", "select", "load", "store", "integer")
 
-# For arguments in [low, high] that are wrong by at most error: a range of the results, and by how much they are wrong before
-# rounding. All exact, so that a bound on rounding is one.
-Ranged = Callable[[Fraction, Fraction, Fraction], tuple[Fraction, Fraction, Fraction] | None]
+
+class InexactRange(Protocol):
+    """An argument in [low, high] that is wrong by at most `error`; size: its largest absolute value. Exact."""
+
+    @property
+    def low(self) -> Fraction: ...
+    @property
+    def high(self) -> Fraction: ...
+    @property
+    def error(self) -> Fraction: ...
+    @property
+    def size(self) -> Fraction: ...
+
+
+class Points(Protocol):
+    """Values of an argument at many points, as an array, and by how much each is wrong at most."""
+
+    @property
+    def value(self) -> Any: ...
+    @property
+    def error(self) -> Any: ...
+
+
+Bounds = tuple[Fraction, Fraction, Fraction]  # a range of the results, and by how much they are wrong before rounding
+Ranged = Callable[..., Bounds | None]  # of `InexactRange`s, exact, so that a bound on rounding is one
+Spread = Callable[..., tuple[Any, Any]]  # of NumPy and `Points`: the results, and by how much they are wrong before rounding
 
 
 @dataclass(frozen=True)
@@ -42,8 +65,10 @@ class Operation:
     args, result: types. cost: one of COST_KINDS. number: on Python's numbers. infix or call: in C, a call without the suffix of
     the precision. casadi: CasADi's names of it. ball: in Python source over balls. ulps: by how many units in the last place
     a result is rounded, 0 where it is exact, None where it is no real. underflows: whether it may also lose what is below the
-    least number. formula: in SymPy, which is its first argument. change: NumPy's function, if it rises or falls throughout, and
-    where it begins. ranged: as `Ranged`, None where no kernel that is bounded so has it. commutes: arguments may change places.
+    least number. formula: in SymPy, which is its first argument. opposite: SymPy's name of the comparison that holds where this
+    one does not. How errors of the arguments pass through it: `change`, NumPy's function, if it has one argument and rises or
+    falls throughout, and where it begins; else `spread`. ranged: the same for ranges of arguments, None where no such bound is
+    needed. commutes: arguments may change places.
     """
 
     args: tuple[Type, ...]
@@ -57,7 +82,9 @@ class Operation:
     ulps: float | None = None
     underflows: bool = True
     formula: Callable[..., Any] | None = None
+    opposite: str = ""
     change: tuple[str, float] | None = None
+    spread: Spread | None = None
     ranged: Ranged | None = None
     commutes: bool = False
 
@@ -84,33 +111,77 @@ def _split(a: float) -> tuple[float, int]:
     return a / 2.0**e, e
 
 
-def _exp_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+def monotone_change(np: Any, f: Callable[[Any], Any], a: Points, floor: float) -> Any:
+    """Return the largest change of a monotone f, defined above `floor`, within the error of its argument; infinite where the
+    argument may reach a pole at `floor`."""
+    value = f(a.value)
+    down = np.abs(value - f(np.maximum(a.value - a.error, floor)))
+    up = np.abs(f(a.value + a.error) - value)
+    return np.where(a.error == 0, 0.0, np.maximum(down, up))
+
+
+def _quotient_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
+    least, quotient = np.abs(b.value) - b.error, a.value / b.value
+    return quotient, np.where(least > 0, (a.error + np.abs(quotient) * b.error) / least, np.inf)
+
+
+def _product_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
+    return a.value * b.value, np.abs(a.value) * b.error + np.abs(b.value) * a.error + a.error * b.error
+
+
+def _power_spread(np: Any, a: Points, b: Points) -> tuple[Any, Any]:
+    """Of a positive base and a constant exponent."""
+    value = np.power(a.value, b.value)
+    spread = monotone_change(np, lambda base: np.asarray(np.power(base, b.value)), a, 0.0)
+    return value, spread + np.abs(value * np.log(np.maximum(a.value, 1e-300))) * b.error
+
+
+def _absolute_range(a: InexactRange) -> Bounds:
+    return Fraction(0) if a.low <= 0 <= a.high else min(abs(a.low), abs(a.high)), a.size, a.error
+
+
+def _product_range(a: InexactRange, b: InexactRange) -> Bounds:
+    """A square is not negative."""
+    corners = [x * y for x in (a.low, a.high) for y in (b.low, b.high)]
+    low = Fraction(0) if a is b and a.low <= 0 <= a.high else min(corners)
+    return low, max(corners), a.size * b.error + b.size * a.error + a.error * b.error
+
+
+def _quotient_range(a: InexactRange, by: InexactRange) -> Bounds | None:
+    """By a constant above 0."""
+    if not by.low == by.high > 0:
+        return None
+    least = by.low - by.error
+    return min(a.low / by.low, a.high / by.low), a.high / by.low, (a.error + a.size / by.low * by.error) / least
+
+
+def _exp_range(a: InexactRange) -> Bounds | None:
     """Of an argument not above 0: the slope is at most exp(error) <= 1 + 2 error; computed exponents are not above 0 either."""
-    return (Fraction(0), Fraction(1), min(error * (1 + 2 * error), Fraction(1))) if high <= 0 else None
+    return (Fraction(0), Fraction(1), min(a.error * (1 + 2 * a.error), Fraction(1))) if a.high <= 0 else None
 
 
-def _log1p_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+def _log1p_range(a: InexactRange) -> Bounds | None:
     """Below its argument; the slope is at most 1, and the computed argument is not below 0."""
-    return (Fraction(0), high, error) if low >= 0 else None
+    return (Fraction(0), a.high, a.error) if a.low >= 0 else None
 
 
-def _sqrt_range(low: Fraction, high: Fraction, error: Fraction) -> tuple[Fraction, Fraction, Fraction] | None:
+def _sqrt_range(a: InexactRange) -> Bounds | None:
     """|sqrt a - sqrt b| = |a - b|/(sqrt a + sqrt b) <= error/sqrt(low); roots of fractions by those of whole numbers of 160
     bits."""
-    if low <= error:
+    if a.low <= a.error:
         return None
 
     def root(value: Fraction, up: int) -> Fraction:
         shift = 80 + max(0, value.denominator.bit_length() - value.numerator.bit_length())
         return Fraction(isqrt((value.numerator << 2 * shift) // value.denominator) + up, 1 << shift)
 
-    return root(low, 0), root(high, 1), error / root(low, 0)
+    return root(a.low, 0), root(a.high, 1), a.error / root(a.low, 0)
 
 
 def _arithmetic(infix: str, number: Callable[..., Any], casadi: str, **more: Any) -> Operation:
     return Operation(
         (REAL, REAL), REAL, more.pop("cost", "add"), number, infix, casadi=(casadi,), ball=f"{{0}} {infix} {{1}}", ulps=0.5,
-        formula=lambda sp, a, b: number(a, b), **more,
+        formula=lambda _, a, b: number(a, b), **more,
     )  # fmt: skip
 
 
@@ -128,11 +199,11 @@ def _library(name: str, number: Callable[..., Any], formula: Callable[..., Any] 
 
 
 def _comparison(
-    kinds: tuple[Type, Type], infix: str, number: Callable[..., bool], ball: str, relation: str, casadi: str = ""
+    kinds: tuple[Type, Type], infix: str, number: Callable[..., bool], ball: str, relation: str, opposite: str, casadi: str = ""
 ) -> Operation:
     return Operation(
         kinds, BOOL, "compare", number, infix, casadi=(casadi,) if casadi else (), ball=ball,
-        formula=lambda sp, a, b: getattr(sp, relation)(a, b), commutes=relation in ("Eq", "Ne"),
+        formula=lambda sp, a, b: getattr(sp, relation)(a, b), opposite=opposite, commutes=relation in ("Eq", "Ne"),
     )  # fmt: skip
 
 
@@ -146,19 +217,35 @@ def _whole(infix: str, number: Callable[..., int], ball: str) -> Operation:
 
 
 OPERATIONS: dict[str, Operation] = {
-    "add": _arithmetic("+", operator.add, "OP_ADD", underflows=False, commutes=True),
-    "sub": _arithmetic("-", operator.sub, "OP_SUB", underflows=False),
-    "mul": _arithmetic("*", operator.mul, "OP_MUL", cost="mul", commutes=True),
+    "add": _arithmetic(
+        "+", operator.add, "OP_ADD", underflows=False, commutes=True,
+        spread=lambda _, a, b: (a.value + b.value, a.error + b.error),
+        ranged=lambda a, b: (a.low + b.low, a.high + b.high, a.error + b.error),
+    ),
+    "sub": _arithmetic(
+        "-", operator.sub, "OP_SUB", underflows=False,
+        spread=lambda _, a, b: (a.value - b.value, a.error + b.error),
+        ranged=lambda a, b: (a.low - b.high, a.high - b.low, a.error + b.error),
+    ),
+    "mul": _arithmetic(
+        "*", operator.mul, "OP_MUL", cost="mul", commutes=True, spread=_product_spread, ranged=_product_range,
+    ),
     "div": Operation(
         (REAL, REAL), REAL, "div", _quotient, "/", casadi=("OP_DIV",), ball="{0} / {1}", ulps=0.5,
-        formula=lambda sp, a, b: a / b,
+        formula=lambda _, a, b: a / b, spread=_quotient_spread, ranged=_quotient_range,
     ),
     "pow": Operation(
         (REAL, REAL), REAL, "math", operator.pow, call="pow", casadi=("OP_POW", "OP_CONSTPOW"), ball="{0} ** {1}",
-        ulps=LIBRARY_ULPS, formula=lambda sp, a, b: a**b,
+        ulps=LIBRARY_ULPS, formula=lambda _, a, b: a**b, spread=_power_spread,
     ),
-    "neg": _exact(operator.neg, "OP_NEG", "-{0}", formula=lambda sp, a: -a),
-    "fabs": _exact(abs, "OP_FABS", "abs({0})", call="fabs", formula=lambda sp, a: sp.Abs(a)),
+    "neg": _exact(
+        operator.neg, "OP_NEG", "-{0}", formula=lambda _, a: -a,
+        spread=lambda _, a: (-a.value, a.error), ranged=lambda a: (-a.high, -a.low, a.error),
+    ),
+    "fabs": _exact(
+        abs, "OP_FABS", "abs({0})", call="fabs", formula=lambda sp, a: sp.Abs(a),
+        spread=lambda np, a: (np.abs(a.value), a.error), ranged=_absolute_range,
+    ),
     "floor": _exact(lambda a: float(math.floor(a)), "OP_FLOOR", "{0}.floor()", call="floor", cost="math"),
     "ceil": _exact(lambda a: float(math.ceil(a)), "OP_CEIL", "{0}.ceil()", call="ceil", cost="math"),
     "sqrt": _library("sqrt", math.sqrt, ulps=0.5, change=("sqrt", 0.0), ranged=_sqrt_range),
@@ -173,12 +260,12 @@ OPERATIONS: dict[str, Operation] = {
     "sin": _library("sin", math.sin),
     "cos": _library("cos", math.cos),
     "tan": _library("tan", math.tan),
-    "lt": _comparison((REAL, REAL), "<", operator.lt, "_less({0}, {1}, False)", "Lt", "OP_LT"),
-    "le": _comparison((REAL, REAL), "<=", operator.le, "_less({0}, {1}, True)", "Le", "OP_LE"),
-    "eq": _comparison((REAL, REAL), "", operator.eq, "_equal({0}, {1})", "Eq", "OP_EQ"),
-    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_equal({0}, {1}))", "Ne", "OP_NE"),
-    "ilt": _comparison((INT, INT), "<", operator.lt, "_before({0}, {1})", "Lt"),
-    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_before({0}, {1})", "Lt"),
+    "lt": _comparison((REAL, REAL), "<", operator.lt, "_less({0}, {1}, False)", "Lt", "Ge", "OP_LT"),
+    "le": _comparison((REAL, REAL), "<=", operator.le, "_less({0}, {1}, True)", "Le", "Gt", "OP_LE"),
+    "eq": _comparison((REAL, REAL), "", operator.eq, "_equal({0}, {1})", "Eq", "Ne", "OP_EQ"),
+    "ne": _comparison((REAL, REAL), "", operator.ne, "_not(_equal({0}, {1}))", "Ne", "Eq", "OP_NE"),
+    "ilt": _comparison((INT, INT), "<", operator.lt, "_before({0}, {1})", "Lt", "Ge"),
+    "tlt": _comparison((TICK, TICK), "<", operator.lt, "_before({0}, {1})", "Lt", "Ge"),
     "and": _truth("&&", lambda a, b: a and b, "OP_AND", "_both({0}, {1})"),
     "or": _truth("||", lambda a, b: a or b, "OP_OR", "_not(_both(_not({0}), _not({1})))"),
     "not": _truth("", operator.not_, "OP_NOT", "_not({0})", 1),
@@ -200,7 +287,7 @@ OPERATIONS: dict[str, Operation] = {
     # of a > 0: by how many places its bits can move up, so that it is in [2^30, 2^31)
     "leading": Operation((INT,), INT, "integer", lambda a: 31 - a.bit_length(), ball="_leading({0})"),
     "int": Operation((TICK,), INT, "integer", int, ball="_same({0})"),  # of a count below 2^31
-    "real": Operation((INT,), REAL, "integer", float, ball="_number({0})", formula=lambda sp, a: a),
+    "real": Operation((INT,), REAL, "integer", float, ball="_number({0})", formula=lambda _, a: a),
     # of y >= 1/sqrt 2, y = mantissa 2^exponent with the mantissa in [1/sqrt 2, sqrt 2); exact
     "exponent": Operation(
         (REAL,), INT, "integer", lambda a: _split(a)[1], ball="_exponent({0}, _least_mantissa)",

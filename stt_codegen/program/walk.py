@@ -1,5 +1,5 @@
 """A function of a Program run statement by statement, whatever its values are: numbers, SymPy's formulas (paths.py), CasADi's
-graphs (as_casadi.py). Loops are unrolled; a reader says what its nodes make."""
+graphs (to_casadi.py). Loops are unrolled; a reader says what its nodes make."""
 
 from __future__ import annotations
 

@@ -10,12 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from stt_codegen.program.read.c import differences
+from stt_codegen.program.read import differences
 from stt_codegen.record.manifest import MANIFEST, folder_of, forget, make, read_manifest, record, recorded_tools, tool_versions
 
 DIFF_LINES = 40  # of one file; the rest is counted
 _NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?F?\b")
 _HASH = re.compile(r'"[0-9a-f]{16}"|"[0-9a-f]{64}"')
+_STARTS = re.compile(r"_start_(?:lower|upper)\[\d+\][^;]*;")
 _TABLE = re.compile(r"_coefficients\[\d+\] = \{(.*?)\};", re.DOTALL)
 
 
@@ -133,10 +134,11 @@ def describe_numbers(old: str, new: str) -> str:
 
 
 def _edge_movement(old: str, new: str) -> float | None:
-    """Bound on the movement of the tube between two C files that differ in coefficients alone: the weights are >= 0 and
-    sum to 6. None where anything else changed, the time scale for one."""
+    """Bound on the movement of the tube between two C files that differ in coefficients alone, and in the bounds of starts, which
+    follow from them: the weights are >= 0 and sum to 6. None where anything else changed, the time scale for one."""
     tables = [_TABLE.search(text) for text in (old, new)]
-    if not all(tables) or _TABLE.sub("", old) != _TABLE.sub("", new):
+    rest = [_STARTS.sub("", _TABLE.sub("", text)) for text in (old, new)]
+    if not all(tables) or rest[0] != rest[1]:
         return None
     before, after = ([float(v.rstrip("F")) for v in _NUMBER.findall(t.group(1))] for t in tables if t)
     return 6 * max(abs(a - b) for a, b in zip(before, after, strict=True))

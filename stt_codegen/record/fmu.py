@@ -15,17 +15,17 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from stt_codegen.compare.toolchain import STRICT, find_compiler, run_compiler
-from stt_codegen.emit.driven import cycle_literal, driven_sources
-from stt_codegen.emit.naming import file_names, phase_name
-from stt_codegen.emit.render import Files, template
+from stt_codegen.emit import Files, cycle_literal, driven_sources, file_names, phase_name, spelled_name
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model, model
-from stt_codegen.program import Program
-from stt_codegen.program.lower import lower
-from stt_codegen.program.number import round_to, shortest
-from stt_codegen.program.print.c import CPrinter
+from stt_codegen.program import Program, round_to, shortest
+from stt_codegen.program.convert import lower
+from stt_codegen.program.targets import run_compiler
+from stt_codegen.program.targets.c import CPrinter
+from stt_codegen.program.targets.c.runner import STRICT, find_compiler
+from stt_codegen.program.targets.template_files import template
+from stt_codegen.properties import Property
 from stt_codegen.record.fmu_description import Unit, Variable, build_description, description_2, description_3, text
 from stt_codegen.task import Task
 
@@ -76,7 +76,7 @@ def _seconds(name: str, causality: str, told: str, begin: str = "0.0") -> Variab
 def controller_unit(controller: Controller) -> Unit:
     """The emitted C, t being the importer's time. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task, n = controller.task, controller.task.dimension
-    if controller.design.stateful:
+    if controller.design.is_stateful:
         raise BadInput(f"--package fmu: is for refined tubes; the {controller.design.kind} one has steps of its own")
     if task.differs:
         raise BadInput("--package fmu: velocity by differences depends on when x is sampled, which no importer says; measure v")
@@ -101,10 +101,11 @@ def controller_unit(controller: Controller) -> Unit:
     variables.append(Variable("margin", "output", told, direct=True))
     t_c = shortest(round_to(task.prescribed_time, "double"), "double")
     variables.append(_seconds("t_c", "local", "prescribed time", t_c))
-    proved = controller.certificate.proved_period
+    proved = controller.certificate.proved_period if controller.certificate.holds else None
     if proved is not None:
+        places["period_proved"] = len(variables)
         longest = shortest(round_to(proved.period, "double"), "double")
-        variables.append(_seconds("period_proved", "local", "between samples, at most (P9)", longest))
+        variables.append(_seconds("period_proved", "local", f"between samples, at most ({Property.PERIOD.code})", longest))
     variables.append(
         Variable("status", "output", "0: inside the tube, 1: outside, 2: an input is not finite", whole=True, direct=True)
     )
@@ -114,10 +115,17 @@ def controller_unit(controller: Controller) -> Unit:
         variables.append(
             Variable("phase", "output", "entry of the mission that is being served, from 1; 0: done", whole=True, direct=waits)
         )
-    kept = {"hold": "double kept[2], next[2];", "stop": "double kept[1], next[1];"}.get(task.control.outside)
+    if proved is not None:
+        meaning = "states were no farther apart than period_proved, and every u was read where its state was set"
+        variables.append(Variable("period_kept", "output", meaning, truth=True))
+    kept = {"hold": ["double kept[2], next[2];"], "stop": ["double kept[1], next[1];"]}.get(task.control.outside, [])
+    if proved is not None:
+        kept.append(
+            "double sample_age, input_age, delay; /* seconds since x was set, of the x of the last u, at the reading of u */"
+        )
     own = template("fmu/controller.c.j2").render(
         prefix=task.name, macro=task.name.upper(), order=task.order, outside=task.control.outside,
-        cycle=cycle_literal(controller.design), phases=phases, places=places,
+        cycle=cycle_literal(controller.design), phases=phases, places=places, proved=proved is not None,
     )  # fmt: skip
     names = [header, *driven_sources(task), *([phase_name(task.name)] if phases else [])]
     verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
@@ -129,10 +137,10 @@ def controller_unit(controller: Controller) -> Unit:
         body=own,
         header=header,
         sources={name: controller.files[name] for name in names},
-        kept=() if kept is None else (kept,),
+        kept=tuple(kept),
         stop=t_c,
         step="" if task.control.period is None else shortest(round_to(task.control.period, "double"), "double"),
-        extras={proof: controller.files[proof]},
+        extras={name: controller.files[name] for name in (proof, spelled_name(task.name)) if name in controller.files},
     )
 
 
@@ -182,11 +190,15 @@ def packed(unit: Unit, version: int) -> bytes:
     """The unit's archive, stored without compression and without dates. Of the same sources, compiler and machine the same bytes;
     on other machines than 64-bit x86 Linux it has sources alone."""
     interface = f"{unit.name}_fmi{version}.c"  # no file of the controller is called so, whatever the task's name
+    not_offered = NOT_OFFERED_2 if version == 2 else NOT_OFFERED_3
+    if unit.watched:
+        not_offered = [name for name in not_offered if name != "GetBoolean"]
     words = {
         "name": unit.name, "version": version, "token": unit.token, "kept": unit.kept, "body": unit.body,
-        "numbers": [v for v in unit.variables if not v.whole], "wholes": [v for v in unit.variables if v.whole],
+        "numbers": [v for v in unit.variables if not v.whole and not v.truth], "wholes": [v for v in unit.variables if v.whole],
+        "flags": [v for v in unit.variables if v.truth],
         "includes": f'#include "{unit.header}"\n' if unit.header else "",
-        "not_offered": NOT_OFFERED_2 if version == 2 else NOT_OFFERED_3,
+        "not_offered": not_offered,
     }  # fmt: skip
     sources = {interface: template("fmu/unit.c.j2").render(**words).encode()} | unit.sources
     compiled = [name for name in sources if name.endswith(".c")]

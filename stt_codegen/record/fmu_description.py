@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from stt_codegen.emit.render import Files
+from stt_codegen.emit import Files
 
 BASE = {
     "s": {"s": "1"},
@@ -21,7 +21,7 @@ BASE = {
 @dataclass(frozen=True)
 class Variable:
     """One number of a unit. causality: independent, input, output, parameter or local (a constant); begin: its literal in C
-    before the first step; whole: an int32."""
+    before the first step; whole: an int32; truth: a boolean, true at the start."""
 
     name: str
     causality: str
@@ -29,6 +29,7 @@ class Variable:
     begin: str = "0.0"
     unit: str = ""
     whole: bool = False
+    truth: bool = field(default=False, repr=False)  # tokens of units without one stay
     base: str = ""  # the task's unit that `unit` is, over seconds to the power `order`
     order: int = 0
     direct: bool = False  # an output that follows the inputs at once
@@ -58,6 +59,11 @@ class Unit:
     extras: Files = field(default_factory=dict)
 
     @property
+    def watched(self) -> bool:
+        """Whether it looks at how the importer steps, and warns in its log."""
+        return any(v.truth for v in self.variables)
+
+    @property
     def token(self) -> str:
         """Of all that decides what the unit does, so that an importer takes no other unit for it."""
         told = hashlib.sha256(repr((self.variables, self.body, sorted(self.sources.items()))).encode()).hexdigest()
@@ -80,15 +86,23 @@ def _units(root: ET.Element, unit: Unit) -> None:
             ET.SubElement(own, "BaseUnit", BASE[v.base] | {"s": str(seconds)})
 
 
-def _attributes(v: Variable, reference: int, version: int) -> dict[str, str]:
+def _log_categories(root: ET.Element, unit: Unit) -> None:
+    """The one category of what it writes to the importer's log."""
+    if unit.watched:
+        ET.SubElement(ET.SubElement(root, "LogCategories"), "Category", name="logStatusWarning")
+
+
+def _attributes(v: Variable, reference: int) -> dict[str, str]:
     found = {"name": v.name, "valueReference": str(reference), "causality": v.causality, "description": v.description}
-    found["variability"] = {"parameter": "fixed", "local": "constant"}.get(v.causality, "discrete" if v.whole else "continuous")
+    found["variability"] = {"parameter": "fixed", "local": "constant"}.get(
+        v.causality, "discrete" if v.whole or v.truth else "continuous"
+    )
     if v.causality == "output":
         found["initial"] = "calculated"
     return found
 
 
-def description_3(unit: Unit, compiled: Sequence[str]) -> ET.Element:
+def description_3(unit: Unit, _compiled: Sequence[str]) -> ET.Element:
     root = ET.Element(
         "fmiModelDescription", fmiVersion="3.0", modelName=unit.name, instantiationToken=unit.token, description=unit.description,
         generationTool="stt_codegen", variableNamingConvention="structured",
@@ -101,15 +115,16 @@ def description_3(unit: Unit, compiled: Sequence[str]) -> ET.Element:
         canGetAndSetFMUState="true",
     )
     _units(root, unit)
+    _log_categories(root, unit)
     ET.SubElement(root, "DefaultExperiment", _experiment(unit))
     variables = ET.SubElement(root, "ModelVariables")
     for k, v in enumerate(_ordered(unit)):
-        given = _attributes(v, k, 3)
+        given = _attributes(v, k)
         if v.settable or v.causality == "local":
             given["start"] = v.begin
         if v.unit:
             given["unit"] = v.unit
-        ET.SubElement(variables, "Int32" if v.whole else "Float64", given)
+        ET.SubElement(variables, "Boolean" if v.truth else "Int32" if v.whole else "Float64", given)
     structure = ET.SubElement(root, "ModelStructure")
     for tag, initial in (("Output", False), ("InitialUnknown", True)):
         for k, known in _dependencies(unit, initial):
@@ -130,14 +145,15 @@ def description_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
     for name in compiled:
         ET.SubElement(files, "File", name=name)
     _units(root, unit)
+    _log_categories(root, unit)
     ET.SubElement(root, "DefaultExperiment", _experiment(unit))
     variables = ET.SubElement(root, "ModelVariables")
     for k, v in enumerate(_ordered(unit)):
-        number = ET.SubElement(variables, "ScalarVariable", _attributes(v, k, 2))
+        number = ET.SubElement(variables, "ScalarVariable", _attributes(v, k))
         given = {"start": v.begin} if v.settable or v.causality == "local" else {}
         if v.unit:
             given["unit"] = v.unit
-        ET.SubElement(number, "Integer" if v.whole else "Real", given)
+        ET.SubElement(number, "Boolean" if v.truth else "Integer" if v.whole else "Real", given)
     structure = ET.SubElement(root, "ModelStructure")
     for tag, initial in (("Outputs", False), ("InitialUnknowns", True)):
         table = ET.SubElement(structure, tag)
@@ -148,7 +164,7 @@ def description_2(unit: Unit, compiled: Sequence[str]) -> ET.Element:
 
 def _ordered(unit: Unit) -> list[Variable]:
     """By value reference."""
-    return sorted(unit.variables, key=lambda v: v.whole)
+    return sorted(unit.variables, key=lambda v: (v.truth, v.whole))
 
 
 def _dependencies(unit: Unit, initial: bool) -> list[tuple[int, list[int]]]:

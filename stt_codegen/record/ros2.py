@@ -5,14 +5,12 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any
 
-from stt_codegen.certify.mission import cycle_of
+from stt_codegen.certify.missions import cycle_of
 from stt_codegen.decimals import decimal
-from stt_codegen.designs import RefinedDesign
-from stt_codegen.emit.driven import driven_sources
-from stt_codegen.emit.naming import file_names
-from stt_codegen.emit.render import Files, design_hash, template
+from stt_codegen.emit import Files, design_hash, driven_sources, file_names, spelled_name
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
+from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
 ODOMETRY = {"x": "x", "y": "y", "z": "z", "yaw": "yaw", "heading": "yaw", "theta": "yaw"}  # axes that a base has
@@ -47,7 +45,7 @@ def ros2_package(controller: Controller) -> Files:
     """The package's files, in a folder <p>_ros2/. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task = controller.task
     design = controller.design
-    if not isinstance(design, RefinedDesign):
+    if design.is_stateful:
         raise BadInput(f"--package ros2: is for refined tubes; the {design.kind} one has steps of its own")
     if task.differs:
         raise BadInput("--package ros2: a velocity by differences needs samples at even times; measure v")
@@ -91,6 +89,7 @@ def ros2_package(controller: Controller) -> Files:
         "state": state,
         "command": command,
         "axes": repr(axes),
+        "turns": {axis.index: float(axis.period) for axis in task.closed},
         "turn": command in ("twist", "accel"),
         "sources": ", ".join(f'"src/{name}"' for name in sources if name.endswith(".c")),
     }
@@ -100,5 +99,7 @@ def ros2_package(controller: Controller) -> Files:
     files |= {f"{package}/__init__.py": b"", f"resource/{package}": b""}
     files["setup.cfg"] = f"[develop]\nscript_dir=$base/lib/{package}\n[install]\ninstall_scripts=$base/lib/{package}\n".encode()
     files |= {f"src/{name}": controller.files[name] for name in sources}
-    files |= {f"extras/{name}": controller.files[name] for name in (module, proof)}
+    files |= {
+        f"extras/{name}": controller.files[name] for name in (module, proof, spelled_name(task.name)) if name in controller.files
+    }
     return {f"{package}/{path}": data for path, data in files.items()}

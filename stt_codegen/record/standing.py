@@ -18,6 +18,7 @@ from typing import Any
 
 from stt_codegen.errors import BadInput
 from stt_codegen.record.files import SEAL
+from stt_codegen.task.map import files_behind
 
 UNIT = ".fmu"
 
@@ -34,6 +35,18 @@ def keep_apart(names: Sequence[str], sets: Sequence[Mapping[str, bytes]]) -> Non
                     f"the tasks {names[first]!r} and {names[k]!r} would both write {path}; "
                     "give them other names, or another --out"
                 )
+
+
+def keep_inputs(paths: Sequence[Path], tasks: Sequence[Path]) -> None:
+    """Refuse to write over a task file, a map of it or the map's image, or over Python beside a task that is no emitted
+    controller, such as its plant. Raises `BadInput`."""
+    behind = {file.resolve() for task in tasks for file in files_behind(task)}
+    beside = {task.resolve().parent for task in tasks}
+    for path in paths:
+        if path.resolve() in behind:
+            raise BadInput(f"{path}: is what the task is read from; write to another folder or name")
+        if path.suffix == ".py" and path.resolve().parent in beside and path.exists() and b"DESIGN_HASH" not in path.read_bytes():
+            raise BadInput(f"{path}: is no emitted controller, perhaps a plant; write to another --out")
 
 
 def keep_certified(folder: Path, files: Mapping[str, bytes]) -> None:

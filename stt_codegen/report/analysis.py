@@ -8,28 +8,31 @@ Long because every number of the report is asked of one setting, which stands he
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.enclosure import Enclosed, enclosed_windows
-from stt_codegen.controller.arithmetic import rate_error
+from stt_codegen.certify.adaptive import Enclosed, enclosed_windows
+from stt_codegen.controller import rate_error
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import AdaptiveDesign, RefinedDesign
+from stt_codegen.design_kinds import DesignKind
+from stt_codegen.designs import require_adaptive, require_refined
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import Controller
 from stt_codegen.plants import Model
+from stt_codegen.properties import Property
 from stt_codegen.report.bounds import (
     Advice,
     BoundsReport,
     ContinuousBounds,
     Hypothesis,
     PlantOverTube,
-    ProposedBounds,
+    ProvedGains,
     ProvedPeriod,
     Sampling,
     TubeBounds,
@@ -38,21 +41,31 @@ from stt_codegen.report.bounds import (
     below_float,
     rounded,
 )
+from stt_codegen.report.plant_table import ProposedBounds, propose_bounds, uncovered_bounds
 from stt_codegen.sampling import (
+    BEYOND,
+    STATEMENTS,
+    Bounds,
     Gains,
     Period,
+    PlantEnclosure,
     Setting,
+    Windows,
+    back,
+    bounds_of_task,
+    effort,
+    eps_of_states,
+    epsilon_star,
+    epsilon_star_norm,
+    holds_saturated,
+    holds_scaled,
+    longest_from,
+    loop_of,
     most_room,
+    refined_windows,
     speeds,
+    statements_of,
 )
-from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
-from stt_codegen.sampling.gains import longest_from
-from stt_codegen.sampling.inertia import BEYOND
-from stt_codegen.sampling.loops import eps_of_states, loop_of, statements_of
-from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task
-from stt_codegen.sampling.setting import back
-from stt_codegen.sampling.statements import STATEMENTS
-from stt_codegen.sampling.windows import Windows, refined_windows
 
 Array = npt.NDArray[Any]
 
@@ -78,8 +91,8 @@ class Analysis:
                 raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
-        self.windows = self._windows()
-        self.bounds = list(self._bounds())
+        self.windows = WINDOWS[controller.design.kind](self)
+        self.bounds = list(self._bounds(1 if task.gain[0] > 0 else -1))
         self.setting = self._setting(start)
         self.statements = statements_of(task)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
@@ -90,7 +103,7 @@ class Analysis:
     def _setting(self, start: Sequence[float] | None) -> Setting:
         """The loop; of order 2 what is held is v + lambda x."""
         controller, design = self.controller, self.controller.design
-        rate = rate_error(design, controller.program) if controller.task.order == 2 and isinstance(design, RefinedDesign) else ()
+        rate = rate_error(require_refined(design), controller.program) if design.filter else ()
         edge, windows = controller.certificate.edge_error, self.windows
         made = loop_of(controller.task, design, edge, rate, windows, self.bounds, self.noise, self.latency, start)
         return replace(made, known_to=min(made.known_to, self.mixed_age))
@@ -99,29 +112,23 @@ class Analysis:
         """What |eps(0)| is at most, of a state, or of the starts in the share."""
         return eps_of_states(self.controller.task, self.controller.design, self.windows, state)
 
-    def _windows(self) -> Windows:
-        design = self.controller.design
-        return refined_windows(design) if isinstance(design, RefinedDesign) else enclosed_windows(self._enclosed)
-
     @cached_property
-    def _enclosed(self) -> Enclosed:
-        from stt_codegen.certify.enclosure import enclosed_tube
+    def enclosed(self) -> Enclosed:
+        """An adaptive tube in balls."""
+        from stt_codegen.certify.adaptive import enclosed_tube
 
-        design = self.controller.design
-        assert isinstance(design, AdaptiveDesign)
-        return enclosed_tube(self.controller.task, design)
+        return enclosed_tube(self.controller.task, require_adaptive(self.controller.design))
 
-    def _bounds(self) -> Iterator[Bounds]:
-        """The plant over every window's box, joined with that of the window before."""
+    def _bounds(self, sign: int) -> Iterator[Bounds]:
+        """The plant over every window's box, joined with that of the window before; its g times `sign`."""
         task, w = self.controller.task, self.windows
         if self.plant is None:
             yield from [bounds_of_task(task)] * len(w.narrow)
             return
-        enclosure = PlantEnclosure(self.plant, task.dimension, 1 if task.gain[0] > 0 else -1, task.order)
+        enclosure = PlantEnclosure(self.plant, task.dimension, sign, task.order)
         low, high = w.low, w.high
         if task.order == 2:
-            assert isinstance(self.controller.design, RefinedDesign)
-            slow, fast = speeds(self.controller.design)
+            slow, fast = speeds(require_refined(self.controller.design))
             low, high = np.concatenate([low, slow], axis=1), np.concatenate([high, fast], axis=1)
         for a, b in zip(back(low, np.minimum), back(high, np.maximum), strict=True):
             yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)), self._drift(a, b))
@@ -225,7 +232,7 @@ class Analysis:
 
     def hypotheses(self) -> Iterator[Hypothesis]:
         s, task, c = self.setting, self.controller.task, self.controller.certificate
-        yield Hypothesis("tube", "the certificate holds: P1 to P7", c.tube_holds)
+        yield Hypothesis("tube", f"the certificate holds: {Property.WIDTH.code} to {Property.ARITHMETIC.code}", c.tube_holds)
         yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", bool(np.isfinite(s.start).all()))
         least = float(s.definite.min())
         sign = "" if task.gain[0] > 0 else "-"
@@ -239,18 +246,21 @@ class Analysis:
         if task.u_max is not None:
             free = self.period is not None or (holds_scaled(s) if task.scales else holds_saturated(s))
             free = free or bool(((effort(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
-            told = "control.u_max is at least what the law may ask for, or outdoes all that pushes (P8)"
+            told = f"control.u_max is at least what the law may ask for, or outdoes all that pushes ({Property.LIMITS.code})"
             yield Hypothesis("saturation", told, free)
         if task.emit.tick_period is not None:
             period = self.period
             enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
             yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
         if self.plant is not None and (task.control.period is not None or task.limits_are_demanded):
-            told = f"this plant is one of those that {'P9' if task.control.period is not None else 'P8'} is about: {self._stated}"
+            stated = Property.PERIOD if task.control.period is not None else Property.LIMITS
+            told = f"this plant is one of those that {stated.code} is about: {self._stated}"
             easier = self.noise < float(task.plant.noise or 0) or self.latency < float(task.control.latency)
             told += "; asked with less noise or latency than the task's" if easier else ""
+            beyond = uncovered_bounds(task, self.bounds)
+            told += f"; but {'; '.join(beyond)}" if beyond else ""
             yield Hypothesis("[plant]", told, self.is_covered and not easier)
-        if isinstance(self.controller.design, AdaptiveDesign):
+        if self.controller.design.is_stateful:
             yield from self._adaptive
 
     @property
@@ -266,17 +276,7 @@ class Analysis:
     def is_covered(self) -> bool:
         """Whether [plant] holds of the plant all over the tube, component by component, or in norm where u is scaled: then what
         the certificate says of plants within [plant] is true of it."""
-        stated, n = bounds_of_task(self.controller.task), self.controller.task.dimension
-        if self.controller.task.scales:  # P8 then is about norms
-            return all(
-                b.push_norm <= stated.push_norm and b.definite >= stated.definite and b.norm <= stated.norm for b in self.bounds
-            )
-        off = ~np.eye(n, dtype=bool)
-        return all(
-            (b.push <= stated.push).all() and (b.least >= stated.least).all() and (b.most <= stated.most).all()
-            and (b.cross[off] <= stated.cross[off]).all()
-            for b in self.bounds
-        )  # fmt: skip
+        return not uncovered_bounds(self.controller.task, self.bounds)
 
     @cached_property
     def _adaptive(self) -> list[Hypothesis]:
@@ -293,8 +293,7 @@ class Analysis:
     @cached_property
     def update_function(self) -> UpdateFunctionBounds:
         """Enclosures of an adaptive tube's update function, which the statements about its rate need."""
-        tube, design = self._enclosed, self.controller.design
-        assert isinstance(design, AdaptiveDesign)
+        tube, design = self.enclosed, require_adaptive(self.controller.design)
         psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
         low, high = 0, 1
         upper = (rho[:, :, 1, low] + alpha[:, :, 1, low], beta[:, :, 1, low])
@@ -310,11 +309,13 @@ class Analysis:
 
     # -------------------------------------------------------------------------------------------- reports
 
+    # What overflows in a search is infinite, and proves nothing; what is said was shown in balls. So NumPy need not warn.
+    @np.errstate(all="ignore")
     def sampling(self) -> Sampling:
         """The proved period at the task's gain, the gain with the longest, the gains for the task's tick or a millisecond."""
         task, own, alone, age = self.controller.task, self.period, self.from_initial_state, self.wanted + self.latency
         sign = 1 if task.gain[0] > 0 else -1
-        longest, limited, ends = self.gains.longest, self.gains.limited, self.gains.range(age)
+        longest, limited, gains = self.gains.longest, self.gains.limited, self.gains.range(age)
         roomiest = most_room(self.setting, age, self.shortest, self.statements)
 
         def signed(gain: Array) -> tuple[float, ...]:
@@ -338,43 +339,48 @@ class Analysis:
             limited=None if limited is None else advice(limited[1:], tuple(limited[0].tolist())),
             wanted=self.wanted,
             roomiest=advice(roomiest),
-            gains=None if ends is None else (signed(ends[0]), signed(ends[1])),
+            gains=None
+            if gains is None
+            else ProvedGains(
+                signed(gains.first), None if gains.last is None else signed(gains.last), gains.first_is_end, gains.last_is_end
+            ),
         )
 
+    @np.errstate(all="ignore")
     def report(self) -> BoundsReport:
         """Everything that is known of this loop, rounded outwards for print."""
         controller, s, w = self.controller, self.setting, self.windows
         return BoundsReport(
-            controller.task.name,
-            controller.design.kind,
-            controller.program.scalar,
-            self.name,
-            controller.task.axis_names,
-            self.noise,
-            self.latency,
-            tuple(self.hypotheses()),
-            TubeBounds(
+            task=controller.task.name,
+            design=controller.design.kind,
+            scalar=controller.program.scalar,
+            plant=self.name,
+            axes=controller.task.axis_names,
+            noise=self.noise,
+            latency=self.latency,
+            hypotheses=tuple(self.hypotheses()),
+            tube=TubeBounds(
                 rounded(w.low.min(axis=0), below_float),
                 rounded(w.high.max(axis=0), above_float),
                 rounded(w.narrow.min(axis=0), below_float),
                 rounded(w.wide.max(axis=0), above_float),
                 rounded(w.speed.max(axis=0), above_float),
             ),
-            PlantOverTube(
+            plant_over_the_tube=PlantOverTube(
                 rounded(np.array([b.push for b in self.bounds]).max(axis=0), above_float),
                 rounded(s.least.min(axis=0), below_float),
                 rounded(s.cross.max(axis=(0, 2)), above_float),
                 below_float(float(s.definite.min())),
                 above_float(float(s.norm.max())),
             ),
-            ContinuousBounds(
+            continuous=ContinuousBounds(
                 rounded(epsilon_star(s), above_float), above_float(epsilon_star_norm(s)), rounded(effort(s), above_float)
             ),
-            {name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
-            self.sampling(),
-            self.update_function if isinstance(controller.design, AdaptiveDesign) else None,
-            self.proposed,
-            tuple(float(v) for v in getattr(controller.design, "filter", ())),
+            sampled={name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
+            sampling=self.sampling(),
+            update_function=self.update_function if controller.design.is_stateful else None,
+            proposed=self.proposed,
+            filter=tuple(float(v) for v in controller.design.filter),
         )
 
     @property
@@ -382,28 +388,12 @@ class Analysis:
         """[plant] for the plant that equations describe, over the tube."""
         if self.plant is None:
             return None
-        w = float(self.plant.w_max)
-        push, cross = max(b.push_norm for b in self.bounds) - w, max(float(b.cross.max()) for b in self.bounds)
-        norm = max(b.norm for b in self.bounds)
-        if self.controller.task.order == 2:  # every statement about it goes by component
-            pushes = np.array([b.push for b in self.bounds]).max(axis=0) - w
-            return ProposedBounds(
-                _one(np.maximum(pushes, 0) * (1 + 1e-12), above_float),
-                above_float(w) if w else None,
-                _one(np.array([b.least for b in self.bounds]).min(axis=0), below_float),
-                _one(np.array([b.most for b in self.bounds]).max(axis=0), above_float),
-                _one(np.array([b.cross for b in self.bounds]).max(axis=(0, 2)), above_float),
-            )
-        return ProposedBounds(
-            above_float(max(push, 0.0) * (1 + 1e-12)),
-            above_float(w) if w else None,  # the plant's file says nothing of w: what the task says stays
-            below_float(min(b.definite for b in self.bounds)),
-            above_float(norm),
-            above_float(cross),
-        )
+        sign = -1 if self.controller.task.gain[0] > 0 else 1
+        return propose_bounds(self.controller.task, self.bounds, Fraction(self.plant.w_max), lambda: list(self._bounds(sign)))
 
 
-def _one(values: Array, rounding: Callable[[float], Any]) -> Any:
-    """A number by component, one where all agree."""
-    found = [rounding(float(v)) for v in values]
-    return found[0] if len(set(found)) == 1 else found
+WINDOWS: Mapping[DesignKind, Callable[[Analysis], Windows]] = {
+    "refined": lambda analysis: refined_windows(require_refined(analysis.controller.design)),
+    "adaptive": lambda analysis: enclosed_windows(analysis.enclosed),
+    "literal": lambda analysis: enclosed_windows(analysis.enclosed),
+}

@@ -12,6 +12,7 @@ from typing import Any
 import numpy.typing as npt
 
 from stt_codegen.decimals import above, below, by_component
+from stt_codegen.report.plant_table import ProposedBounds
 from stt_codegen.sampling import Period
 
 Numbers = tuple[float | None, ...]  # by dimension
@@ -41,7 +42,7 @@ class Hypothesis:
     holds: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ProvedPeriod:
     """A period (seconds, rounded down; latency is not in it) with what |e| and |u| stay below by component, and the time window
     and dimension (0: all) that allow no more."""
@@ -60,7 +61,14 @@ class ProvedPeriod:
             return None
         begin, end, dimension = period.tight
         e, u = (tuple(above_float(v) for v in values) for values in (period.e, period.u))
-        return cls(period.statement, below_float(period.seconds - latency), e, u, (begin, end), dimension)
+        return cls(
+            statement=period.statement,
+            period=below_float(period.seconds - latency),
+            e=e,
+            u=u,
+            time=(begin, end),
+            dimension=dimension,
+        )
 
     def document(self) -> dict[str, Any]:
         tight = {"time": list(self.time), "dimension": self.dimension or "all"}
@@ -81,12 +89,36 @@ class Advice:
 
 
 @dataclass(frozen=True)
+class ProvedGains:
+    """Every gain from `first` to `last`, by component in fixed proportions, is proved; last None: every gain from `first` on.
+    `first_is_end`, `last_is_end`: whether the proof ends there; else the search did."""
+
+    first: tuple[float, ...]
+    last: tuple[float, ...] | None
+    first_is_end: bool
+    last_is_end: bool
+
+    def document(self) -> dict[str, Any]:
+        last = None if self.last is None else list(self.last)
+        ends = {"from_is_end": self.first_is_end, "to_is_end": self.last_is_end}
+        return {"from": list(self.first), "to": last, **ends}
+
+    @property
+    def text(self) -> str:
+        """In words, as "from 0.0005 to at least 1.8"; nothing is said of gains beyond."""
+        first = by_component(self.first) + ("" if self.first_is_end else " or less")
+        if self.last is None:
+            return f"from {first} on, for u_max limits what a larger gain asks for"
+        return f"from {first} to {'' if self.last_is_end else 'at least '}{by_component(self.last)}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Sampling:
     """What a user chooses from, all of it for the starts that `starts` names but for `from_initial_state`.
 
     assumes: what the periods rest on and nothing here can show. shortest: seconds below which alpha may not be stepped. longest:
     the gain with the longest period; limited: the same with limits on u; roomiest: of the gains proved for `wanted` seconds the
-    one that keeps |e| least in a run from the middle; gains: the least and the largest of them."""
+    one that keeps |e| least in a run from the middle; gains: the range of them."""
 
     plant: str
     latency: float
@@ -100,7 +132,7 @@ class Sampling:
     limited: Advice | None
     wanted: float
     roomiest: Advice | None
-    gains: tuple[tuple[float, ...], tuple[float, ...]] | None
+    gains: ProvedGains | None
     shortest_for: str = ""  # what asks for it
 
     def document(self) -> dict[str, Any]:
@@ -121,7 +153,7 @@ class Sampling:
             "wanted": {
                 "period": self.wanted,
                 "most_room": shown(self.roomiest),
-                "gains": None if self.gains is None else [list(v) for v in self.gains],
+                "gains": None if self.gains is None else self.gains.document(),
             },
         }
 
@@ -147,25 +179,6 @@ class PlantOverTube:
 
 
 @dataclass(frozen=True)
-class ProposedBounds:
-    """What [plant] would have to say of a plant with equations, over the tube, by component or not; None: nothing is known."""
-
-    f_max: float | list[float] | None
-    w_max: float | None
-    g_min: float | list[float] | None
-    g_max: float | list[float] | None
-    g_cross: float | list[float] | None
-
-    def toml(self) -> str:
-        known = {name: _listed(value) for name, value in asdict(self).items() if value is not None}
-        return ", ".join(f"{name} = {by_component(values)}" for name, values in known.items() if None not in values)
-
-
-def _listed(value: float | list[float]) -> list[float]:
-    return value if isinstance(value, list) else [value]
-
-
-@dataclass(frozen=True)
 class ContinuousBounds:
     epsilon_star: Numbers
     epsilon_star_norm: float | None
@@ -183,7 +196,7 @@ class UpdateFunctionBounds:
     ln4_over_nu: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class BoundsReport:
     """All of it for one controller and one plant."""
 
@@ -212,11 +225,12 @@ class BoundsReport:
         """The report as JSON data."""
         data = {name: getattr(self, name) for name in ("task", "design", "scalar", "plant", "noise", "latency")}
         data["hypotheses"] = [asdict(h) for h in self.hypotheses]
-        data |= {name: asdict(getattr(self, name)) for name in ("tube", "plant_over_the_tube", "continuous")}
+        data |= {"tube": asdict(self.tube), "plant_over_the_tube": asdict(self.plant_over_the_tube)}
+        data["continuous"] = asdict(self.continuous)
         data["sampled"] = {name: None if p is None else p.document() for name, p in self.sampled.items()}
         data["sampling"] = self.sampling.document()
         if self.proposed is not None:
-            data["proposed_plant"] = asdict(self.proposed)
+            data["proposed_plant"] = self.proposed.document()
         if self.update_function is not None:
             data["update_function"] = asdict(self.update_function)
         return data

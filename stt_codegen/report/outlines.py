@@ -6,8 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.task import Task
-from stt_codegen.task.polytopes import around, cut_box
-from stt_codegen.task.sets import ConvexSet
+from stt_codegen.task.sets import ConvexSet, around, cut_box
 
 Array = npt.NDArray[np.float64]
 Plane = tuple[int, int]  # two dimensions, from 0

@@ -6,8 +6,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stt_codegen.design.refine import family
-from stt_codegen.designs import RefinedDesign
+from stt_codegen.design import family
+from stt_codegen.designs import RefinedDesign, require_refined
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import Controller, build_task, design_tube
 from stt_codegen.report.analysis import Analysis
@@ -16,7 +16,7 @@ from stt_codegen.task import Task
 PREFERENCES = ("balanced", "slow", "wide", "period")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Trade:
     """One tube, certified. Width (least over time and dimensions) and speed (most of an edge) in the task's units; period:
     seconds between samples that are proved for the plant and the share of starts, with the gain (by component): the task's, or
@@ -57,12 +57,11 @@ class TradeReport:
 
 def trade_report(task: Task) -> TradeReport:
     """Raises `BadInput` for designs that have no widths to choose from, `NotCertified` where there is no tube."""
-    if task.tube.design != "refined":
+    if not task.tube.capabilities.offers_widths:
         raise BadInput(f"--pareto: is for refined tubes; the {task.tube.design} design has no widths to choose from")
     found: dict[RefinedDesign, list[str]] = {}
     for prefer in PREFERENCES:
-        design = design_tube(task.changed(tube={"prefer": prefer}))
-        assert isinstance(design, RefinedDesign)
+        design = require_refined(design_tube(task.changed(tube={"prefer": prefer})))
         found.setdefault(design, []).append(prefer)
     for design in family(task):
         found.setdefault(design, [])
@@ -77,18 +76,17 @@ def trade_report(task: Task) -> TradeReport:
 
 
 def _trade(controller: Controller, preferred: tuple[str, ...]) -> Trade:
-    certificate, design = controller.certificate, controller.design
-    assert isinstance(design, RefinedDesign)
+    certificate, design = controller.certificate, require_refined(controller.design)
     analysis = Analysis(controller)
     if controller.task.control.gain is None:
         best = analysis.gains.longest
     else:
         best = None if analysis.period is None else (analysis.setting.law.gain, analysis.period)
     return Trade(
-        design.segments,
-        float(certificate.least_width),
-        float(max(certificate.speed)),
-        None if best is None else best[1].seconds,
-        None if best is None else tuple(best[0].tolist()),
-        preferred,
+        segments=design.segments,
+        least_width=float(certificate.least_width),
+        speed=float(max(certificate.speed)),
+        period=None if best is None else best[1].seconds,
+        gain=None if best is None else tuple(best[0].tolist()),
+        preferred=preferred,
     )

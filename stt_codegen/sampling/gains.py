@@ -6,7 +6,6 @@ Gains are multiples of `shape`, |k| by component. What is proposed was searched 
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.decimals import above, below
-from stt_codegen.sampling.periods import COARSE, MIDDLE, Period, least, least_proposed, longest, proposal
+from stt_codegen.sampling.periods import COARSE, MIDDLE, Period, is_proved, least, least_proposed, longest, proposal
 from stt_codegen.sampling.setting import Setting
 
 Array = npt.NDArray[np.float64]
@@ -25,6 +24,9 @@ TRIED = np.geomspace(1e-2, 1e2, 25)  # times the natural gain
 CLOSE = 0.01  # how near, as a share, the least and the largest gain are searched for
 FINER = 3  # values of a gain for one of TRIED, where the most room is searched for
 NEARER = (1.0, 0.98, 0.9, 0.7, 0.5)  # times a searched gain, which may lie where the proof just fails
+FAR = 1e6  # times a proved gain, where the search for an end gives up
+FINEST = 1.001  # the shortest step towards an end
+ENDLESS = math.inf
 MUCH = 1.2  # times as long a period, for a limit on u to be worth a word
 SPARE = 1.1  # of the input that is needed, where a limit on it is proposed
 DIGITS = 3  # of a proposed gain
@@ -53,7 +55,8 @@ def needed_input(s: Setting) -> Array:
 def natural_gain(s: Setting) -> Array:
     """|k| by component that keeps |eps| near 1; where nothing pushes, that which is slow beside the mission."""
     wide = s.windows.wide.max(axis=0)
-    pushed = needed_input(s) * wide
+    with np.errstate(over="ignore"):
+        pushed = needed_input(s) * wide
     return np.asarray(np.where(pushed > 0, pushed, wide**2 / s.windows.times[-1]))
 
 
@@ -62,6 +65,17 @@ def rounded_gain(gain: Array, up: bool | None = None) -> Array:
     if up is None:
         return np.array([float(f"{k:.{DIGITS}g}") for k in gain.tolist()])
     return np.array([(above if up else below)(Fraction(k), DIGITS) for k in gain.tolist()])
+
+
+@dataclass(frozen=True)
+class GainRange:
+    """|k| by component: every gain in these proportions from `first` to `last` is proved; last None: every gain from `first` on,
+    for u is limited. `first_is_end`, `last_is_end`: whether what is proved ends there; else the search was cut."""
+
+    first: Array
+    last: Array | None
+    first_is_end: bool
+    last_is_end: bool
 
 
 @dataclass(frozen=True)
@@ -82,8 +96,10 @@ class Gains:
 
     @cached_property
     def tried(self) -> Array:
-        """Multiples of `shape` around the natural gain."""
-        return TRIED * float((natural_gain(self.setting) / self.shape).max())
+        """Multiples of `shape` around the natural gain; none where no number is large enough against what pushes."""
+        with np.errstate(over="ignore"):
+            multiples = TRIED * float((natural_gain(self.setting) / self.shape).max())
+        return multiples if np.isfinite(multiples).all() else multiples[:0]
 
     @cached_property
     def _peak(self) -> tuple[str, float] | None:
@@ -96,6 +112,8 @@ class Gains:
                 return 0.0 if found is None else found[0]
 
             tried = self.tried.tolist()
+            if not tried:
+                return None
             found = [seconds(m) for m in tried]
             k = int(np.argmax(found))
             if found[k] > 0:
@@ -122,27 +140,62 @@ class Gains:
         best = replace(self, setting=self.setting.with_law(u_max=u_max)).longest
         return None if best is None else (u_max, *best)
 
-    def range(self, seconds: float) -> tuple[Array, Array] | None:
-        """The least and the largest |k|, short decimals, that are proved for a period of so many seconds, each within about CLOSE
-        of where that ends."""
-        if self._peak is None or seconds < self.shortest:
+    def range(self, seconds: float) -> GainRange | None:
+        """Multiples of `shape`, as short decimals, between which every gain is proved for a period of so many seconds; None where
+        no gain is."""
+        if seconds < self.shortest:
             return None
-        statement, inside = self._peak
 
-        def found(multiple: float) -> bool:
-            return least_proposed(statement, self.setting.with_law(gain=multiple * self.shape), seconds) is not None
+        def proved(low: Array, high: Array | None = None) -> bool:
+            setting = self.setting.with_law(gain=low, gain_high=high)
+            return any(is_proved(statement, setting, seconds) for statement in self.statements)
 
-        def proved(gain: Array) -> bool:
-            return least(statement, self.setting.with_law(gain=gain), seconds) is not None
-
-        if not found(inside):
+        inside = self._proved_multiple(proved)
+        if inside is None:
             return None
-        ends: list[Array] = []
-        for side, inward in ((1 / 2, 1 + CLOSE), (2.0, 1 - CLOSE)):
-            last = _last(found, inside, side)
-            tried = (rounded_gain(last * inward**k * self.shape, up=side < 1) for k in range(4))
-            ends += itertools.islice(filter(proved, tried), 1)
-        return (ends[0], ends[1]) if len(ends) == 2 else None
+        low, low_is_end = self._walk(proved, inside, up=False)
+        high, high_is_end = self._walk(proved, inside, up=True)
+        first = self._inward(proved, low, up=True)
+        last = None if math.isinf(high) else self._inward(proved, high, up=False)
+        if first is None or (math.isfinite(high) and (last is None or (first > last).any())):
+            first = rounded_gain(inside * self.shape)  # the range is narrower than what its ends are rounded by
+            last = None if math.isinf(high) else first
+            if not proved(first, None if last is not None else ENDLESS * self.shape):
+                return None
+        return GainRange(first, last, low_is_end, high_is_end)
+
+    def _proved_multiple(self, proved: Callable[..., bool]) -> float | None:
+        """A multiple from which to search: that of the longest period, or one from which on all are proved."""
+        if self._peak is not None and proved(self._peak[1] * self.shape):
+            return self._peak[1]
+        multiples: list[float] = self.tried.tolist()
+        if not multiples:
+            return None
+        largest = FAR * multiples[-1]
+        if proved(largest * self.shape, ENDLESS * self.shape):
+            return next(m for m in (*multiples, largest) if proved(m * self.shape, ENDLESS * self.shape))
+        return next((m for m in multiples if proved(m * self.shape)), None)
+
+    def _walk(self, proved: Callable[..., bool], inside: float, up: bool) -> tuple[float, bool]:
+        """How far from `inside` every multiple is proved, and whether that is an end. Each step is proved for all gains in it.
+        Infinite where all larger ones are proved; no end where the search was cut."""
+        multiple, step = inside, 2.0
+        while 1 / FAR < multiple / inside < FAR:
+            if up and proved(multiple * self.shape, ENDLESS * self.shape):
+                return math.inf, False
+            reached = multiple * step if up else multiple / step
+            if proved(min(multiple, reached) * self.shape, max(multiple, reached) * self.shape):
+                multiple, step = reached, min(step * step, 4.0)
+            elif step < FINEST:
+                return multiple, True
+            else:
+                step = math.sqrt(step)
+        return multiple, False
+
+    def _inward(self, proved: Callable[..., bool], multiple: float, up: bool) -> Array | None:
+        """The gain there, rounded to the inner side, or a little farther in where that is not proved."""
+        shares = ((1 + CLOSE if up else 1 - CLOSE) ** k for k in range(4))
+        return next((gain for share in shares if proved(gain := rounded_gain(multiple * share * self.shape, up))), None)
 
     def roomiest(self, seconds: float) -> tuple[Array, Period] | None:
         """Of the |k| proved for the period from these starts that which keeps |e| least in a run from the middle of the tube, and
@@ -201,14 +254,3 @@ def _highest(value: Callable[[float], float], low: float, high: float) -> float:
             d = a + shrink * (b - a)
             at_d = value(math.exp(d))
     return math.exp(c if at_c >= at_d else d)
-
-
-def _last(good: Callable[[float], bool], inside: float, step: float) -> float:
-    """How far from `inside` it stays good on the way of that step, to a share of CLOSE."""
-    here, there = inside, inside * step
-    while good(there) and 1e-6 < there / inside < 1e6:
-        here, there = there, there * step
-    while max(here / there, there / here) > 1 + CLOSE:
-        middle = math.sqrt(here * there)
-        here, there = (middle, there) if good(middle) else (here, middle)
-    return here

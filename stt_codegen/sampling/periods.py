@@ -9,7 +9,9 @@ is raised, from its least, until its own conditions hold; where one finds none t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -18,11 +20,12 @@ import numpy.typing as npt
 from flint import arb
 
 from stt_codegen.sampling.setting import Setting, in_balls
-from stt_codegen.sampling.statements import STATEMENTS, input_bound, sharp_push, sharp_under
+from stt_codegen.sampling.statements import STATEMENTS, conditions_of, first_failing, input_bound, sharp_push, sharp_under
 
 Array = npt.NDArray[Any]
 Found = tuple[float, Array]  # tau in seconds and E by component
 BACK_OFF = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # of the searched tau or E, until the balls agree
+FIRST_HALVINGS = 24  # more than a search has, where it has met no period yet
 MIDDLE = 0.01  # the least E that is tried, |e| = 0.005: as good as a start in the middle
 
 
@@ -58,13 +61,35 @@ FINE, COARSE = Search(32, 2, 24), Search(32, 1, 12)  # what is proved; what gain
 def holds(statement: str, s: Setting, reach: Array, tau: float) -> bool:
     """Shown in balls: with |eps_i(0)| < reach[i] and samples no older than tau the state stays in the tube. The general statement
     speaks of the norm of eps, and reach has the same bound on it in every place."""
-    start, reach = _start(statement, s), np.asarray(reach, dtype=float)
-    if not (np.isfinite(start).all() and (start * (1 + 1e-12) < reach).all() and (reach <= _farthest(statement, s)).all()):
-        return False
-    if not s.law.latency <= tau <= s.longest_age:
+    reach = np.asarray(reach, dtype=float)
+    if not is_in_range(statement, s, reach, tau):
         return False
     e = arb(float(reach[0])) if statement == "general" else np.array([arb(v) for v in reach.tolist()], dtype=object)
-    return all(bool(np.all(c.values > 0)) for c in STATEMENTS[statement].conditions(in_balls(s), e, arb(tau)))
+    return first_failing(conditions_of(statement, in_balls(s), e, arb(tau))) is None
+
+
+def is_in_range(statement: str, s: Setting, reach: Array, tau: Any) -> bool:
+    """Whether the statement speaks of these: reaches that no start has and that the clamp leaves, samples from this window or the
+    one before. Of the numbers that the setting has."""
+    start = s.numbers.outward(_start(statement, s), 1e-12)
+    ends = bool((start < reach).all() and (reach <= _farthest(statement, s)).all())
+    return ends and bool(s.law.latency <= tau <= s.longest_age)
+
+
+def inputs_where_proved(loop: Setting, rho: Sequence[Fraction], age: Fraction) -> tuple[Fraction, ...] | None:
+    """A bound on |u| by component where the sharp statement holds in fractions (`exact_loop`) with these rho = e^E for samples of
+    that age; else None. Window by window, so that the first condition that fails is the last one that is computed."""
+    reach = np.array(rho, dtype=object)
+    if not is_in_range("sharp", loop, reach, age):
+        return None
+    largest = 0 * reach
+    for k in range(len(loop.narrow)):
+        window = loop.window(k)
+        u = input_bound(window, reach)
+        if first_failing(sharp_under(window, reach, age, u, sharp_push(window, u))) is not None:
+            return None
+        largest = np.maximum(largest, u[0])
+    return tuple(largest.tolist())
 
 
 def longest(statement: str, s: Setting) -> Period | None:
@@ -79,11 +104,21 @@ def longest(statement: str, s: Setting) -> Period | None:
 
 def least(statement: str, s: Setting, tau: float) -> Period | None:
     """The statement at tau seconds with the least E that is found and proved; None where none is."""
+    reach = _least_proved(statement, s, tau)
+    return None if reach is None else _period(statement, s, reach, tau, tau)
+
+
+def is_proved(statement: str, s: Setting, tau: float) -> bool:
+    """Whether some E is found and proved for tau seconds: for every |k| from `law.gain` to `law.gain_high`."""
+    return _least_proved(statement, s, tau) is not None
+
+
+def _least_proved(statement: str, s: Setting, tau: float) -> Array | None:
     reach = least_proposed(statement, s, tau)
     if reach is None:
         return None
     tried = (np.minimum(reach * (1 + share), _farthest(statement, s)) for share in BACK_OFF)
-    return next((_period(statement, s, e, tau, tau) for e in tried if holds(statement, s, e, tau)), None)
+    return next((e for e in tried if holds(statement, s, e, tau)), None)
 
 
 def _period(statement: str, s: Setting, reach: Array, tau: float, longest_tau: float) -> Period:
@@ -101,7 +136,7 @@ def _start(statement: str, s: Setting) -> Array:
 
 def _farthest(statement: str, s: Setting) -> Array:
     """What E may be at most, by component: eps at the clamp."""
-    most = s.law.farthest * (1 - 1e-12)
+    most = s.numbers.outward(s.law.farthest, -1e-12)
     return np.full(most.shape, most.min()) if statement == "general" else most
 
 
@@ -152,7 +187,9 @@ class _Grid:
         whole = self.least(high)
         if whole is not None:
             return high, whole
-        for _ in range(halvings):
+        for k in range(halvings + FIRST_HALVINGS):
+            if k >= halvings and low > 0:
+                break  # until a first one is met the halvings go on, for a period may be short beside a window
             middle = (low + high) / 2
             found = self.least(middle)
             if found is None:
@@ -209,7 +246,7 @@ class _Scalar(_Grid):
         inner = (1,) if self.statement == "general" else (1, 1)
         reach = self.values.max(axis=1).reshape(-1, *inner)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            conditions = STATEMENTS[self.statement].conditions(self.setting, reach, tau)
+            conditions = conditions_of(self.statement, self.setting, reach, tau)
         good = np.all([np.all(c.values > 0, axis=tuple(range(-len(inner), 0))) for c in conditions], axis=0)
         if not good.any():
             return None

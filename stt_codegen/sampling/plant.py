@@ -11,7 +11,6 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -21,9 +20,9 @@ from flint import arb
 from stt_codegen.errors import BadInput
 from stt_codegen.plants import Model, model
 from stt_codegen.program import Op, Program, Var, operands
-from stt_codegen.program.ball_arithmetic import Ball, hull
-from stt_codegen.program.balls import Enclosure
-from stt_codegen.program.lower import lower
+from stt_codegen.program.analyse import Ball, Enclosure, hull
+from stt_codegen.program.convert import lower
+from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.task import Task
 
 PIECES = 128  # of a box, at most
@@ -31,7 +30,7 @@ Array = npt.NDArray[Any]
 Sides = Sequence[tuple[float, float]]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Bounds:
     """Over a box, by component i: push >= |f_i + w_i|, least <= g_ii <= most, cross[i][j] >= |g_ij| (0 on the diagonal), all
     for sign * g; and of the whole: push_norm >= |f + w|, definite <= the least eigenvalue of g_s, norm >= |g|."""
@@ -40,32 +39,37 @@ class Bounds:
     least: Array
     most: Array
     cross: Array
-    push_norm: float
-    definite: float
-    norm: float
+    push_norm: Any
+    definite: Any
+    norm: Any
 
 
-def bounds_of_task(task: Task) -> Bounds:
+def bounds_of_task(task: Task, numbers: Numbers = DOUBLES) -> Bounds:
     """The bounds that a task's [plant] states; without any, those of xdot = u.
 
     f_max, w_max bound norms, so every component too; g_min and g_max bound g_s from below and |g|, and so every g_ii; g_cross
     bounds every |g_ij|, and without it inputs count as decoupled (g diagonal) in the statements that go by component. Lists bound
     every component by itself; the norms then are what these leave: |f + w| their root of squares, g_s and |g| by Gershgorin."""
     n, stated, plant = task.dimension, task.plant_bounds, task.plant
-    push, most, cross = (np.array([_double(getattr(b, k), math.inf) for b in stated]) for k in ("force", "g_max", "cross"))
-    least = np.array([_double(b.g_min, -math.inf) for b in stated])
+
+    def bounds(name: str, end: float) -> Array:
+        return np.array([numbers.toward(getattr(b, name), end) for b in stated])
+
+    push, most, cross = (bounds(name, math.inf) for name in ("force", "g_max", "cross"))
+    least = bounds("g_min", -math.inf)
     listed = [isinstance(v, tuple) for v in (plant.f_max or plant.w_max, plant.w_max or plant.f_max, plant.g_min, plant.g_max)]
-    beside = float((n - 1) * cross.max()) * (1 + 1e-12)
-    whole = math.sqrt(float((push**2).sum())) * (1 + 1e-12) if any(listed[:2]) else float(push[0])
-    definite = float(least.min()) - beside if listed[2] else float(least.min())
-    norm = float(most.max()) + beside if listed[3] else float(most.max())
-    return Bounds(push, least, most, cross[:, None] * (1 - np.eye(n)), whole, definite, norm)
-
-
-def _double(value: Fraction, toward: float) -> float:
-    """The fraction as a double; rounded toward that side where it is none."""
-    double = float(value)
-    return double if Fraction(double) == value else math.nextafter(double, toward)
+    beside = numbers.outward(numbers.of((n - 1) * cross.max()), 1e-12)
+    whole = numbers.of(numbers.root_above((push**2).sum()) if any(listed[:2]) else push[0])
+    definite, norm = (numbers.of(v) for v in (least.min(), most.max()))
+    return Bounds(
+        push=push,
+        least=least,
+        most=most,
+        cross=cross[:, None] * (1 - np.eye(n, dtype=int)),
+        push_norm=whole,
+        definite=definite - beside if listed[2] else definite,
+        norm=norm + beside if listed[3] else norm,
+    )
 
 
 SMOOTH = frozenset("add sub mul div neg sqrt exp expm1 log log1p tanh sinh cosh atanh sin cos tan".split())
@@ -145,7 +149,7 @@ class PlantEnclosure:
     """A plant of n dimensions in balls, of order 2 over boxes of x and v. Raises `BadInput` as `model` does."""
 
     def __init__(self, plant: Model, dimension: int, sign: int, order: int = 1) -> None:
-        self.dimension, self.sign, self.w_max, self.plant = dimension, sign, _double(plant.w_max, math.inf), plant
+        self.dimension, self.sign, self.w_max, self.plant = dimension, sign, DOUBLES.toward(plant.w_max, math.inf), plant
         import casadi as ca
 
         function = model(plant, dimension, order)
@@ -168,8 +172,17 @@ class PlantEnclosure:
         (push, push_norm), (most, cross, norm, least, definite) = (list(zip(*found, strict=True)) for found in (pushes, inputs))
         worst = [np.asarray(np.max(np.array(v), axis=0)) for v in (push, most, cross)]
         lowest = np.asarray(np.min(np.array(least), axis=0))
-        return Bounds(worst[0], lowest, worst[1], worst[2], max(push_norm), min(definite), max(norm))
+        return Bounds(
+            push=worst[0],
+            least=lowest,
+            most=worst[1],
+            cross=worst[2],
+            push_norm=max(push_norm),
+            definite=min(definite),
+            norm=max(norm),
+        )
 
+    @np.errstate(over="ignore")  # then no bound is known
     def _push(self, f: Sequence[Ball]) -> tuple[Array, float]:
         push = np.array([_most(abs(v)) for v in f])
         total = _up(math.sqrt(float(np.sum(push**2)))) * (1 + 1e-12) + self.w_max if push.any() else self.w_max

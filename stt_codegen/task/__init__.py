@@ -1,10 +1,11 @@
-"""The question: where the system may be, what is unsafe, where it starts, where it must be by the prescribed time."""
+"""The question: where the system may be, what is unsafe, where it starts, where it must be by the prescribed time.
 
+Large because the task format is here with all its checks: sets, missions, maps, rooms, axes that close.
+"""
+
+from stt_codegen.task.closed_axes import TWO_PI, ClosedAxis
+from stt_codegen.task.keys import task_keys
 from stt_codegen.task.load import json_schema, load_task, parse_task
-from stt_codegen.task.shapes import Box, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet
-from stt_codegen.task.task import Task, document_digest
+from stt_codegen.task.task import Task
 
-__all__ = [
-    "Box", "Task", "UnsafeBall", "UnsafeCapsule", "UnsafeHalfSpaces", "UnsafePolytope", "UnsafeSet",
-    "document_digest", "json_schema", "load_task", "parse_task",
-]  # fmt: skip
+__all__ = ["TWO_PI", "ClosedAxis", "Task", "json_schema", "load_task", "map", "mission", "parse_task", "sets", "task_keys"]

@@ -9,7 +9,7 @@ import tomllib
 from decimal import Decimal
 from pathlib import Path
 
-from stt_codegen.errors import BadInput, about
+from stt_codegen.errors import BadInput, about, noted
 from stt_codegen.task.task import Task
 from stt_codegen.task.values import FILE
 
@@ -40,12 +40,16 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
     with about(source):
         if "map" not in document:
             return Task.model_validate(document, context={FILE: True})
-        from stt_codegen.task.maps import expanded, written
+        from stt_codegen.task.map import expanded, written
 
         bare = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
-        document = expanded(document, bare, folder or Path())
-        task = Task.model_validate(document, context={FILE: True})
-        task._written = written(document)
+        expansion = expanded(document, bare, folder or Path())
+        with noted(expansion.notes):
+            task = Task.model_validate(expansion.document, context={FILE: True})
+        task._notes = expansion.notes
+        if task.room is None:  # else it was written with the sets of the outline
+            task._written = written(expansion.document)
+        task._spelled_from = ("map", *task.spelled_from)
         return task
 
 
@@ -55,8 +59,13 @@ def json_schema() -> str:
     texts = {"type": "array", "items": {"type": "string"}}
     schema["properties"]["map"] = {
         "type": "object",
-        "description": "an occupancy map of a map server, taken as unsafe sets",
-        "properties": {"file": {"type": "string"}, "axes": texts, "as": {"enum": ["boxes", "polygons"]}},
+        "description": "occupancy maps of a map server, taken as unsafe sets",
+        "properties": {
+            "file": {"anyOf": [{"type": "string"}, {**texts, "minItems": 1}]},
+            "axes": texts,
+            "as": {"enum": ["boxes", "polygons"]},
+            "free": {"enum": ["white", "thresholds"]},
+        },
         "required": ["file"],
         "additionalProperties": False,
     }

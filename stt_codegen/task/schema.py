@@ -1,7 +1,7 @@
 """The question: state space, unsafe sets, initial set, target set, prescribed time (design words: X, U_j, X0, T, t_c).
 
 A frozen `Task` of frozen tables. Decimals stay exact: every number is a `Fraction`. `values.py` has the kinds of numbers,
-`load.py` makes a task of a file, `checks.py` looks at how the fields fit together.
+`load.py` makes a task of a file, `checks/field_checks.py` looks at how the fields fit together.
 
 Long because every field of a task file stands here once, and what is made of it.
 """
@@ -10,16 +10,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import AfterValidator, BeforeValidator, Field, StrictBool
+from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, create_model
 
-from stt_codegen.task.formula import Formula, both
-from stt_codegen.task.mission import AnyRegion, Choice, Entry, expanded, with_states
-from stt_codegen.task.motion import Course, course_of
-from stt_codegen.task.polytopes import HalfSpace
-from stt_codegen.task.sets import BoxSet, ConvexSet
-from stt_codegen.task.shapes import AnyUnsafe, Box, Region, Table, Target, Unsafe, UnsafeSet
+from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
+from stt_codegen.program.targets import optional_targets
+from stt_codegen.properties import Property
+from stt_codegen.task.mission import AnyRegion, Choice, Entry, Formula, both, expanded, with_states
+from stt_codegen.task.sets import (
+    AnyUnsafe,
+    Box,
+    BoxSet,
+    ConvexSet,
+    Course,
+    HalfSpace,
+    Region,
+    StateSpace,
+    Table,
+    Target,
+    Unsafe,
+    UnsafeSet,
+    course_of,
+)
 from stt_codegen.task.values import (
     MAX_NAME,
     Each,
@@ -27,16 +40,18 @@ from stt_codegen.task.values import (
     GainOrAuto,
     Labels,
     NotNegative,
+    PeriodOfAxis,
     Positive,
     Vector,
     below_one,
     whole,
 )
 
-DesignKind = Literal["refined", "adaptive", "literal"]
 Scalar = Literal["float", "double", "fixed"]
 Preference = Literal["balanced", "slow", "wide", "period"]
 Outside = Literal["return", "hold", "stop"]
+PLANT_BOUNDS = ("f_max", "w_max", "g_min", "g_max", "g_cross")  # keys of [plant] that are one number, or one for each component
+EmitOptionsType = TypeVar("EmitOptionsType", bound=Table)
 
 
 class InitialSet(Box):
@@ -49,8 +64,10 @@ class InitialSet(Box):
 
 
 def _from_box(value: object) -> object:
-    """A `Box` will do, from Python."""
-    return {name: getattr(value, name) for name in value.model_fields_set} if type(value) is Box else value
+    """A `Box` or a `Region` will do, from Python."""
+    if isinstance(value, Box) and type(value) in (Box, Region):
+        return {name: getattr(value, name) for name in value.model_fields_set}
+    return value
 
 
 class AdaptiveOptions(Table):
@@ -86,6 +103,11 @@ class TubeOptions(Table):
     seed: Annotated[int, BeforeValidator(whole)] = Field(default=0, ge=0, description="literal design: the random sides")
     adaptive: AdaptiveOptions = AdaptiveOptions()
 
+    @property
+    def capabilities(self) -> Capabilities:
+        """What the kind of tube that is asked for offers."""
+        return CAPABILITIES[self.design]
+
 
 class ControlOptions(Table):
     """The control law (13)."""
@@ -102,7 +124,9 @@ class ControlOptions(Table):
     saturate: Literal["clip", "scale"] = Field(
         default="clip", description="how u_max limits u: each component, or all of u by one factor, for g that couples"
     )
-    period: Positive | None = Field(default=None, description="seconds between samples; proved (P9), or the task is refused")
+    period: Positive | None = Field(
+        default=None, description=f"seconds between samples; proved ({Property.PERIOD.code}), or the task is refused"
+    )
     latency: NotNegative = Field(default=Fraction(0), description="seconds from a sample to the input that it makes, at most")
     velocity: Literal["measured", "differences"] = Field(
         default="measured", description="for order 2, where v is from: a sensor, or differences of measured x"
@@ -115,6 +139,13 @@ class ControlOptions(Table):
     )
 
 
+def _with_language_keys(options: type[EmitOptionsType]) -> type[EmitOptionsType]:
+    """Return the table with a key more for each target language that a task has to ask for."""
+    keys: dict[str, Any] = {t.key: (StrictBool, Field(default=False, description=t.option)) for t in optional_targets()}
+    return create_model(options.__name__, __base__=options, __module__=options.__module__, __doc__=options.__doc__, **keys)
+
+
+@_with_language_keys
 class EmitOptions(Table):
     """What the C looks like."""
 
@@ -122,7 +153,6 @@ class EmitOptions(Table):
     math: Literal["libm", "inline"] = "libm"
     tick_period: Positive | None = Field(default=None, description="seconds; adds an entry point with an integer tick")
     selftest: StrictBool = Field(default=False, description="adds <name>_selftest.c for the board's boot")
-    rust: StrictBool = Field(default=False, description="adds <name>.rs, a no_std module")
 
 
 class PlantBounds(Table):
@@ -150,7 +180,7 @@ class PlantBounds(Table):
     @property
     def bounds(self) -> dict[str, Fraction | tuple[Fraction, ...] | None]:
         """What the task says of each bound, those of order 2 only there."""
-        names = ("f_max", "w_max", "g_min", "g_max", "g_cross", "noise", *(("noise_v",) if self.order == 2 else ()))
+        names = (*PLANT_BOUNDS, "noise", *(("noise_v",) if self.order == 2 else ()))
         return {name: getattr(self, name) for name in names}
 
     @property
@@ -186,12 +216,15 @@ class TaskTables(Table):
     name: str = Field(description="prefix of every emitted identifier", pattern="^[A-Za-z][A-Za-z0-9_]*$", max_length=MAX_NAME)
     axes: Labels | None = Field(default=None, description="names of the dimensions in messages, pictures and comments: x1, ..")
     units: Labels | None = Field(default=None, description="unit of each dimension there; an empty text for none")
+    periodic: PeriodOfAxis | None = Field(
+        default=None, description="axes that close, by name, each with its period in the axis's unit: an angle's 2 pi"
+    )
     prescribed_time: Positive = Field(description="t_c, seconds")
     repeat: StrictBool = Field(
         default=False, description="for ever: after a lead-in the tube is periodic, and t_c is the end of its first cycle"
     )
     initial_state: Vector = Field(description="x(0), strictly inside the initial set")
-    state_space: Annotated[Region, BeforeValidator(_from_box)]
+    state_space: Annotated[StateSpace, BeforeValidator(_from_box)]
     initial_set: Annotated[InitialSet, BeforeValidator(_from_box)]
     target_set: Annotated[Target, BeforeValidator(_from_box)] | None = Field(
         default=None, description="where the tube is at t_c; may be left out where there is a mission"
@@ -284,8 +317,8 @@ class TaskTables(Table):
     @property
     def limits_are_demanded(self) -> bool:
         """Whether P8 is asked for: u is limited, the plant has bounds, and no period is to be proved, which asks for more."""
-        bounded = any(getattr(self.plant, name) is not None for name in ("f_max", "w_max", "g_min", "g_max", "g_cross"))
-        return self.control.u_max is not None and bounded and self.control.period is None and self.tube.design == "refined"
+        bounded = any(getattr(self.plant, name) is not None for name in PLANT_BOUNDS)
+        return self.control.u_max is not None and bounded and self.control.period is None and self.tube.capabilities.proves_limits
 
     @property
     def max_speed(self) -> tuple[Fraction, ...] | None:
@@ -431,10 +464,9 @@ class TaskTables(Table):
         """The unsafe sets as they are, in the order of the file."""
         return tuple(s.within(self.state_space, self.own_axes(s)) for s in self.unsafe)
 
-    @property
-    def hulls(self) -> tuple[str, ...]:
-        """The unsafe sets whose points are not all corners: what is avoided is their hull."""
-        return tuple(s.name for s in self.unsafe if s.thinned)
+    def unsafe_field(self, j: int) -> str:
+        """Where the file has unsafe set j."""
+        return f"unsafe[{j}]"
 
     def own_axes(self, table: Unsafe | Region) -> tuple[int, ...]:
         """The dimensions that a set is in; its axes are known to be of the task's."""

@@ -11,10 +11,14 @@ from typing import Any
 
 from pydantic import BaseModel, ModelWrapValidatorHandler, PrivateAttr, ValidationError, model_validator
 
+from stt_codegen.decimals import exact_decimal
 from stt_codegen.errors import BadInput
-from stt_codegen.task.checks import first_problem
-from stt_codegen.task.refusals import explain
+from stt_codegen.task.checks import explain, first_problem, structure_problem
+from stt_codegen.task.closed_axes import ClosedAxis, Image, turns_problem
+from stt_codegen.task.closed_axes import spelled_out as with_turns_spelled_out
+from stt_codegen.task.map import Room, in_words_of_outline, without_outline
 from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.values import ADD_IT
 
 
 class Task(TaskTables):
@@ -28,20 +32,68 @@ class Task(TaskTables):
 
     _digest: str = PrivateAttr(default="")
     _written: str | None = PrivateAttr(default=None)
+    _notes: tuple[str, ...] = PrivateAttr(default=())
+    _spelled_from: tuple[str, ...] = PrivateAttr(default=())
+    _room: Room | None = PrivateAttr(default=None)
+    _with_outline: TaskTables | None = PrivateAttr(default=None)
+    _stated: Task | None = PrivateAttr(default=None)
+    _closed: tuple[ClosedAxis, ...] = PrivateAttr(default=())
+    _images: tuple[Image, ...] = PrivateAttr(default=())
 
     @model_validator(mode="wrap")
     @classmethod
     def _checked(cls, data: Any, handler: ModelWrapValidatorHandler[Task]) -> Task:
         """`BadInput` is no ValueError, so pydantic lets it through."""
+        stated = data._stated if isinstance(data, Task) else None
         try:
-            task = handler(data)
+            task = handler(data if stated is None else stated)
         except ValidationError as error:
             raise BadInput(explain(error, TaskTables)) from None
-        problem = first_problem(task)
+        if isinstance(data, Task) and data.room is not None:
+            task._written, task._spelled_from = data._written, data._spelled_from
+            task._room, task._with_outline = data._room, data._with_outline
+        space = task.state_space
+        if space.outline is not None or space.holes is not None:
+            task.__setstate__(cls._of_room(task.model_copy()).__getstate__())  # pydantic wants the same object from a validator
+            return task
+        missing = next((field for field, vector in space.vectors() if not vector), None)
+        if missing is not None:
+            raise BadInput(f"state_space.{missing}: is missing; {ADD_IT}")
+        task._digest = document_digest(task)
+        task._settle()
+        return task
+
+    def _settle(self) -> None:
+        """Spell out turns where axes close, in this object, and refuse what no schema can see."""
+        problem = structure_problem(self) if self.periodic else None
+        problem = problem or (turns_problem(self) if self.periodic else None)
+        if self.periodic and not problem:
+            stated = self.model_copy()
+            changes, self._closed, self._images = with_turns_spelled_out(stated)
+            self._stated = stated
+            self.__dict__.update(changes)
+        problem = problem or first_problem(self)
         if problem:
             raise BadInput(problem)
-        task._digest = document_digest(task)
-        return task
+
+    @classmethod
+    def _of_room(cls, task: TaskTables) -> Task:
+        """The task with the sets that its outline leaves of a box spelled out."""
+        from stt_codegen.task.map import written
+
+        fields, room = without_outline(task)
+        try:
+            spelled = cls(**fields)
+        except BadInput as error:
+            raise BadInput(in_words_of_outline(str(error), len(task.unsafe), room)) from None
+        spelled._room, spelled._with_outline = room, task
+        spelled._written, spelled._spelled_from = written(document_of(spelled.stated)), ("outline",)
+        return spelled
+
+    @property
+    def room(self) -> Room | None:
+        """The outline, the holes and the names of the unsafe sets that it was turned into; None of a task without an outline."""
+        return self._room
 
     @property
     def digest(self) -> str:
@@ -50,17 +102,49 @@ class Task(TaskTables):
 
     @property
     def written(self) -> str | None:
-        """The task as the text of a file with the sets of its map spelled out; None for a task without a map."""
+        """The task as the text of a file with the sets of its map or outline spelled out; None for a task without these."""
         return self._written
 
-    def with_options(self, design: str | None = None, scalar: str | None = None, rust: bool = False) -> Task:
-        """The same task with the options that the command line may override. Raises `BadInput` where its other options are not
-        for that design."""
-        tube = self.tube.model_copy(update={"design": design}) if design else self.tube
-        chosen = ({"scalar": scalar} if scalar else {}) | ({"rust": True} if rust else {})
-        emit = self.emit.model_copy(update=chosen) if chosen else self.emit
-        changed = self.model_copy(update={"tube": tube, "emit": emit})
-        problem = first_problem(changed) if design or rust or scalar == "fixed" else None
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What you should know of the task's maps: cells whose grey only the thresholds make free."""
+        return self._notes
+
+    @property
+    def spelled_from(self) -> tuple[str, ...]:
+        """What was turned into unsafe sets there: "map", "outline", both or neither."""
+        return self._spelled_from
+
+    @property
+    def stated(self) -> Task:
+        """The task as the file states it, before turns of axes that close were spelled out; without such axes this one."""
+        return self if self._stated is None else self._stated
+
+    @property
+    def closed(self) -> tuple[ClosedAxis, ...]:
+        """The axes that close, and what was chosen in them."""
+        return self._closed
+
+    def unsafe_field(self, j: int) -> str:
+        """Where the file has unsafe set j, or the set that it is an image of."""
+        return super().unsafe_field(self._images[j].source if j < len(self._images) else j)
+
+    def with_options(self, design: str | None = None, scalar: str | None = None, language: str | None = None) -> Task:
+        """The same task with the options that the command line may override; language: one that it is printed in too.
+        Raises `BadInput` where its other options are not for that design."""
+        stated = self.stated
+        tube = stated.tube.model_copy(update={"design": design}) if design else stated.tube
+        chosen = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
+        emit = stated.emit.model_copy(update=chosen) if chosen else stated.emit
+        changed = stated.model_copy(update={"tube": tube, "emit": emit})
+        if self.periodic:  # the scalar decides what unwrapping is wrong by
+            changed._written, changed._notes, changed._spelled_from = self._written, self._notes, self._spelled_from
+            changed._room, changed._with_outline = self._room, self._with_outline
+            changed._settle()
+            return changed
+        problem = first_problem(changed) if design or language or scalar == "fixed" else None
+        if problem and self._room is not None:
+            problem = in_words_of_outline(problem, len(stated.unsafe) - len(self._room.walls), self._room)
         if problem:
             raise BadInput(problem)
         return changed
@@ -73,7 +157,8 @@ class Task(TaskTables):
     def changed(self, **values: Any) -> Task:
         """The same task with other values for some fields, checked like a new one. A dictionary changes those fields of a table
         that it names and leaves the others; None takes a field away."""
-        given = {name: getattr(self, name) for name in self.model_fields_set}
+        source = self._with_outline or self.stated
+        given = {name: getattr(source, name) for name in source.model_fields_set}
         for name, value in values.items():
             table = given.get(name)
             if isinstance(value, dict) and isinstance(table, BaseModel):
@@ -82,6 +167,23 @@ class Task(TaskTables):
             else:
                 given[name] = value
         return Task(**{name: value for name, value in given.items() if value is not None})
+
+
+def document_of(task: TaskTables) -> dict[str, Any]:
+    """The data of a file that says the same as the tables, in the order of the schema. Only what was given counts."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, BaseModel):
+            fields = [name for name in type(value).model_fields if name in value.model_fields_set]
+            return {name: plain(getattr(value, name)) for name in fields if getattr(value, name) is not None}
+        if isinstance(value, tuple):
+            return [plain(v) for v in value]
+        if isinstance(value, dict):
+            return {name: plain(entry) for name, entry in value.items()}
+        return Decimal(exact_decimal(value)) if isinstance(value, Fraction) else value
+
+    document: dict[str, Any] = plain(task)
+    return document
 
 
 def document_digest(document: object) -> str:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, PlainSerializer, Tag, ValidationInfo, WithJsonSchema
 
+from stt_codegen.arrays import is_array, real_array, rows_of
 from stt_codegen.decimals import decimal
 
 MAX_DIMENSION = 64
@@ -19,6 +21,7 @@ MAX_POINTS = 64  # of a polytope in up to three dimensions,
 MAX_POINTS_BEYOND = 16  # in more; their faces are found exactly, which takes time
 MAX_NORMALS = 32  # half-spaces of a set
 MAX_TURNS = 200  # entries of a motion
+MAX_IMAGES = 64  # of an unsafe set, where axes close
 MAX_DIGITS = 40
 FILE = "file"  # in the context of a validation: the values are those of a file
 
@@ -71,11 +74,13 @@ def _gain(value: object, info: ValidationInfo) -> Fraction:
 
 def _from_python(value: object) -> object:
     """What a file could hold: an int or a decimal, where the value is one."""
-    if isinstance(value, float) or type(value).__module__ == "numpy":
-        shape = getattr(value, "shape", ())
-        if shape not in ((), None):
-            raise ValueError(f"is an array of shape {shape}; a number is needed, for example 1.0")
-        value = str(value)  # of a NumPy number too the shortest decimal
+    if is_array(value) and not isinstance(value, str):
+        array = real_array(value)
+        if array.shape:
+            raise ValueError(f"is an array of shape {array.shape}; a number is needed, for example 1.0")
+        value = str(array)  # of a NumPy number too the shortest decimal
+    elif isinstance(value, float):
+        value = str(value)
     if isinstance(value, str):
         try:
             return Decimal(value)
@@ -114,9 +119,9 @@ def below_one(value: Fraction) -> Fraction:
 
 def _number_or_list(value: object) -> str:
     """Which of the two a value is to be read as."""
-    if value == "auto" and isinstance(value, str):
+    if isinstance(value, str) and value == "auto":  # an array compares with a text entry by entry
         return "<auto>"
-    several = isinstance(value, list | tuple) or getattr(value, "ndim", None) not in (None, 0)
+    several = isinstance(value, list | tuple) or (is_array(value) and getattr(value, "ndim", 1) != 0)
     return "<list>" if several else "<number>"
 
 
@@ -131,8 +136,8 @@ NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"
 
 
 def _vector(value: object) -> object:
-    if getattr(value, "ndim", None) == 1:
-        value = list(value)  # type: ignore[call-overload]  # a NumPy array
+    if is_array(value) and real_array(value).ndim == 1:
+        value = rows_of(value)
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {kind_of(value)}; a list of numbers is needed, one for each dimension")
     if not value:
@@ -167,12 +172,32 @@ def labels(value: object) -> object:
     return value
 
 
+class Periods(dict[str, Fraction]):
+    """Periods by the names of axes; it has a hash, as all of a task has."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+
+def periods(value: object) -> object:
+    if not isinstance(value, Mapping) or not value:
+        kind = "an empty table" if isinstance(value, Mapping) else kind_of(value)
+        raise ValueError(f"is {kind}; a table of periods by axis is needed, {{ yaw = 6.283185307179586 }}")
+    return dict(value)
+
+
 def points(value: object) -> object:
-    given = value.tolist() if hasattr(value, "tolist") else value
+    given = rows_of(value)
     if not isinstance(given, list | tuple) or not given:
         told = "an empty list" if isinstance(given, list | tuple) else kind_of(value)
         raise ValueError(f"is {told}; a list of points is needed, [[x, y], ..]")
     return given
+
+
+def polygons(value: object) -> object:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"is {kind_of(value)}; a list of lists of points is needed, [[[x, y], ..], ..]")
+    return value
 
 
 def waypoints(value: object) -> object:
@@ -183,12 +208,14 @@ def waypoints(value: object) -> object:
 
 
 def window(value: object) -> object:
+    value = rows_of(value)
     if not isinstance(value, list | tuple) or len(value) != 2:
         told = f"has {len(value)} entries" if isinstance(value, list | tuple) else f"is {kind_of(value)}"
         raise ValueError(f"{told}; two are needed, [from, to] in seconds")
     return value
 
 
+PeriodOfAxis = Annotated[dict[str, Positive], BeforeValidator(periods), AfterValidator(Periods)]
 Window = Annotated[tuple[Number, ...], BeforeValidator(window)]
 Labels = Annotated[tuple[str, ...], BeforeValidator(labels)]
 GainVector = Annotated[tuple[Gain, ...], BeforeValidator(_vector)]

@@ -16,7 +16,7 @@ from typing import Any
 
 from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput, MissingTool
-from stt_codegen.lemmas.cache import folder
+from stt_codegen.lemmas import folder
 from stt_codegen.theorem.reading import Unread
 from stt_codegen.theorem.text import theorem_text
 

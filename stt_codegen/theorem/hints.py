@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 
+from stt_codegen.sampling import emitted_input
 from stt_codegen.theorem.reading import Facts, Sampling
 
 BITS, ROOM = 24, 1 + Fraction(1, 1 << 20)
@@ -60,9 +61,9 @@ def _hint(facts: Facts, sampling: Sampling, i: int, width: Fraction) -> Hint:
     near = width * z - shift
     if near <= 0:
         return limit or Fraction(0), Fraction(0)
-    ratio = (width * (1 - z) + shift) / near
-    log = _up(Fraction(math.log(ratio)) + LOG)
-    most = _up(facts.gain[i] / near * (1 + 1 / ratio) * (1 + lost) * (log + lost) * ROOM)
+    far = width * (1 - z) + shift
+    log = _up(Fraction(math.log(far / near)) + LOG)
+    most = _up(emitted_input(facts.gain[i], far, near, lambda _: log, lost) * ROOM)
     return (limit, Fraction(0)) if limit is not None and limit <= most else (most, log)
 
 

@@ -14,8 +14,10 @@ from fractions import Fraction
 from typing import Any
 
 from stt_codegen.certify import checker
+from stt_codegen.design_kinds import CAPABILITIES
 from stt_codegen.errors import BadInput
-from stt_codegen.theorem.shapes import Edges, Face, Normal, Sets, Shape, normals, sets
+from stt_codegen.properties import Property
+from stt_codegen.theorem.unsafe_sets import Edges, Face, Normal, Sets, Shape, normals, sets
 
 LATE = 4  # rounding errors of K: three are made, see proof/Emitted.v
 FORMATS = {"float": ("Single", 24, 150), "double": ("Double", 53, 1075)}  # for Coq, bits, half the least number is 2^- that
@@ -39,7 +41,7 @@ class Unread(Exception):
     """A file that does not say what a theorem needs: the theorem is not there."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Sampling:
     """What the task says of samples and of the plant, by component, and the certificate's rho and shift. lost: by the arithmetic
     of the law. noise: of a measured x, besides its rounding."""
@@ -61,7 +63,7 @@ Operand = tuple[str, int]  # ("V", number of a value) or ("C", a whole constant)
 Statement = tuple[str, Operand, Operand]  # one operation of the C: sign, left, right
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Facts:
     """Unsafe sets are grown by the body and the state space shrunk; `unsafe` by name, `normals` for each of them; walls, goals:
     half-spaces that cut state space and target. unit: of the table; error: P7's bound in units, at least the certificate's of
@@ -106,7 +108,8 @@ class Facts:
 
 def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
     """The task's numbers. Raises `BadInput`, with what it is that no theorem is written about yet."""
-    if certificate.get("design") != "refined":
+    offered = CAPABILITIES.get(certificate.get("design", ""))
+    if offered is None or not offered.has_exact_claims:
         raise BadInput(f"theorem: a {certificate.get('design')} tube has none; theorems are about refined ones")
     if certificate.get("scalar") not in ("float", "double"):
         raise BadInput("theorem: not yet about controllers in integers; use --scalar float or double")
@@ -118,6 +121,7 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
     for there, what in (
         (read.mission is not None, "missions"),
         (moving, "sets that move, or are unsafe only for a while"),
+        (bool(read.turns.periods), "axes that close (periodic): Coq does not read turns yet"),
     ):
         if there:
             raise BadInput(f"theorem: not yet about {what}")
@@ -152,7 +156,7 @@ def _facts(task: checker.Task, told: Sets, source: bytes, document: dict[str, An
     tube = checker.Tube(c, task, document["grid"]["unit_bits"])
     rate, last = spline_time(c, task.n)
     control, error = document["control"], max(*document["edge_error"], rounding_bound(c, tube))
-    hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == "P4"}
+    hints = {claim["set"]: claim.get("hints") for claim in document["claims"] if claim["property"] == Property.AVOID.code}
     gain = checker.fractions(control["gain"], task.n)
     u_max = None if control["u_max"] is None else checker.fractions(control["u_max"], task.n)
     looped = not beyond(task)
@@ -222,9 +226,20 @@ def _sampling(task: checker.Task, source: checker.Source, claim: dict[str, Any],
     rho, shift = (tuple(checker.fractions(claim[key], task.n)) for key in ("rho", "shift"))
     lost = Fraction(checker.LAW["inline" if task.inline else "libm"][source.bits])
     noise, eps = (task.plant["noise"] or [Fraction(0)])[0], Fraction(1, 1 << source.bits)
-    least = error + noise + eps * task.farthest  # the certificate's error is of whole units, its shift is not
-    shift = tuple(max(v, least) for v in shift)
-    return Sampling(task.period, task.latency, task.share, force, g_min, g_max, cross, rho, shift, lost, noise)
+    shift = tuple(max(v, error + noise + eps * task.farthest) for v in shift)  # error: of whole units, unlike the shift
+    return Sampling(
+        period=task.period,
+        latency=task.latency,
+        share=task.share,
+        force=force,
+        g_min=g_min,
+        g_max=g_max,
+        g_cross=cross,
+        rho=rho,
+        shift=shift,
+        lost=lost,
+        noise=noise,
+    )
 
 
 def _body(source: checker.Source, name: str) -> checker.Tree:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from stt_codegen.theorem.deep import deep, uncovered
+from stt_codegen.theorem.controller_theorem import deep, uncovered
 from stt_codegen.theorem.reading import facts
-from stt_codegen.theorem.writing import written
+from stt_codegen.theorem.tube_theorem import written
 
 
 def theorem_text(task: bytes, header: bytes, source: bytes, certificate: bytes) -> bytes:

@@ -1,9 +1,22 @@
-"""A controller in integers alone, for boards without a floating-point unit.
+"""A controller in integers alone, for boards without a floating-point unit."""
 
-curves    1/d and H(y), the two curves of the law, as tables of quadratics with their error
-kernels   straight lines of shifts, sums and products of 16 bits
-law       the constants of (13) for a task and a tube, and their tables
-frame     tube, control, margin at a tick; inertia: the same for order 2
-errors    what edges and law are wrong by, in exact numbers
-program   all of it as a Program
-"""
+from stt_codegen.controller.integers.constants import law_of
+from stt_codegen.controller.integers.curves import OVER_BITS, RISE_BITS
+from stt_codegen.controller.integers.fixed_program import fixed_program
+from stt_codegen.controller.integers.frame import FARTHEST, MARGIN_BITS
+from stt_codegen.controller.integers.integer_errors import law_error, widest
+from stt_codegen.controller.integers.integer_kernels import clock_of
+
+__all__ = [
+    "FARTHEST",
+    "MARGIN_BITS",
+    "OVER_BITS",
+    "RISE_BITS",
+    "clock_of",
+    "curves",
+    "fixed_program",
+    "integer_errors",
+    "law_error",
+    "law_of",
+    "widest",
+]

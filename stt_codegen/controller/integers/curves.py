@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from stt_codegen.program.enclosed import logarithm
+from stt_codegen.program.analyse import logarithm
 
 SLOPE_BITS = 1  # a slope then fits 15 bits
 OVER_BITS, RISE_BITS = 4, 3  # so many bits after the first say the piece
@@ -26,7 +26,7 @@ OVER = (Fraction(LEVEL) - Fraction(1, 2)) * 2**30  # 1/d is this over the number
 Curve = Callable[[Fraction], Fraction]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Row:
     """One piece: of a curve from `begin` on, `length` long; value = 2^places (level - (slope - bend t) t)."""
 
@@ -88,7 +88,7 @@ def _row(curve: Curve, begin: Fraction, length: Fraction) -> Row:
         places -= 1
     unit = Fraction(2) ** places
     level, slope, bend = round(start / unit - Fraction(1, 4)), -first * 2**SLOPE_BITS / unit, second * 2**SLOPE_BITS / unit
-    return Row(begin, length, level, round(slope), round(bend), places)
+    return Row(begin=begin, length=length, level=level, slope=round(slope), bend=round(bend), places=places)
 
 
 @cache

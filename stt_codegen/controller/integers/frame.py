@@ -2,7 +2,7 @@
 
 The state x and the tube's edges count units of 2^-bits, those of the table; time counts ticks; u counts units of 2^-u_bits. Every
 value is an integer of 32 bits. Operations are exact but for what `ishr` and `upper` cut off, which round down; so the meaning is
-the same on every board. That nothing leaves 32 bits is not said here but proved, by `program.ranges`.
+the same on every board. That nothing leaves 32 bits is not said here but proved, by `program.analyse.ranges`.
 """
 
 from __future__ import annotations
@@ -10,8 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+from stt_codegen.controller.comments import axes_doc, inward_doc
+from stt_codegen.controller.covered_starts import NAMES, between_bounds, covered_doc
+from stt_codegen.controller.integers.constants import ONE, FixedLaw
 from stt_codegen.controller.integers.curves import OVER_BITS, RISE_BITS
-from stt_codegen.controller.integers.kernels import (
+from stt_codegen.controller.integers.integer_kernels import (
     at_least,
     at_most,
     curve_kernel,
@@ -20,9 +23,7 @@ from stt_codegen.controller.integers.kernels import (
     row_and_place,
     weights_kernel,
 )
-from stt_codegen.controller.integers.law import ONE, FixedLaw
-from stt_codegen.controller.spline import entry
-from stt_codegen.controller.words import axes_doc, inward_doc
+from stt_codegen.controller.kernels import entry
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.designs import UPPER
 from stt_codegen.program import (
@@ -83,7 +84,7 @@ class Frame:
         return edge_kernel(self.n)
 
     def functions(self, task: Task) -> tuple[Function, ...]:
-        return self.tube(), self.control(task), self.margin()
+        return self.tube(), self.control(task), self.margin(), self.margins(), self.covered(task)
 
     def begun(self, block: Block) -> tuple[Var, tuple[Var, ...]]:
         """Statements for the table's row, and all weights."""
@@ -103,7 +104,7 @@ class Frame:
         found = between(block, "x", i, edges[0][0], edges[1][0], FARTHEST)
         return found, found
 
-    def inside(self, block: Block, off: Var, room: Var, states: tuple[State, State]) -> Var:
+    def inside(self, block: Block, off: Var, room: Var, _states: tuple[State, State]) -> Var:
         """Statements for whether the state is inside; off: by how much it is farther from one edge than from the other."""
         return block.op("within", "ilt", off, room)
 
@@ -151,15 +152,46 @@ class Frame:
         row, weights = self.begun(block)
         with block.loop("i", self.n) as loop:
             least = loop.carry("margin", integer(HALF_MARGIN))
-            states = self.apart(block, loop.index, self.edges(block, row, loop.index, weights))
-            share = _share(block, "share", self.law.narrow, *states[0])
-            if states[1] != states[0]:
-                other = _share(block, "place", self.narrow, *states[1])
-                share = block.select("lesser", block.op("filtered_less", "ilt", share, other), share, other)
+            share = self.margin_component(block, loop.index, row, weights)
             loop.update(least, block.select("margin_next", block.op("less", "ilt", share, least), share, least))
         block.leave(least)
         params = (TICK_PARAM, *(_integers(name, self.n) for name in self.vectors))
         return Function("margin", params, tuple(block.statements), False, self.margin_doc, True)
+
+    def margin_component(self, block: Block, i: Var, row: Operand, weights: tuple[Var, ...]) -> Var:
+        """Statements for the margin of one component."""
+        states = self.apart(block, i, self.edges(block, row, i, weights))
+        share = _share(block, "share", self.law.narrow, *states[0])
+        if states[1] == states[0]:
+            return share
+        position = _share(block, "place", self.narrow, *states[1])
+        return block.select("lesser", block.op("filtered_less", "ilt", share, position), share, position)
+
+    def margins(self) -> Function:
+        """The public `margins`: the margin by component."""
+        block = Block({"tick", *self.vectors, "margin"})
+        row, weights = self.begun(block)
+        with block.loop("i", self.n) as loop:
+            block.store("margin", loop.index, self.margin_component(block, loop.index, row, weights))
+        block.leave()
+        params = (TICK_PARAM, *(_integers(name, self.n) for name in self.vectors), _integers("margin", self.n, True))
+        doc = ("The margin of each component, in the same units: which axis is near its edge.",)
+        return Function("margins", params, tuple(block.statements), False, doc)
+
+    def covered(self, task: Task) -> Function:
+        """The public `covered`: whether every component is that of a covered start."""
+        block = Block(set(self.vectors))
+        with block.loop("i", self.n) as loop:
+            covered = loop.carry("covered", TRUE)
+            inside = self.covered_component(block, loop.index)
+            loop.update(covered, block.select("covered_next", inside, covered, FALSE))
+        block.leave(covered)
+        params = tuple(_integers(name, self.n) for name in self.vectors)
+        return Function("covered", params, tuple(block.statements), False, covered_doc(task), returns_bool=True)
+
+    def covered_component(self, block: Block, i: Var) -> Var:
+        """Statements for whether x is that of a start that is covered."""
+        return between_bounds(block, block.let("x_i", Load("x", i, INT)), i, NAMES[:2])
 
     @property
     def margin_doc(self) -> tuple[str, ...]:
@@ -181,9 +213,14 @@ def sides(n: int) -> tuple[Param, ...]:
 
 def between(block: Block, name: str, i: Var, lower: Var, upper: Var, farthest: int) -> State:
     """Statements for how far component i of an array is from two edges."""
+    value = held_within(block, name, i, farthest)
+    return block.op(f"{name}_lower", "isub", value, lower), block.op(f"{name}_upper", "isub", upper, value)
+
+
+def held_within(block: Block, name: str, i: Var, farthest: int) -> Var:
+    """Statements for component i of an array, held within -farthest and farthest."""
     value = block.let(f"{name}_all", Load(name, i, INT))
-    held = at_most(block, f"{name}_i", at_least(block, f"{name}_near", value, -farthest), integer(farthest))
-    return block.op(f"{name}_lower", "isub", held, lower), block.op(f"{name}_upper", "isub", upper, held)
+    return at_most(block, f"{name}_i", at_least(block, f"{name}_near", value, -farthest), integer(farthest))
 
 
 def room_of(block: Block, name: str, state: State) -> Var:

@@ -1,0 +1,5 @@
+"""Readers of emitted text: C back to a Program."""
+
+from stt_codegen.program.read.c import differences
+
+__all__ = ["differences"]

@@ -48,7 +48,7 @@ from stt_codegen.program.nodes import (
 )
 from stt_codegen.program.number import round_to
 from stt_codegen.program.operations import BOOL, INT, OPERATIONS, REAL, STATUS, TICK, Type
-from stt_codegen.program.print.c_helpers import fixed_lines, split_lines
+from stt_codegen.program.targets.c import fixed_lines, split_lines
 
 
 class Unreadable(Exception):
@@ -449,7 +449,7 @@ class _Reader:
                     params.append(Param(p.name, None, type=self.types[p.name]))
         body, outputs = self.statements(node.body.block_items, kernel)
         returned = declared.type.type.type.names
-        known = ["void", self.number_type, *(["int32_t", "bool"] if kernel else [f"{self.prefix}_status"])]
+        known = ["void", self.number_type, *(["int32_t", "bool"] if kernel else [f"{self.prefix}_status", "bool"])]
         if len(returned) != 1 or returned[0] not in known or declared.funcspec != ["inline"] * kernel:
             raise Unreadable(f"{name} is declared {' '.join([*declared.storage, *declared.funcspec, *returned])}, {node.coord}")
         if kernel:
@@ -459,7 +459,7 @@ class _Reader:
             self.kernels.append(Kernel(name, tuple(inputs), assigns, tuple(outputs), ()))
         else:
             status, real = [f"{self.prefix}_status"] == returned, [self.number_type] == returned
-            self.functions.append(Function(name, tuple(params), tuple(body), status, (), real))
+            self.functions.append(Function(name, tuple(params), tuple(body), status, (), real, returned == ["bool"]))
 
     def length(self, node: Any) -> int:
         if isinstance(node, c_ast.BinaryOp) and node.op == "*":

@@ -76,6 +76,26 @@ static const arm_real arm_u_max[2] = {
     2.1999998F, 6.7999997F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const arm_real arm_start_lower[2] = {
+    -1.1199758F, 0.6800252F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const arm_real arm_start_upper[2] = {
+    -0.88002515F, 0.91997516F
+};
+
+/* The same of v + lambda x: strictly above these bounds. */
+static const arm_real arm_filtered_start_lower[2] = {
+    -0.6719848F, 0.40801585F
+};
+
+/* The same of v + lambda x: strictly below these bounds. */
+static const arm_real arm_filtered_start_upper[2] = {
+    -0.52801585F, 0.55198437F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 14 s).
  */
@@ -534,6 +554,108 @@ arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]
         margin = margin_next;
     }
     return margin;
+}
+
+void arm_margins(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N], arm_real margin[ARM_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (arm_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    arm_real s;
+    arm_segment(t, &row, &s);
+    arm_real w0;
+    arm_real w1;
+    arm_real w2;
+    arm_real w3;
+    arm_basis(s, &w0, &w1, &w2, &w3);
+    arm_real dw0;
+    arm_real dw1;
+    arm_real dw2;
+    arm_real dw3;
+    arm_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const arm_real lower_q0 = arm_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const arm_real lower_q1 = arm_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const arm_real lower_q2 = arm_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const arm_real lower_q3 = arm_coefficients[lower_3];
+        const arm_real lower_edge = arm_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const arm_real lower_slope = arm_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const arm_real lower_rate = lower_slope * 2.2857144F;
+        const int32_t upper_0 = at + 1;
+        const arm_real upper_q0 = arm_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const arm_real upper_q1 = arm_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const arm_real upper_q2 = arm_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const arm_real upper_q3 = arm_coefficients[upper_3];
+        const arm_real upper_edge = arm_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_slope = arm_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const arm_real upper_rate = upper_slope * 2.2857144F;
+        const arm_real x_i = x[i];
+        const arm_real v_i = v[i];
+        const arm_real room = upper_edge - lower_edge;
+        const arm_real to_lower = x_i - lower_edge;
+        const arm_real to_upper = upper_edge - x_i;
+        const arm_real room2 = upper_rate - lower_rate;
+        const arm_real to_lower2 = v_i - lower_rate;
+        const arm_real to_upper2 = upper_rate - v_i;
+        const arm_real filtered = room * 0.6F;
+        const arm_real room3 = room2 + filtered;
+        const arm_real filtered2 = to_lower * 0.6F;
+        const arm_real to_lower3 = to_lower2 + filtered2;
+        const arm_real filtered3 = to_upper * 0.6F;
+        const arm_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const arm_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const arm_real share = nearest / room3;
+        const bool beyond = share < (-1.0F);
+        const arm_real held_share = beyond ? (-1.0F) : share;
+        const bool upper_nearer2 = to_upper < to_lower;
+        const arm_real nearest2 = upper_nearer2 ? to_upper : to_lower;
+        const arm_real share2 = nearest2 / room;
+        const bool beyond2 = share2 < (-1.0F);
+        const arm_real held_share2 = beyond2 ? (-1.0F) : share2;
+        const bool filtered_less = held_share < held_share2;
+        const arm_real lesser = filtered_less ? held_share : held_share2;
+        margin[i] = lesser;
+    }
+}
+
+bool arm_covered(const arm_real x[ARM_N], const arm_real v[ARM_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const arm_real x_i = x[i];
+        const arm_real start_lower_i = arm_start_lower[i];
+        const arm_real start_upper_i = arm_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const arm_real filtered = x_i * 0.6F;
+        const arm_real v_i = v[i];
+        const arm_real z = v_i + filtered;
+        const arm_real filtered_start_lower_i = arm_filtered_start_lower[i];
+        const arm_real filtered_start_upper_i = arm_filtered_start_upper[i];
+        const bool z_after = filtered_start_lower_i < z;
+        const bool z_before = z < filtered_start_upper_i;
+        const bool z_between = z_after && z_before;
+        const bool inside = x_i_between && z_between;
+        const bool covered_next = inside ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void arm_transform(const arm_real lower[ARM_N], const arm_real upper[ARM_N], const arm_real x[ARM_N],

@@ -15,6 +15,8 @@
 #ifndef ARM_H
 #define ARM_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -24,6 +26,7 @@ typedef float arm_real;
 #define ARM_N 2
 #define ARM_T_C 14.0F /* prescribed time, seconds */
 #define ARM_PERIOD_PROVED 0.0059999996F /* seconds between samples, at most: from which starts, see above (P9) */
+#define ARM_SHARE 0.79999995F /* 0.8 of the half widths at t = 0, rounded down: for arm_covered */
 #define ARM_DESIGN_HASH "773ceca581c572bc" /* log it: names this design */
 
 typedef enum {
@@ -63,6 +66,20 @@ arm_status arm_control(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM
  * Watch it: act while there is margin, not when the tube is left.
  */
 arm_real arm_margin(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void arm_margins(arm_real t, const arm_real x[ARM_N], const arm_real v[ARM_N], arm_real margin[ARM_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+ * every component of x is within 0.8 of the tube's half width about its middle at t = 0,
+ * and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool arm_covered(const arm_real x[ARM_N], const arm_real v[ARM_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

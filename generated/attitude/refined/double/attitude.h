@@ -15,6 +15,8 @@
 #ifndef ATTITUDE_H
 #define ATTITUDE_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -24,6 +26,7 @@ typedef double attitude_real;
 #define ATTITUDE_N 3
 #define ATTITUDE_T_C 60.0 /* prescribed time, seconds */
 #define ATTITUDE_PERIOD_PROVED 0.06 /* seconds between samples, at most: from which starts, see above (P9) */
+#define ATTITUDE_SHARE 0.7999999999999999 /* 0.8 of the half widths at t = 0, rounded down: for attitude_covered */
 #define ATTITUDE_DESIGN_HASH "7958079c380280a3" /* log it: names this design */
 
 typedef enum {
@@ -66,6 +69,21 @@ attitude_status attitude_control(attitude_real t, const attitude_real x[ATTITUDE
  */
 attitude_real attitude_margin(attitude_real t, const attitude_real x[ATTITUDE_N],
                               const attitude_real v[ATTITUDE_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void attitude_margins(attitude_real t, const attitude_real x[ATTITUDE_N], const attitude_real v[ATTITUDE_N],
+                      attitude_real margin[ATTITUDE_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+ * every component of x is within 0.8 of the tube's half width about its middle at t = 0,
+ * and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool attitude_covered(const attitude_real x[ATTITUDE_N], const attitude_real v[ATTITUDE_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

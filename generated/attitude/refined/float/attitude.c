@@ -111,6 +111,26 @@ static const attitude_real attitude_u_max[3] = {
     0.089999996F, 0.06F, 0.08F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const attitude_real attitude_start_lower[3] = {
+    -0.07948714F, -0.47948718F, -1.0794879F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const attitude_real attitude_start_upper[3] = {
+    0.07948714F, -0.32051253F, -0.92051256F
+};
+
+/* The same of v + lambda x: strictly above these bounds. */
+static const attitude_real attitude_filtered_start_lower[3] = {
+    -0.009038385F, -0.057038378F, -0.12903844F
+};
+
+/* The same of v + lambda x: strictly below these bounds. */
+static const attitude_real attitude_filtered_start_upper[3] = {
+    0.009038385F, -0.038961586F, -0.1109616F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 60 s).
  */
@@ -576,6 +596,109 @@ attitude_real attitude_margin(attitude_real t, const attitude_real x[ATTITUDE_N]
         margin = margin_next;
     }
     return margin;
+}
+
+void attitude_margins(attitude_real t, const attitude_real x[ATTITUDE_N], const attitude_real v[ATTITUDE_N],
+                      attitude_real margin[ATTITUDE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            margin[j] = (attitude_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    attitude_real s;
+    attitude_segment(t, &row, &s);
+    attitude_real w0;
+    attitude_real w1;
+    attitude_real w2;
+    attitude_real w3;
+    attitude_basis(s, &w0, &w1, &w2, &w3);
+    attitude_real dw0;
+    attitude_real dw1;
+    attitude_real dw2;
+    attitude_real dw3;
+    attitude_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const attitude_real lower_q0 = attitude_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const attitude_real lower_q1 = attitude_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const attitude_real lower_q2 = attitude_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const attitude_real lower_q3 = attitude_coefficients[lower_3];
+        const attitude_real lower_edge = attitude_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const attitude_real lower_slope = attitude_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const attitude_real lower_rate = lower_slope * 0.53333336F;
+        const int32_t upper_0 = at + 1;
+        const attitude_real upper_q0 = attitude_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const attitude_real upper_q1 = attitude_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const attitude_real upper_q2 = attitude_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const attitude_real upper_q3 = attitude_coefficients[upper_3];
+        const attitude_real upper_edge = attitude_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_slope = attitude_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const attitude_real upper_rate = upper_slope * 0.53333336F;
+        const attitude_real x_i = x[i];
+        const attitude_real v_i = v[i];
+        const attitude_real room = upper_edge - lower_edge;
+        const attitude_real to_lower = x_i - lower_edge;
+        const attitude_real to_upper = upper_edge - x_i;
+        const attitude_real room2 = upper_rate - lower_rate;
+        const attitude_real to_lower2 = v_i - lower_rate;
+        const attitude_real to_upper2 = upper_rate - v_i;
+        const attitude_real filtered = room * 0.12F;
+        const attitude_real room3 = room2 + filtered;
+        const attitude_real filtered2 = to_lower * 0.12F;
+        const attitude_real to_lower3 = to_lower2 + filtered2;
+        const attitude_real filtered3 = to_upper * 0.12F;
+        const attitude_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const attitude_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const attitude_real share = nearest / room3;
+        const bool beyond = share < (-1.0F);
+        const attitude_real held_share = beyond ? (-1.0F) : share;
+        const bool upper_nearer2 = to_upper < to_lower;
+        const attitude_real nearest2 = upper_nearer2 ? to_upper : to_lower;
+        const attitude_real share2 = nearest2 / room;
+        const bool beyond2 = share2 < (-1.0F);
+        const attitude_real held_share2 = beyond2 ? (-1.0F) : share2;
+        const bool filtered_less = held_share < held_share2;
+        const attitude_real lesser = filtered_less ? held_share : held_share2;
+        margin[i] = lesser;
+    }
+}
+
+bool attitude_covered(const attitude_real x[ATTITUDE_N], const attitude_real v[ATTITUDE_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const attitude_real x_i = x[i];
+        const attitude_real start_lower_i = attitude_start_lower[i];
+        const attitude_real start_upper_i = attitude_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const attitude_real filtered = x_i * 0.12F;
+        const attitude_real v_i = v[i];
+        const attitude_real z = v_i + filtered;
+        const attitude_real filtered_start_lower_i = attitude_filtered_start_lower[i];
+        const attitude_real filtered_start_upper_i = attitude_filtered_start_upper[i];
+        const bool z_after = filtered_start_lower_i < z;
+        const bool z_before = z < filtered_start_upper_i;
+        const bool z_between = z_after && z_before;
+        const bool inside = x_i_between && z_between;
+        const bool covered_next = inside ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void attitude_transform(const attitude_real lower[ATTITUDE_N], const attitude_real upper[ATTITUDE_N],

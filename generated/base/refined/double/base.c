@@ -117,6 +117,26 @@ static const base_real base_u_max[3] = {
     2.0999999999999996, 2.5, 1.0999999999999999
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const base_real base_start_lower[3] = {
+    0.6430472640991225, 0.643048980712892, -0.15695197296142444
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const base_real base_start_upper[3] = {
+    0.9569493026733384, 0.9569494934082018, 0.15695006561279162
+};
+
+/* The same of v + lambda x: strictly above these bounds. */
+static const base_real base_filtered_start_lower[3] = {
+    0.8640959393605673, 0.8841447081565936, -0.1484847070723717
+};
+
+/* The same of v + lambda x: strictly below these bounds. */
+static const base_real base_filtered_start_upper[3] = {
+    1.359072976969174, 1.3772277293205182, 0.1484827810972874
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 25 s).
  */
@@ -578,6 +598,110 @@ base_real base_margin(base_real t, const base_real x[BASE_N], const base_real v[
         margin = margin_next;
     }
     return margin;
+}
+
+void base_margins(base_real t, const base_real x[BASE_N], const base_real v[BASE_N], base_real margin[BASE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            margin[j] = (base_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    base_real s;
+    base_segment(t, &row, &s);
+    base_real w0;
+    base_real w1;
+    base_real w2;
+    base_real w3;
+    base_basis(s, &w0, &w1, &w2, &w3);
+    base_real dw0;
+    base_real dw1;
+    base_real dw2;
+    base_real dw3;
+    base_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const base_real lower_q0 = base_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const base_real lower_q1 = base_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const base_real lower_q2 = base_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const base_real lower_q3 = base_coefficients[lower_3];
+        const base_real lower_edge = base_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_slope = base_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const base_real lower_rate = lower_slope * 1.28;
+        const int32_t upper_0 = at + 1;
+        const base_real upper_q0 = base_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const base_real upper_q1 = base_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const base_real upper_q2 = base_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const base_real upper_q3 = base_coefficients[upper_3];
+        const base_real upper_edge = base_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_slope = base_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const base_real upper_rate = upper_slope * 1.28;
+        const base_real x_i = x[i];
+        const base_real v_i = v[i];
+        const base_real room = upper_edge - lower_edge;
+        const base_real to_lower = x_i - lower_edge;
+        const base_real to_upper = upper_edge - x_i;
+        const base_real room2 = upper_rate - lower_rate;
+        const base_real to_lower2 = v_i - lower_rate;
+        const base_real to_upper2 = upper_rate - v_i;
+        const base_real filter_i = base_filter[i];
+        const base_real filtered = room * filter_i;
+        const base_real room3 = room2 + filtered;
+        const base_real filtered2 = to_lower * filter_i;
+        const base_real to_lower3 = to_lower2 + filtered2;
+        const base_real filtered3 = to_upper * filter_i;
+        const base_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const base_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const base_real share = nearest / room3;
+        const bool beyond = share < (-1.0);
+        const base_real held_share = beyond ? (-1.0) : share;
+        const bool upper_nearer2 = to_upper < to_lower;
+        const base_real nearest2 = upper_nearer2 ? to_upper : to_lower;
+        const base_real share2 = nearest2 / room;
+        const bool beyond2 = share2 < (-1.0);
+        const base_real held_share2 = beyond2 ? (-1.0) : share2;
+        const bool filtered_less = held_share < held_share2;
+        const base_real lesser = filtered_less ? held_share : held_share2;
+        margin[i] = lesser;
+    }
+}
+
+bool base_covered(const base_real x[BASE_N], const base_real v[BASE_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const base_real x_i = x[i];
+        const base_real start_lower_i = base_start_lower[i];
+        const base_real start_upper_i = base_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const base_real filter_i = base_filter[i];
+        const base_real filtered = x_i * filter_i;
+        const base_real v_i = v[i];
+        const base_real z = v_i + filtered;
+        const base_real filtered_start_lower_i = base_filtered_start_lower[i];
+        const base_real filtered_start_upper_i = base_filtered_start_upper[i];
+        const bool z_after = filtered_start_lower_i < z;
+        const bool z_before = z < filtered_start_upper_i;
+        const bool z_between = z_after && z_before;
+        const bool inside = x_i_between && z_between;
+        const bool covered_next = inside ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void base_transform(const base_real lower[BASE_N], const base_real upper[BASE_N], const base_real x[BASE_N],

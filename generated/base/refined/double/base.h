@@ -16,6 +16,8 @@
 #ifndef BASE_H
 #define BASE_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -25,6 +27,7 @@ typedef double base_real;
 #define BASE_N 3
 #define BASE_T_C 25.0 /* prescribed time, seconds */
 #define BASE_PERIOD_PROVED 0.019999999999999997 /* seconds between samples, at most: from which starts, see above (P9) */
+#define BASE_SHARE 0.7999999999999999 /* 0.8 of the half widths at t = 0, rounded down: for base_covered */
 #define BASE_DESIGN_HASH "ed7a2b9b8a866850" /* log it: names this design */
 
 typedef enum {
@@ -64,6 +67,20 @@ base_status base_control(base_real t, const base_real x[BASE_N], const base_real
  * Watch it: act while there is margin, not when the tube is left.
  */
 base_real base_margin(base_real t, const base_real x[BASE_N], const base_real v[BASE_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void base_margins(base_real t, const base_real x[BASE_N], const base_real v[BASE_N], base_real margin[BASE_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+ * every component of x is within 0.8 of the tube's half width about its middle at t = 0,
+ * and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool base_covered(const base_real x[BASE_N], const base_real v[BASE_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -14,6 +14,8 @@
 #ifndef COURIER_H
 #define COURIER_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -22,6 +24,7 @@ typedef double courier_real;
 
 #define COURIER_N 2
 #define COURIER_T_C 24.0 /* prescribed time, seconds; t = 0 is when the mission begins */
+#define COURIER_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for courier_covered */
 #define COURIER_DESIGN_HASH "7fb5858d3aa4bbc2" /* log it: names this design */
 
 typedef enum {
@@ -53,6 +56,19 @@ courier_status courier_control(courier_real t, const courier_real x[COURIER_N], 
  * Watch it: act while there is margin, not when the tube is left.
  */
 courier_real courier_margin(courier_real t, const courier_real x[COURIER_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void courier_margins(courier_real t, const courier_real x[COURIER_N], courier_real margin[COURIER_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool courier_covered(const courier_real x[COURIER_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

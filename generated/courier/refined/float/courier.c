@@ -97,6 +97,16 @@ static const courier_real courier_coefficients[268] = {
     1.0833387F, 1.216651F, 0.75000477F, 0.88331795F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const courier_real courier_start_lower[2] = {
+    0.10406177F, 0.10406177F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const courier_real courier_start_upper[2] = {
+    0.8959401F, 0.8959401F
+};
+
 /* Spline time u = 64 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 64 (t_c = 24 s).
  */
@@ -430,6 +440,73 @@ courier_real courier_margin(courier_real t, const courier_real x[COURIER_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void courier_margins(courier_real t, const courier_real x[COURIER_N], courier_real margin[COURIER_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (courier_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    courier_real s;
+    courier_segment(t, &row, &s);
+    courier_real w0;
+    courier_real w1;
+    courier_real w2;
+    courier_real w3;
+    courier_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const courier_real lower_q0 = courier_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const courier_real lower_q1 = courier_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const courier_real lower_q2 = courier_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const courier_real lower_q3 = courier_coefficients[lower_3];
+        const courier_real lower_edge = courier_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const courier_real upper_q0 = courier_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const courier_real upper_q1 = courier_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const courier_real upper_q2 = courier_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const courier_real upper_q3 = courier_coefficients[upper_3];
+        const courier_real upper_edge = courier_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const courier_real x_i = x[i];
+        const courier_real room = upper_edge - lower_edge;
+        const courier_real to_lower = x_i - lower_edge;
+        const courier_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const courier_real nearest = upper_nearer ? to_upper : to_lower;
+        const courier_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const courier_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool courier_covered(const courier_real x[COURIER_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const courier_real x_i = x[i];
+        const courier_real start_lower_i = courier_start_lower[i];
+        const courier_real start_upper_i = courier_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void courier_transform(const courier_real lower[COURIER_N], const courier_real upper[COURIER_N],

@@ -485,6 +485,26 @@ static const int32_t crane_limits[2] CRANE_FLASH = {
     25165824, 25165824
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const uint16_t crane_start_lower[2] CRANE_FLASH = {
+    60352, 60350
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const int32_t crane_start_upper[2] CRANE_FLASH = {
+    201794, 201794
+};
+
+/* The same of v + lambda x: strictly above these bounds. */
+static const uint16_t crane_filtered_start_lower[2] CRANE_FLASH = {
+    39931, 39459
+};
+
+/* The same of v + lambda x: strictly below these bounds. */
+static const int32_t crane_filtered_start_upper[2] CRANE_FLASH = {
+    133510, 131933
+};
+
 /* Table index of the segment at a tick, and s in 2^-16 of it. */
 static inline void crane_segment(uint32_t tick, int32_t *row, int32_t *s)
 {
@@ -897,4 +917,134 @@ int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CR
         margin = margin_next;
     }
     return margin;
+}
+
+void crane_margins(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRANE_N], int32_t margin[CRANE_N])
+{
+    int32_t row;
+    int32_t s;
+    crane_segment(tick, &row, &s);
+    int32_t w0;
+    int32_t w1;
+    int32_t w2;
+    crane_weights(s, &w0, &w1, &w2);
+    int32_t r0;
+    int32_t r1;
+    int32_t r2;
+    crane_rates(s, &r0, &r1, &r2);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const int32_t at_upper = at + 1;
+        int32_t lower_edge;
+        int32_t lower_rate;
+        crane_edge(at, w0, w1, w2, r0, r1, r2, &lower_edge, &lower_rate);
+        int32_t upper_edge;
+        int32_t upper_rate;
+        crane_edge(at_upper, w0, w1, w2, r0, r1, r2, &upper_edge, &upper_rate);
+        const int32_t x_all = x[i];
+        const bool x_near_over = (-67108864) < x_all;
+        const int32_t x_near = x_near_over ? x_all : (-67108864);
+        const bool x_i_under = x_near < 67108864;
+        const int32_t x_i = x_i_under ? x_near : 67108864;
+        const int32_t x_lower = x_i - lower_edge;
+        const int32_t x_upper = upper_edge - x_i;
+        const int32_t v_all = v[i];
+        const bool v_near_over = (-268435456) < v_all;
+        const int32_t v_near = v_near_over ? v_all : (-268435456);
+        const bool v_i_under = v_near < 268435456;
+        const int32_t v_i = v_i_under ? v_near : 268435456;
+        const int32_t v_lower = v_i - lower_rate;
+        const int32_t v_upper = upper_rate - v_i;
+        const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
+        const int32_t lower_filtered = crane_upper(x_lower, filter_i);
+        const int32_t to_lower = v_lower + lower_filtered;
+        const int32_t upper_filtered = crane_upper(x_upper, filter_i);
+        const int32_t to_upper = v_upper + upper_filtered;
+        const int32_t share_room = to_lower + to_upper;
+        const bool share_width_over = 65536 < share_room;
+        const int32_t share_width = share_width_over ? share_room : 65536;
+        const int32_t share_n = crane_leading(share_width);
+        const int32_t share_width_up = crane_up(share_width, share_n);
+        const int32_t share_over_bits = crane_down(share_width_up, 26);
+        const int32_t share_over_head = crane_low(share_over_bits, 15);
+        const int32_t share_over_tail = crane_down(share_width_up, 10);
+        const int32_t share_over_t = crane_low(share_over_tail, 65535);
+        const int32_t share_over = crane_curve(share_over_head, share_over_t);
+        const bool share_high = to_upper < to_lower;
+        const int32_t share_nearest = share_high ? to_upper : to_lower;
+        const bool share_inside = 0 < share_nearest;
+        const int32_t share_beyond = -share_nearest;
+        const int32_t share_size = share_inside ? share_nearest : share_beyond;
+        const bool share_held_under = share_size < share_width;
+        const int32_t share_held = share_held_under ? share_size : share_width;
+        const int32_t share_up = crane_up(share_held, share_n);
+        const int32_t share_quotient = crane_upper(share_up, share_over);
+        const int32_t share_part = crane_down(share_quotient, 14);
+        const bool share_most_under = share_part < 65535;
+        const int32_t share_most = share_most_under ? share_part : 65535;
+        const int32_t share_minus = (-1) - share_most;
+        const int32_t share = share_inside ? share_most : share_minus;
+        const int32_t place_room = x_lower + x_upper;
+        const bool place_width_over = 131072 < place_room;
+        const int32_t place_width = place_width_over ? place_room : 131072;
+        const int32_t place_n = crane_leading(place_width);
+        const int32_t place_width_up = crane_up(place_width, place_n);
+        const int32_t place_over_bits = crane_down(place_width_up, 26);
+        const int32_t place_over_head = crane_low(place_over_bits, 15);
+        const int32_t place_over_tail = crane_down(place_width_up, 10);
+        const int32_t place_over_t = crane_low(place_over_tail, 65535);
+        const int32_t place_over = crane_curve(place_over_head, place_over_t);
+        const bool place_high = x_upper < x_lower;
+        const int32_t place_nearest = place_high ? x_upper : x_lower;
+        const bool place_inside = 0 < place_nearest;
+        const int32_t place_beyond = -place_nearest;
+        const int32_t place_size = place_inside ? place_nearest : place_beyond;
+        const bool place_held_under = place_size < place_width;
+        const int32_t place_held = place_held_under ? place_size : place_width;
+        const int32_t place_up = crane_up(place_held, place_n);
+        const int32_t place_quotient = crane_upper(place_up, place_over);
+        const int32_t place_part = crane_down(place_quotient, 14);
+        const bool place_most_under = place_part < 65535;
+        const int32_t place_most = place_most_under ? place_part : 65535;
+        const int32_t place_minus = (-1) - place_most;
+        const int32_t place = place_inside ? place_most : place_minus;
+        const bool filtered_less = share < place;
+        const int32_t lesser = filtered_less ? share : place;
+        margin[i] = lesser;
+    }
+}
+
+bool crane_covered(const int32_t x[CRANE_N], const int32_t v[CRANE_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t x_all = x[i];
+        const bool x_near_over = (-67108864) < x_all;
+        const int32_t x_near = x_near_over ? x_all : (-67108864);
+        const bool x_i_under = x_near < 67108864;
+        const int32_t x_i = x_i_under ? x_near : 67108864;
+        const int32_t v_all = v[i];
+        const bool v_near_over = (-268435456) < v_all;
+        const int32_t v_near = v_near_over ? v_all : (-268435456);
+        const bool v_i_under = v_near < 268435456;
+        const int32_t v_i = v_i_under ? v_near : 268435456;
+        const int32_t filter_i = CRANE_READ_16(crane_filters[i]);
+        const int32_t filtered = crane_upper(x_i, filter_i);
+        const int32_t z = v_i + filtered;
+        const int32_t start_lower_i = CRANE_READ_16(crane_start_lower[i]);
+        const int32_t start_upper_i = CRANE_READ_32(crane_start_upper[i]);
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const int32_t filtered_start_lower_i = CRANE_READ_16(crane_filtered_start_lower[i]);
+        const int32_t filtered_start_upper_i = CRANE_READ_32(crane_filtered_start_upper[i]);
+        const bool z_after = filtered_start_lower_i < z;
+        const bool z_before = z < filtered_start_upper_i;
+        const bool z_between = z_after && z_before;
+        const bool inside = x_i_between && z_between;
+        const bool covered_next = inside ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }

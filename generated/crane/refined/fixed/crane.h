@@ -15,6 +15,7 @@
 #ifndef CRANE_H
 #define CRANE_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -30,6 +31,7 @@ extern "C" {
 #define CRANE_TICKS UINT32_C(2400) /* the first tick that is not before t_c = 12 s: count no farther */
 #define CRANE_TICKS_A_SECOND INT32_C(200)
 #define CRANE_TICKS_PROVED UINT32_C(4) /* between samples, at most: from which starts, see above (P9) */
+#define CRANE_SHARE 0.8999999999999999 /* 0.9 of the half widths at t = 0, rounded down: for crane_covered */
 #define CRANE_DESIGN_HASH "94579429cb9a0d6c" /* log it: names this design */
 
 typedef enum {
@@ -66,6 +68,18 @@ crane_status crane_control(uint32_t tick, const int32_t x[CRANE_N], const int32_
  * Watch it: act while there is margin, not when the tube is left.
  */
 int32_t crane_margin(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRANE_N]);
+
+/* The margin of each component, in the same units: which axis is near its edge. */
+void crane_margins(uint32_t tick, const int32_t x[CRANE_N], const int32_t v[CRANE_N], int32_t margin[CRANE_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+ * every component of x is within 0.9 of the tube's half width about its middle at t = 0,
+ * and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands.
+ */
+bool crane_covered(const int32_t x[CRANE_N], const int32_t v[CRANE_N]);
 
 /* In crane_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the
  * board's boot. 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */

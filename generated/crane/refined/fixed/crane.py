@@ -18,6 +18,7 @@ TICK_PERIOD = 0.005  # seconds of one tick
 TICKS = 2400  # the first tick that is not before t_c
 X_BITS = 18  # x counts units of 2^-18
 U_BITS = 24  # u counts units of 2^-24
+SHARE = 0.8999999999999999  # 0.9, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "94579429cb9a0d6c"
 
 OK = 0
@@ -382,6 +383,26 @@ OFFSETS = (
 # The largest |u|.
 LIMITS = (
     25165824, 25165824,
+)
+
+# Covered starts have x strictly above these bounds, by component.
+START_LOWER = (
+    60352, 60350,
+)
+
+# Covered starts have x strictly below these bounds, by component.
+START_UPPER = (
+    201794, 201794,
+)
+
+# The same of v + lambda x: strictly above these bounds.
+FILTERED_START_LOWER = (
+    39931, 39459,
+)
+
+# The same of v + lambda x: strictly below these bounds.
+FILTERED_START_UPPER = (
+    133510, 131933,
 )
 
 
@@ -781,3 +802,132 @@ def margin(tick, x, v):
         margin_next = lesser if less else margin
         margin = margin_next
     return margin
+
+
+def margins(tick, x, v):
+    """The margin of each component, in the same units: which axis is near its edge."""
+    tick = _count("tick", tick)
+    x = _whole("x", x, 2)
+    v = _whole("v", v, 2)
+    margin = [0] * 2
+    row, s = _segment(tick)
+    w0, w1, w2 = _weights(s)
+    r0, r1, r2 = _rates(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        at_upper = at + 1
+        lower_edge, lower_rate = _edge(at, w0, w1, w2, r0, r1, r2)
+        upper_edge, upper_rate = _edge(at_upper, w0, w1, w2, r0, r1, r2)
+        x_all = x[i]
+        x_near_over = -67108864 < x_all
+        x_near = x_all if x_near_over else -67108864
+        x_i_under = x_near < 67108864
+        x_i = x_near if x_i_under else 67108864
+        x_lower = x_i - lower_edge
+        x_upper = upper_edge - x_i
+        v_all = v[i]
+        v_near_over = -268435456 < v_all
+        v_near = v_all if v_near_over else -268435456
+        v_i_under = v_near < 268435456
+        v_i = v_near if v_i_under else 268435456
+        v_lower = v_i - lower_rate
+        v_upper = upper_rate - v_i
+        filter_i = FILTERS[i]
+        lower_filtered = x_lower * filter_i >> 16
+        to_lower = v_lower + lower_filtered
+        upper_filtered = x_upper * filter_i >> 16
+        to_upper = v_upper + upper_filtered
+        share_room = to_lower + to_upper
+        share_width_over = 65536 < share_room
+        share_width = share_room if share_width_over else 65536
+        share_n = 31 - share_width.bit_length()
+        share_width_up = share_width << share_n
+        share_over_bits = share_width_up >> 26
+        share_over_head = share_over_bits & 15
+        share_over_tail = share_width_up >> 10
+        share_over_t = share_over_tail & 65535
+        share_over = _curve(share_over_head, share_over_t)
+        share_high = to_upper < to_lower
+        share_nearest = to_upper if share_high else to_lower
+        share_inside = 0 < share_nearest
+        share_beyond = -share_nearest
+        share_size = share_nearest if share_inside else share_beyond
+        share_held_under = share_size < share_width
+        share_held = share_size if share_held_under else share_width
+        share_up = share_held << share_n
+        share_quotient = share_up * share_over >> 16
+        share_part = share_quotient >> 14
+        share_most_under = share_part < 65535
+        share_most = share_part if share_most_under else 65535
+        share_minus = -1 - share_most
+        share = share_most if share_inside else share_minus
+        place_room = x_lower + x_upper
+        place_width_over = 131072 < place_room
+        place_width = place_room if place_width_over else 131072
+        place_n = 31 - place_width.bit_length()
+        place_width_up = place_width << place_n
+        place_over_bits = place_width_up >> 26
+        place_over_head = place_over_bits & 15
+        place_over_tail = place_width_up >> 10
+        place_over_t = place_over_tail & 65535
+        place_over = _curve(place_over_head, place_over_t)
+        place_high = x_upper < x_lower
+        place_nearest = x_upper if place_high else x_lower
+        place_inside = 0 < place_nearest
+        place_beyond = -place_nearest
+        place_size = place_nearest if place_inside else place_beyond
+        place_held_under = place_size < place_width
+        place_held = place_size if place_held_under else place_width
+        place_up = place_held << place_n
+        place_quotient = place_up * place_over >> 16
+        place_part = place_quotient >> 14
+        place_most_under = place_part < 65535
+        place_most = place_part if place_most_under else 65535
+        place_minus = -1 - place_most
+        place = place_most if place_inside else place_minus
+        filtered_less = share < place
+        lesser = share if filtered_less else place
+        margin[i] = lesser
+    return tuple(margin)
+
+
+def covered(x, v):
+    """Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+    every component of x is within 0.9 of the tube's half width about its middle at t = 0,
+    and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+    What a measurement may be wrong by (rounding) is taken off.
+    Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+    from where it stands.
+    """
+    x = _whole("x", x, 2)
+    v = _whole("v", v, 2)
+    covered = True
+    for i in range(2):
+        x_all = x[i]
+        x_near_over = -67108864 < x_all
+        x_near = x_all if x_near_over else -67108864
+        x_i_under = x_near < 67108864
+        x_i = x_near if x_i_under else 67108864
+        v_all = v[i]
+        v_near_over = -268435456 < v_all
+        v_near = v_all if v_near_over else -268435456
+        v_i_under = v_near < 268435456
+        v_i = v_near if v_i_under else 268435456
+        filter_i = FILTERS[i]
+        filtered = x_i * filter_i >> 16
+        z = v_i + filtered
+        start_lower_i = START_LOWER[i]
+        start_upper_i = START_UPPER[i]
+        x_i_after = start_lower_i < x_i
+        x_i_before = x_i < start_upper_i
+        x_i_between = x_i_after and x_i_before
+        filtered_start_lower_i = FILTERED_START_LOWER[i]
+        filtered_start_upper_i = FILTERED_START_UPPER[i]
+        z_after = filtered_start_lower_i < z
+        z_before = z < filtered_start_upper_i
+        z_between = z_after and z_before
+        inside = x_i_between and z_between
+        covered_next = covered if inside else False
+        covered = covered_next
+    return covered

@@ -69,6 +69,16 @@ static const crawler_real crawler_gain[2] = {
     0.578, 0.627
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const crawler_real crawler_start_lower[2] = {
+    0.0500279426574716, 0.0500284194946298
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const crawler_real crawler_start_upper[2] = {
+    0.9499730110168447, 0.9499734878540029
+};
+
 /* The type must have 64 bits: avr-gcc's double, for one, has not. */
 typedef char crawler_real_size[(sizeof(crawler_real) == 8U) ? 1 : -1];
 
@@ -532,6 +542,73 @@ crawler_real crawler_margin(crawler_real t, const crawler_real x[CRAWLER_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void crawler_margins(crawler_real t, const crawler_real x[CRAWLER_N], crawler_real margin[CRAWLER_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (crawler_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    crawler_real s;
+    crawler_segment(t, &row, &s);
+    crawler_real w0;
+    crawler_real w1;
+    crawler_real w2;
+    crawler_real w3;
+    crawler_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const crawler_real lower_q0 = crawler_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const crawler_real lower_q1 = crawler_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const crawler_real lower_q2 = crawler_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const crawler_real lower_q3 = crawler_coefficients[lower_3];
+        const crawler_real lower_edge = crawler_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const crawler_real upper_q0 = crawler_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const crawler_real upper_q1 = crawler_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const crawler_real upper_q2 = crawler_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const crawler_real upper_q3 = crawler_coefficients[upper_3];
+        const crawler_real upper_edge = crawler_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const crawler_real x_i = x[i];
+        const crawler_real room = upper_edge - lower_edge;
+        const crawler_real to_lower = x_i - lower_edge;
+        const crawler_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const crawler_real nearest = upper_nearer ? to_upper : to_lower;
+        const crawler_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const crawler_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool crawler_covered(const crawler_real x[CRAWLER_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const crawler_real x_i = x[i];
+        const crawler_real start_lower_i = crawler_start_lower[i];
+        const crawler_real start_upper_i = crawler_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void crawler_transform(const crawler_real lower[CRAWLER_N], const crawler_real upper[CRAWLER_N],

@@ -12,6 +12,7 @@
 #ifndef CRAWLER_H
 #define CRAWLER_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -25,6 +26,7 @@ typedef double crawler_real;
 #define CRAWLER_TICK_PERIOD 0.001 /* seconds of one tick of crawler_control_tick */
 #define CRAWLER_TICKS 6000U /* the first tick that is not before t_c: count no farther */
 #define CRAWLER_PERIOD_PROVED 0.004999999999999999 /* seconds between samples, at most: from which starts, see above (P9) */
+#define CRAWLER_SHARE 0.8999999999999999 /* 0.9 of the half widths at t = 0, rounded down: for crawler_covered */
 #define CRAWLER_DESIGN_HASH "1b263d7a26e7e82e" /* log it: names this design */
 
 typedef enum {
@@ -62,6 +64,19 @@ crawler_status crawler_control_tick(uint32_t tick, const crawler_real x[CRAWLER_
  * Watch it: act while there is margin, not when the tube is left.
  */
 crawler_real crawler_margin(crawler_real t, const crawler_real x[CRAWLER_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void crawler_margins(crawler_real t, const crawler_real x[CRAWLER_N], crawler_real margin[CRAWLER_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x:
+ * every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool crawler_covered(const crawler_real x[CRAWLER_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -25,6 +25,8 @@ pub const TICK_PERIOD: Real = 0.001;
 pub const TICKS: u32 = 6000;
 /// Seconds between samples, at most: from which starts, see above (P9).
 pub const PERIOD_PROVED: Real = 0.004999999999999999;
+/// 0.9, rounded down, of the tube's half widths at t = 0: the starts of `covered`.
+pub const SHARE: Real = 0.8999999999999999;
 /// Log it: names this design.
 pub const DESIGN_HASH: &str = "1b263d7a26e7e82e";
 
@@ -80,6 +82,16 @@ static COEFFICIENTS: [Real; 140] = [
 // Gain k of the control law, by component.
 static GAIN: [Real; 2] = [
     0.578, 0.627,
+];
+
+// Covered starts have x strictly above these bounds, by component.
+static START_LOWER: [Real; 2] = [
+    0.0500279426574716, 0.0500284194946298,
+];
+
+// Covered starts have x strictly below these bounds, by component.
+static START_UPPER: [Real; 2] = [
+    0.9499730110168447, 0.9499734878540029,
 ];
 
 /// y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e.
@@ -509,6 +521,76 @@ pub fn margin(t: Real, x: &[Real; 2]) -> Real {
         margin = margin_next;
     }
     margin
+}
+
+/// The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+/// components where another argument is not finite.
+#[must_use]
+pub fn margins(t: Real, x: &[Real; 2]) -> [Real; 2] {
+    let mut margin: [Real; 2] = [0.0; 2];
+    let finite: bool = t.is_finite();
+    let bad: bool = !finite;
+    if bad {
+        for j in 0..2 {
+            margin[j as usize] = Real::NAN;
+        }
+        return margin;
+    }
+    let (row, s) = self::segment(t);
+    let (w0, w1, w2, w3) = self::basis(s);
+    for i in 0..2 {
+        let pair: i32 = i * 2;
+        let at: i32 = row + pair;
+        let lower_q0: Real = COEFFICIENTS[at as usize];
+        let lower_1: i32 = at + 4;
+        let lower_q1: Real = COEFFICIENTS[lower_1 as usize];
+        let lower_2: i32 = at + 8;
+        let lower_q2: Real = COEFFICIENTS[lower_2 as usize];
+        let lower_3: i32 = at + 12;
+        let lower_q3: Real = COEFFICIENTS[lower_3 as usize];
+        let lower_edge = self::blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        let upper_0: i32 = at + 1;
+        let upper_q0: Real = COEFFICIENTS[upper_0 as usize];
+        let upper_1: i32 = at + 5;
+        let upper_q1: Real = COEFFICIENTS[upper_1 as usize];
+        let upper_2: i32 = at + 9;
+        let upper_q2: Real = COEFFICIENTS[upper_2 as usize];
+        let upper_3: i32 = at + 13;
+        let upper_q3: Real = COEFFICIENTS[upper_3 as usize];
+        let upper_edge = self::blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        let x_i: Real = x[i as usize];
+        let room: Real = upper_edge - lower_edge;
+        let to_lower: Real = x_i - lower_edge;
+        let to_upper: Real = upper_edge - x_i;
+        let upper_nearer: bool = to_upper < to_lower;
+        let nearest: Real = if upper_nearer { to_upper } else { to_lower };
+        let share: Real = nearest / room;
+        let beyond: bool = share < -1.0;
+        let held_share: Real = if beyond { -1.0 } else { share };
+        margin[i as usize] = held_share;
+    }
+    margin
+}
+
+/// Whether the proof of the sampling period (P9) covers a start at the measured x:
+/// every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+/// What a measurement may be wrong by (rounding) is taken off.
+/// Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+/// from where it stands. False for a NaN.
+#[must_use]
+pub fn covered(x: &[Real; 2]) -> bool {
+    let mut covered: bool = true;
+    for i in 0..2 {
+        let x_i: Real = x[i as usize];
+        let start_lower_i: Real = START_LOWER[i as usize];
+        let start_upper_i: Real = START_UPPER[i as usize];
+        let x_i_after: bool = start_lower_i < x_i;
+        let x_i_before: bool = x_i < start_upper_i;
+        let x_i_between: bool = x_i_after && x_i_before;
+        let covered_next: bool = if x_i_between { covered } else { false };
+        covered = covered_next;
+    }
+    covered
 }
 
 /// Error transform of section IV for the state x in the box (lower, upper), by component:

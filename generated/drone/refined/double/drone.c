@@ -116,6 +116,26 @@ static const drone_real drone_u_max[3] = {
     2.5, 2.5, 2.5
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const drone_real drone_start_lower[3] = {
+    0.3650465774536151, 0.36504810333252136, 0.765047912597658
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const drone_real drone_start_upper[3] = {
+    0.8349522781372052, 0.834950752258299, 1.2349520874023419
+};
+
+/* The same of v + lambda x: strictly above these bounds. */
+static const drone_real drone_filtered_start_lower[3] = {
+    0.3779167614877298, 0.37791825756431363, 0.6210557086765827
+};
+
+/* The same of v + lambda x: strictly below these bounds. */
+static const drone_real drone_filtered_start_upper[3] = {
+    0.7986446164548323, 0.7986431203782485, 0.9502333538234173
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 12 s).
  */
@@ -579,6 +599,111 @@ drone_real drone_margin(drone_real t, const drone_real x[DRONE_N], const drone_r
         margin = margin_next;
     }
     return margin;
+}
+
+void drone_margins(drone_real t, const drone_real x[DRONE_N], const drone_real v[DRONE_N],
+                   drone_real margin[DRONE_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            margin[j] = (drone_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    drone_real s;
+    drone_segment(t, &row, &s);
+    drone_real w0;
+    drone_real w1;
+    drone_real w2;
+    drone_real w3;
+    drone_basis(s, &w0, &w1, &w2, &w3);
+    drone_real dw0;
+    drone_real dw1;
+    drone_real dw2;
+    drone_real dw3;
+    drone_basis_rate(s, &dw0, &dw1, &dw2, &dw3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const drone_real lower_q0 = drone_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const drone_real lower_q1 = drone_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const drone_real lower_q2 = drone_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const drone_real lower_q3 = drone_coefficients[lower_3];
+        const drone_real lower_edge = drone_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const drone_real lower_slope = drone_blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const drone_real lower_rate = lower_slope * 2.6666666666666665;
+        const int32_t upper_0 = at + 1;
+        const drone_real upper_q0 = drone_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const drone_real upper_q1 = drone_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const drone_real upper_q2 = drone_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const drone_real upper_q3 = drone_coefficients[upper_3];
+        const drone_real upper_edge = drone_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_slope = drone_blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const drone_real upper_rate = upper_slope * 2.6666666666666665;
+        const drone_real x_i = x[i];
+        const drone_real v_i = v[i];
+        const drone_real room = upper_edge - lower_edge;
+        const drone_real to_lower = x_i - lower_edge;
+        const drone_real to_upper = upper_edge - x_i;
+        const drone_real room2 = upper_rate - lower_rate;
+        const drone_real to_lower2 = v_i - lower_rate;
+        const drone_real to_upper2 = upper_rate - v_i;
+        const drone_real filter_i = drone_filter[i];
+        const drone_real filtered = room * filter_i;
+        const drone_real room3 = room2 + filtered;
+        const drone_real filtered2 = to_lower * filter_i;
+        const drone_real to_lower3 = to_lower2 + filtered2;
+        const drone_real filtered3 = to_upper * filter_i;
+        const drone_real to_upper3 = to_upper2 + filtered3;
+        const bool upper_nearer = to_upper3 < to_lower3;
+        const drone_real nearest = upper_nearer ? to_upper3 : to_lower3;
+        const drone_real share = nearest / room3;
+        const bool beyond = share < (-1.0);
+        const drone_real held_share = beyond ? (-1.0) : share;
+        const bool upper_nearer2 = to_upper < to_lower;
+        const drone_real nearest2 = upper_nearer2 ? to_upper : to_lower;
+        const drone_real share2 = nearest2 / room;
+        const bool beyond2 = share2 < (-1.0);
+        const drone_real held_share2 = beyond2 ? (-1.0) : share2;
+        const bool filtered_less = held_share < held_share2;
+        const drone_real lesser = filtered_less ? held_share : held_share2;
+        margin[i] = lesser;
+    }
+}
+
+bool drone_covered(const drone_real x[DRONE_N], const drone_real v[DRONE_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const drone_real x_i = x[i];
+        const drone_real start_lower_i = drone_start_lower[i];
+        const drone_real start_upper_i = drone_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const drone_real filter_i = drone_filter[i];
+        const drone_real filtered = x_i * filter_i;
+        const drone_real v_i = v[i];
+        const drone_real z = v_i + filtered;
+        const drone_real filtered_start_lower_i = drone_filtered_start_lower[i];
+        const drone_real filtered_start_upper_i = drone_filtered_start_upper[i];
+        const bool z_after = filtered_start_lower_i < z;
+        const bool z_before = z < filtered_start_upper_i;
+        const bool z_between = z_after && z_before;
+        const bool inside = x_i_between && z_between;
+        const bool covered_next = inside ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void drone_transform(const drone_real lower[DRONE_N], const drone_real upper[DRONE_N],

@@ -15,6 +15,8 @@
 #ifndef DRONE_H
 #define DRONE_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -24,6 +26,7 @@ typedef double drone_real;
 #define DRONE_N 3
 #define DRONE_T_C 12.0 /* prescribed time, seconds */
 #define DRONE_PERIOD_PROVED 0.024999999999999998 /* seconds between samples, at most: from which starts, see above (P9) */
+#define DRONE_SHARE 0.7999999999999999 /* 0.8 of the half widths at t = 0, rounded down: for drone_covered */
 #define DRONE_DESIGN_HASH "27c2ed83cf677421" /* log it: names this design */
 
 typedef enum {
@@ -64,6 +67,21 @@ drone_status drone_control(drone_real t, const drone_real x[DRONE_N], const dron
  * Watch it: act while there is margin, not when the tube is left.
  */
 drone_real drone_margin(drone_real t, const drone_real x[DRONE_N], const drone_real v[DRONE_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void drone_margins(drone_real t, const drone_real x[DRONE_N], const drone_real v[DRONE_N],
+                   drone_real margin[DRONE_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+ * every component of x is within 0.8 of the tube's half width about its middle at t = 0,
+ * and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool drone_covered(const drone_real x[DRONE_N], const drone_real v[DRONE_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -17,6 +17,7 @@ import math
 
 N = 3
 T_C = 12.0  # prescribed time, seconds
+SHARE = 0.7999999523162842  # 0.8, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "ad7b6e169cade754"
 
 OK = 0
@@ -112,6 +113,26 @@ GAIN = (
 # Saturation of u, by component.
 U_MAX = (
     2.5, 2.5, 2.5,
+)
+
+# Covered starts have x strictly above these bounds, by component.
+START_LOWER = (
+    0.36504754424095154, 0.3650490641593933, 0.7650489211082458,
+)
+
+# Covered starts have x strictly below these bounds, by component.
+START_UPPER = (
+    0.8349512815475464, 0.834949791431427, 1.2349510192871094,
+)
+
+# The same of v + lambda x: strictly above these bounds.
+FILTERED_START_LOWER = (
+    0.3779207170009613, 0.3779222369194031, 0.621059000492096,
+)
+
+# The same of v + lambda x: strictly below these bounds.
+FILTERED_START_UPPER = (
+    0.7986406087875366, 0.7986391186714172, 0.950230062007904,
 )
 
 
@@ -542,6 +563,111 @@ def margin(t, x, v):
         margin_next = lesser if less else margin
         margin = margin_next
     return margin
+
+
+def margins(t, x, v):
+    """The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+    components where another argument is not finite.
+    """
+    t = float(t)
+    x = _vector("x", x, 3)
+    v = _vector("v", v, 3)
+    margin = [0.0] * 3
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(3):
+            margin[j] = math.nan
+        return tuple(margin)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    dw0, dw1, dw2, dw3 = _basis_rate(s)
+    for i in range(3):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 6
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 12
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 18
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_slope = _blend(dw0, dw1, dw2, dw3, lower_q0, lower_q1, lower_q2, lower_q3)
+        lower_rate = lower_slope * 2.6666667461395264
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 7
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 13
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 19
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_slope = _blend(dw0, dw1, dw2, dw3, upper_q0, upper_q1, upper_q2, upper_q3)
+        upper_rate = upper_slope * 2.6666667461395264
+        x_i = x[i]
+        v_i = v[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        room2 = upper_rate - lower_rate
+        to_lower2 = v_i - lower_rate
+        to_upper2 = upper_rate - v_i
+        filter_i = FILTER[i]
+        filtered = room * filter_i
+        room3 = room2 + filtered
+        filtered2 = to_lower * filter_i
+        to_lower3 = to_lower2 + filtered2
+        filtered3 = to_upper * filter_i
+        to_upper3 = to_upper2 + filtered3
+        upper_nearer = to_upper3 < to_lower3
+        nearest = to_upper3 if upper_nearer else to_lower3
+        share = nearest / room3
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        upper_nearer2 = to_upper < to_lower
+        nearest2 = to_upper if upper_nearer2 else to_lower
+        share2 = nearest2 / room
+        beyond2 = share2 < -1.0
+        held_share2 = -1.0 if beyond2 else share2
+        filtered_less = held_share < held_share2
+        lesser = held_share if filtered_less else held_share2
+        margin[i] = lesser
+    return tuple(margin)
+
+
+def covered(x, v):
+    """Whether the proof of the sampling period (P9) covers a start at the measured x and v:
+    every component of x is within 0.8 of the tube's half width about its middle at t = 0,
+    and v + lambda x is in its own tube, no farther from the middle than from such an x at rest.
+    What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+    Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+    from where it stands. False for a NaN.
+    """
+    x = _vector("x", x, 3)
+    v = _vector("v", v, 3)
+    covered = True
+    for i in range(3):
+        x_i = x[i]
+        start_lower_i = START_LOWER[i]
+        start_upper_i = START_UPPER[i]
+        x_i_after = start_lower_i < x_i
+        x_i_before = x_i < start_upper_i
+        x_i_between = x_i_after and x_i_before
+        filter_i = FILTER[i]
+        filtered = x_i * filter_i
+        v_i = v[i]
+        z = v_i + filtered
+        filtered_start_lower_i = FILTERED_START_LOWER[i]
+        filtered_start_upper_i = FILTERED_START_UPPER[i]
+        z_after = filtered_start_lower_i < z
+        z_before = z < filtered_start_upper_i
+        z_between = z_after and z_before
+        inside = x_i_between and z_between
+        covered_next = covered if inside else False
+        covered = covered_next
+    return covered
 
 
 def transform(lower, upper, x):

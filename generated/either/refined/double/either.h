@@ -12,6 +12,8 @@
 #ifndef EITHER_H
 #define EITHER_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -20,6 +22,7 @@ typedef double either_real;
 
 #define EITHER_N 2
 #define EITHER_T_C 18.0 /* prescribed time, seconds; t = 0 is when the mission begins */
+#define EITHER_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for either_covered */
 #define EITHER_DESIGN_HASH "7c254f2dbebe7a33" /* log it: names this design */
 
 typedef enum {
@@ -50,6 +53,19 @@ either_status either_control(either_real t, const either_real x[EITHER_N], eithe
  * Watch it: act while there is margin, not when the tube is left.
  */
 either_real either_margin(either_real t, const either_real x[EITHER_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void either_margins(either_real t, const either_real x[EITHER_N], either_real margin[EITHER_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool either_covered(const either_real x[EITHER_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -95,6 +95,16 @@ static const either_real either_coefficients[268] = {
     3.000019F, 3.0999718F, 2.9663048F, 3.0662575F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const either_real either_start_lower[2] = {
+    4.0052366F, 4.0052366F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const either_real either_start_upper[2] = {
+    4.9947634F, 4.9947634F
+};
+
 /* Spline time u = 64 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 64 (t_c = 18 s).
  */
@@ -427,6 +437,73 @@ either_real either_margin(either_real t, const either_real x[EITHER_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void either_margins(either_real t, const either_real x[EITHER_N], either_real margin[EITHER_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (either_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    either_real s;
+    either_segment(t, &row, &s);
+    either_real w0;
+    either_real w1;
+    either_real w2;
+    either_real w3;
+    either_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const either_real lower_q0 = either_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const either_real lower_q1 = either_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const either_real lower_q2 = either_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const either_real lower_q3 = either_coefficients[lower_3];
+        const either_real lower_edge = either_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const either_real upper_q0 = either_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const either_real upper_q1 = either_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const either_real upper_q2 = either_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const either_real upper_q3 = either_coefficients[upper_3];
+        const either_real upper_edge = either_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const either_real x_i = x[i];
+        const either_real room = upper_edge - lower_edge;
+        const either_real to_lower = x_i - lower_edge;
+        const either_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const either_real nearest = upper_nearer ? to_upper : to_lower;
+        const either_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const either_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool either_covered(const either_real x[EITHER_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const either_real x_i = x[i];
+        const either_real start_lower_i = either_start_lower[i];
+        const either_real start_upper_i = either_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void either_transform(const either_real lower[EITHER_N], const either_real upper[EITHER_N],

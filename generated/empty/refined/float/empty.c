@@ -61,6 +61,16 @@ static const empty_real empty_coefficients[140] = {
     0.48947668F, 0.6561332F, 0.32631874F, 0.49297523F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const empty_real empty_start_lower[2] = {
+    0.005031166F, 0.005031643F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const empty_real empty_start_upper[2] = {
+    0.9949698F, 0.99497026F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 4 s).
  */
@@ -392,6 +402,73 @@ empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void empty_margins(empty_real t, const empty_real x[EMPTY_N], empty_real margin[EMPTY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (empty_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    empty_real s;
+    empty_segment(t, &row, &s);
+    empty_real w0;
+    empty_real w1;
+    empty_real w2;
+    empty_real w3;
+    empty_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const empty_real lower_q0 = empty_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const empty_real lower_q1 = empty_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const empty_real lower_q2 = empty_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const empty_real lower_q3 = empty_coefficients[lower_3];
+        const empty_real lower_edge = empty_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const empty_real upper_q0 = empty_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const empty_real upper_q1 = empty_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const empty_real upper_q2 = empty_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const empty_real upper_q3 = empty_coefficients[upper_3];
+        const empty_real upper_edge = empty_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const empty_real x_i = x[i];
+        const empty_real room = upper_edge - lower_edge;
+        const empty_real to_lower = x_i - lower_edge;
+        const empty_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const empty_real nearest = upper_nearer ? to_upper : to_lower;
+        const empty_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const empty_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool empty_covered(const empty_real x[EMPTY_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const empty_real x_i = x[i];
+        const empty_real start_lower_i = empty_start_lower[i];
+        const empty_real start_upper_i = empty_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void empty_transform(const empty_real lower[EMPTY_N], const empty_real upper[EMPTY_N],

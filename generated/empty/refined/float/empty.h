@@ -10,6 +10,8 @@
 #ifndef EMPTY_H
 #define EMPTY_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef float empty_real;
 
 #define EMPTY_N 2
 #define EMPTY_T_C 4.0F /* prescribed time, seconds */
+#define EMPTY_SHARE 0.98999995F /* 0.99 of the half widths at t = 0, rounded down: for empty_covered */
 #define EMPTY_DESIGN_HASH "b262b7b70178ec63" /* log it: names this design */
 
 typedef enum {
@@ -48,6 +51,19 @@ empty_status empty_control(empty_real t, const empty_real x[EMPTY_N], empty_real
  * Watch it: act while there is margin, not when the tube is left.
  */
 empty_real empty_margin(empty_real t, const empty_real x[EMPTY_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void empty_margins(empty_real t, const empty_real x[EMPTY_N], empty_real margin[EMPTY_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool empty_covered(const empty_real x[EMPTY_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

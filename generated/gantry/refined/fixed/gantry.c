@@ -478,6 +478,16 @@ static const int32_t gantry_limits[2] GANTRY_FLASH = {
     40265280, 40265280
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const uint16_t gantry_start_lower[2] GANTRY_FLASH = {
+    30498, 30497
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const int32_t gantry_start_upper[2] GANTRY_FLASH = {
+    200190, 200189
+};
+
 /* Table index of the segment at a tick, and s in 2^-16 of it. */
 static inline void gantry_segment(uint32_t tick, int32_t *row, int32_t *s)
 {
@@ -736,4 +746,70 @@ int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void gantry_margins(uint32_t tick, const int32_t x[GANTRY_N], int32_t margin[GANTRY_N])
+{
+    int32_t row;
+    int32_t s;
+    gantry_segment(tick, &row, &s);
+    int32_t w0;
+    int32_t w1;
+    int32_t w2;
+    gantry_weights(s, &w0, &w1, &w2);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const int32_t at_upper = at + 1;
+        const int32_t lower_edge = gantry_edge(at, w0, w1, w2);
+        const int32_t upper_edge = gantry_edge(at_upper, w0, w1, w2);
+        const int32_t x_all = x[i];
+        const bool x_near_over = (-268435456) < x_all;
+        const int32_t x_near = x_near_over ? x_all : (-268435456);
+        const bool x_i_under = x_near < 268435456;
+        const int32_t x_i = x_i_under ? x_near : 268435456;
+        const int32_t x_lower = x_i - lower_edge;
+        const int32_t x_upper = upper_edge - x_i;
+        const int32_t share_room = x_lower + x_upper;
+        const bool share_width_over = 131072 < share_room;
+        const int32_t share_width = share_width_over ? share_room : 131072;
+        const int32_t share_n = gantry_leading(share_width);
+        const int32_t share_width_up = gantry_up(share_width, share_n);
+        const int32_t share_over_bits = gantry_down(share_width_up, 26);
+        const int32_t share_over_head = gantry_low(share_over_bits, 15);
+        const int32_t share_over_tail = gantry_down(share_width_up, 10);
+        const int32_t share_over_t = gantry_low(share_over_tail, 65535);
+        const int32_t share_over = gantry_curve(share_over_head, share_over_t);
+        const bool share_high = x_upper < x_lower;
+        const int32_t share_nearest = share_high ? x_upper : x_lower;
+        const bool share_inside = 0 < share_nearest;
+        const int32_t share_beyond = -share_nearest;
+        const int32_t share_size = share_inside ? share_nearest : share_beyond;
+        const bool share_held_under = share_size < share_width;
+        const int32_t share_held = share_held_under ? share_size : share_width;
+        const int32_t share_up = gantry_up(share_held, share_n);
+        const int32_t share_quotient = gantry_upper(share_up, share_over);
+        const int32_t share_part = gantry_down(share_quotient, 14);
+        const bool share_most_under = share_part < 65535;
+        const int32_t share_most = share_most_under ? share_part : 65535;
+        const int32_t share_minus = (-1) - share_most;
+        const int32_t share = share_inside ? share_most : share_minus;
+        margin[i] = share;
+    }
+}
+
+bool gantry_covered(const int32_t x[GANTRY_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t x_i = x[i];
+        const int32_t start_lower_i = GANTRY_READ_16(gantry_start_lower[i]);
+        const int32_t start_upper_i = GANTRY_READ_32(gantry_start_upper[i]);
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }

@@ -13,6 +13,7 @@
 #ifndef GANTRY_H
 #define GANTRY_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -28,6 +29,7 @@ extern "C" {
 #define GANTRY_TICKS UINT32_C(4000) /* the first tick that is not before t_c = 4 s: count no farther */
 #define GANTRY_TICKS_A_SECOND INT32_C(1000)
 #define GANTRY_TICKS_PROVED UINT32_C(10) /* between samples, at most: from which starts, see above (P9) */
+#define GANTRY_SHARE 0.8999999999999999 /* 0.9 of the half widths at t = 0, rounded down: for gantry_covered */
 #define GANTRY_DESIGN_HASH "a0f9dc15bb115d69" /* log it: names this design */
 
 typedef enum {
@@ -53,6 +55,17 @@ gantry_status gantry_control(uint32_t tick, const int32_t x[GANTRY_N], int32_t u
  * Watch it: act while there is margin, not when the tube is left.
  */
 int32_t gantry_margin(uint32_t tick, const int32_t x[GANTRY_N]);
+
+/* The margin of each component, in the same units: which axis is near its edge. */
+void gantry_margins(uint32_t tick, const int32_t x[GANTRY_N], int32_t margin[GANTRY_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x:
+ * every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands.
+ */
+bool gantry_covered(const int32_t x[GANTRY_N]);
 
 /* In gantry_selftest.c: calls the controller at points all along the mission and at the ends of its integers, for the
  * board's boot. 0: every result is the one that integers give; else the number of the first point, from 1, that is off. */

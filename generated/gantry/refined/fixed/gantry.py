@@ -16,6 +16,7 @@ TICK_PERIOD = 0.001  # seconds of one tick
 TICKS = 4000  # the first tick that is not before t_c
 X_BITS = 20  # x counts units of 2^-20
 U_BITS = 26  # u counts units of 2^-26
+SHARE = 0.8999999999999999  # 0.9, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "a0f9dc15bb115d69"
 
 OK = 0
@@ -377,6 +378,16 @@ LIMITS = (
     40265280, 40265280,
 )
 
+# Covered starts have x strictly above these bounds, by component.
+START_LOWER = (
+    30498, 30497,
+)
+
+# Covered starts have x strictly below these bounds, by component.
+START_UPPER = (
+    200190, 200189,
+)
+
 
 def _whole(name, values, length):
     """The values as integers; ValueError where they are not, or not `length` of them."""
@@ -647,3 +658,72 @@ def margin(tick, x):
         margin_next = share if less else margin
         margin = margin_next
     return margin
+
+
+def margins(tick, x):
+    """The margin of each component, in the same units: which axis is near its edge."""
+    tick = _count("tick", tick)
+    x = _whole("x", x, 2)
+    margin = [0] * 2
+    row, s = _segment(tick)
+    w0, w1, w2 = _weights(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        at_upper = at + 1
+        lower_edge = _edge(at, w0, w1, w2)
+        upper_edge = _edge(at_upper, w0, w1, w2)
+        x_all = x[i]
+        x_near_over = -268435456 < x_all
+        x_near = x_all if x_near_over else -268435456
+        x_i_under = x_near < 268435456
+        x_i = x_near if x_i_under else 268435456
+        x_lower = x_i - lower_edge
+        x_upper = upper_edge - x_i
+        share_room = x_lower + x_upper
+        share_width_over = 131072 < share_room
+        share_width = share_room if share_width_over else 131072
+        share_n = 31 - share_width.bit_length()
+        share_width_up = share_width << share_n
+        share_over_bits = share_width_up >> 26
+        share_over_head = share_over_bits & 15
+        share_over_tail = share_width_up >> 10
+        share_over_t = share_over_tail & 65535
+        share_over = _curve(share_over_head, share_over_t)
+        share_high = x_upper < x_lower
+        share_nearest = x_upper if share_high else x_lower
+        share_inside = 0 < share_nearest
+        share_beyond = -share_nearest
+        share_size = share_nearest if share_inside else share_beyond
+        share_held_under = share_size < share_width
+        share_held = share_size if share_held_under else share_width
+        share_up = share_held << share_n
+        share_quotient = share_up * share_over >> 16
+        share_part = share_quotient >> 14
+        share_most_under = share_part < 65535
+        share_most = share_part if share_most_under else 65535
+        share_minus = -1 - share_most
+        share = share_most if share_inside else share_minus
+        margin[i] = share
+    return tuple(margin)
+
+
+def covered(x):
+    """Whether the proof of the sampling period (P9) covers a start at the measured x:
+    every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+    What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+    Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+    from where it stands.
+    """
+    x = _whole("x", x, 2)
+    covered = True
+    for i in range(2):
+        x_i = x[i]
+        start_lower_i = START_LOWER[i]
+        start_upper_i = START_UPPER[i]
+        x_i_after = start_lower_i < x_i
+        x_i_before = x_i < start_upper_i
+        x_i_between = x_i_after and x_i_before
+        covered_next = covered if x_i_between else False
+        covered = covered_next
+    return covered

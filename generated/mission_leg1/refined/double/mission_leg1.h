@@ -10,6 +10,8 @@
 #ifndef MISSION_LEG1_H
 #define MISSION_LEG1_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef double mission_leg1_real;
 
 #define MISSION_LEG1_N 2
 #define MISSION_LEG1_T_C 9.5 /* prescribed time, seconds */
+#define MISSION_LEG1_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for mission_leg1_covered */
 #define MISSION_LEG1_DESIGN_HASH "3f2f7ab50e5ef19e" /* log it: names this design */
 
 typedef enum {
@@ -51,6 +54,20 @@ mission_leg1_status mission_leg1_control(mission_leg1_real t, const mission_leg1
  * Watch it: act while there is margin, not when the tube is left.
  */
 mission_leg1_real mission_leg1_margin(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void mission_leg1_margins(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
+                          mission_leg1_real margin[MISSION_LEG1_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool mission_leg1_covered(const mission_leg1_real x[MISSION_LEG1_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

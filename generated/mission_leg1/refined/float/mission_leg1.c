@@ -61,6 +61,16 @@ static const mission_leg1_real mission_leg1_coefficients[140] = {
     1.335022F, 1.4983139F, 2.2990227F, 2.4623146F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const mission_leg1_real mission_leg1_start_lower[2] = {
+    4.0052404F, 4.0052404F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const mission_leg1_real mission_leg1_start_upper[2] = {
+    4.9947596F, 4.9947596F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 9.5 s).
  */
@@ -401,6 +411,74 @@ mission_leg1_real mission_leg1_margin(mission_leg1_real t, const mission_leg1_re
         margin = margin_next;
     }
     return margin;
+}
+
+void mission_leg1_margins(mission_leg1_real t, const mission_leg1_real x[MISSION_LEG1_N],
+                          mission_leg1_real margin[MISSION_LEG1_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (mission_leg1_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg1_real s;
+    mission_leg1_segment(t, &row, &s);
+    mission_leg1_real w0;
+    mission_leg1_real w1;
+    mission_leg1_real w2;
+    mission_leg1_real w3;
+    mission_leg1_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg1_real lower_q0 = mission_leg1_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg1_real lower_q1 = mission_leg1_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg1_real lower_q2 = mission_leg1_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg1_real lower_q3 = mission_leg1_coefficients[lower_3];
+        const mission_leg1_real lower_edge = mission_leg1_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg1_real upper_q0 = mission_leg1_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg1_real upper_q1 = mission_leg1_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg1_real upper_q2 = mission_leg1_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg1_real upper_q3 = mission_leg1_coefficients[upper_3];
+        const mission_leg1_real upper_edge = mission_leg1_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg1_real x_i = x[i];
+        const mission_leg1_real room = upper_edge - lower_edge;
+        const mission_leg1_real to_lower = x_i - lower_edge;
+        const mission_leg1_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const mission_leg1_real nearest = upper_nearer ? to_upper : to_lower;
+        const mission_leg1_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const mission_leg1_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool mission_leg1_covered(const mission_leg1_real x[MISSION_LEG1_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg1_real x_i = x[i];
+        const mission_leg1_real start_lower_i = mission_leg1_start_lower[i];
+        const mission_leg1_real start_upper_i = mission_leg1_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void mission_leg1_transform(const mission_leg1_real lower[MISSION_LEG1_N],

@@ -61,6 +61,16 @@ static const mission_leg2_real mission_leg2_coefficients[140] = {
     2.3139343F, 2.4772263F, 1.3561058F, 1.5193977F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const mission_leg2_real mission_leg2_start_lower[2] = {
+    8.005244F, 14.005244F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const mission_leg2_real mission_leg2_start_upper[2] = {
+    8.994752F, 14.994748F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 3 s).
  */
@@ -401,6 +411,74 @@ mission_leg2_real mission_leg2_margin(mission_leg2_real t, const mission_leg2_re
         margin = margin_next;
     }
     return margin;
+}
+
+void mission_leg2_margins(mission_leg2_real t, const mission_leg2_real x[MISSION_LEG2_N],
+                          mission_leg2_real margin[MISSION_LEG2_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (mission_leg2_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    mission_leg2_real s;
+    mission_leg2_segment(t, &row, &s);
+    mission_leg2_real w0;
+    mission_leg2_real w1;
+    mission_leg2_real w2;
+    mission_leg2_real w3;
+    mission_leg2_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const mission_leg2_real lower_q0 = mission_leg2_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const mission_leg2_real lower_q1 = mission_leg2_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const mission_leg2_real lower_q2 = mission_leg2_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const mission_leg2_real lower_q3 = mission_leg2_coefficients[lower_3];
+        const mission_leg2_real lower_edge = mission_leg2_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const mission_leg2_real upper_q0 = mission_leg2_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const mission_leg2_real upper_q1 = mission_leg2_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const mission_leg2_real upper_q2 = mission_leg2_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const mission_leg2_real upper_q3 = mission_leg2_coefficients[upper_3];
+        const mission_leg2_real upper_edge = mission_leg2_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real room = upper_edge - lower_edge;
+        const mission_leg2_real to_lower = x_i - lower_edge;
+        const mission_leg2_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const mission_leg2_real nearest = upper_nearer ? to_upper : to_lower;
+        const mission_leg2_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const mission_leg2_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool mission_leg2_covered(const mission_leg2_real x[MISSION_LEG2_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const mission_leg2_real x_i = x[i];
+        const mission_leg2_real start_lower_i = mission_leg2_start_lower[i];
+        const mission_leg2_real start_upper_i = mission_leg2_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void mission_leg2_transform(const mission_leg2_real lower[MISSION_LEG2_N],

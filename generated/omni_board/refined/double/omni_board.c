@@ -62,6 +62,16 @@ static const omni_board_real omni_board_coefficients[140] = {
     0.750004768371582, 0.833317756652832, 0.7290554046630859, 0.8123683929443359
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const omni_board_real omni_board_start_lower[2] = {
+    0.002562332153321423, 0.0025613784790050166
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const omni_board_real omni_board_start_upper[2] = {
+    0.49744148254394416, 0.49744052886962775
+};
+
 /* The type must have 64 bits: avr-gcc's double, for one, has not. */
 typedef char omni_board_real_size[(sizeof(omni_board_real) == 8U) ? 1 : -1];
 
@@ -527,6 +537,74 @@ omni_board_real omni_board_margin(omni_board_real t, const omni_board_real x[OMN
         margin = margin_next;
     }
     return margin;
+}
+
+void omni_board_margins(omni_board_real t, const omni_board_real x[OMNI_BOARD_N],
+                        omni_board_real margin[OMNI_BOARD_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (omni_board_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_board_real s;
+    omni_board_segment(t, &row, &s);
+    omni_board_real w0;
+    omni_board_real w1;
+    omni_board_real w2;
+    omni_board_real w3;
+    omni_board_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_board_real lower_q0 = omni_board_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const omni_board_real lower_q1 = omni_board_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const omni_board_real lower_q2 = omni_board_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const omni_board_real lower_q3 = omni_board_coefficients[lower_3];
+        const omni_board_real lower_edge = omni_board_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_board_real upper_q0 = omni_board_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const omni_board_real upper_q1 = omni_board_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const omni_board_real upper_q2 = omni_board_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const omni_board_real upper_q3 = omni_board_coefficients[upper_3];
+        const omni_board_real upper_edge = omni_board_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_board_real x_i = x[i];
+        const omni_board_real room = upper_edge - lower_edge;
+        const omni_board_real to_lower = x_i - lower_edge;
+        const omni_board_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_board_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_board_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const omni_board_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool omni_board_covered(const omni_board_real x[OMNI_BOARD_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const omni_board_real x_i = x[i];
+        const omni_board_real start_lower_i = omni_board_start_lower[i];
+        const omni_board_real start_upper_i = omni_board_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void omni_board_transform(const omni_board_real lower[OMNI_BOARD_N], const omni_board_real upper[OMNI_BOARD_N],

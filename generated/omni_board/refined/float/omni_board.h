@@ -10,6 +10,7 @@
 #ifndef OMNI_BOARD_H
 #define OMNI_BOARD_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -22,6 +23,7 @@ typedef float omni_board_real;
 #define OMNI_BOARD_T_C 9.0F /* prescribed time, seconds */
 #define OMNI_BOARD_TICK_PERIOD 0.001F /* seconds of one tick of omni_board_control_tick */
 #define OMNI_BOARD_TICKS 9000U /* the first tick that is not before t_c: count no farther */
+#define OMNI_BOARD_SHARE 0.98999995F /* 0.99 of the half widths at t = 0, rounded down: for omni_board_covered */
 #define OMNI_BOARD_DESIGN_HASH "23e458e2bad7f4ef" /* log it: names this design */
 
 typedef enum {
@@ -63,6 +65,20 @@ omni_board_status omni_board_control_tick(uint32_t tick, const omni_board_real x
  * Watch it: act while there is margin, not when the tube is left.
  */
 omni_board_real omni_board_margin(omni_board_real t, const omni_board_real x[OMNI_BOARD_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_board_margins(omni_board_real t, const omni_board_real x[OMNI_BOARD_N],
+                        omni_board_real margin[OMNI_BOARD_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool omni_board_covered(const omni_board_real x[OMNI_BOARD_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -96,6 +96,16 @@ static const omni_heading_real omni_heading_coefficients[210] = {
     -0.016656875610351562, 0.016656875610351562
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const omni_heading_real omni_heading_start_lower[3] = {
+    0.002562332153321423, 0.0025613784790050166, -0.09894184112548716
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const omni_heading_real omni_heading_start_upper[3] = {
+    0.49744148254394416, 0.49744052886962775, 0.09894184112548716
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 9 s).
  */
@@ -436,6 +446,74 @@ omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_re
         margin = margin_next;
     }
     return margin;
+}
+
+void omni_heading_margins(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
+                          omni_heading_real margin[OMNI_HEADING_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            margin[j] = (omni_heading_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    omni_heading_real s;
+    omni_heading_segment(t, &row, &s);
+    omni_heading_real w0;
+    omni_heading_real w1;
+    omni_heading_real w2;
+    omni_heading_real w3;
+    omni_heading_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const omni_heading_real lower_q0 = omni_heading_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const omni_heading_real lower_q1 = omni_heading_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const omni_heading_real lower_q2 = omni_heading_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const omni_heading_real lower_q3 = omni_heading_coefficients[lower_3];
+        const omni_heading_real lower_edge = omni_heading_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const omni_heading_real upper_q0 = omni_heading_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const omni_heading_real upper_q1 = omni_heading_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const omni_heading_real upper_q2 = omni_heading_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const omni_heading_real upper_q3 = omni_heading_coefficients[upper_3];
+        const omni_heading_real upper_edge = omni_heading_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real room = upper_edge - lower_edge;
+        const omni_heading_real to_lower = x_i - lower_edge;
+        const omni_heading_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_heading_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_heading_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const omni_heading_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool omni_heading_covered(const omni_heading_real x[OMNI_HEADING_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const omni_heading_real x_i = x[i];
+        const omni_heading_real start_lower_i = omni_heading_start_lower[i];
+        const omni_heading_real start_upper_i = omni_heading_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void omni_heading_transform(const omni_heading_real lower[OMNI_HEADING_N],

@@ -10,6 +10,8 @@
 #ifndef OMNI_HEADING_H
 #define OMNI_HEADING_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef float omni_heading_real;
 
 #define OMNI_HEADING_N 3
 #define OMNI_HEADING_T_C 9.0F /* prescribed time, seconds */
+#define OMNI_HEADING_SHARE 0.98999995F /* 0.99 of the half widths at t = 0, rounded down: for omni_heading_covered */
 #define OMNI_HEADING_DESIGN_HASH "c81276691b164fe4" /* log it: names this design */
 
 typedef enum {
@@ -51,6 +54,20 @@ omni_heading_status omni_heading_control(omni_heading_real t, const omni_heading
  * Watch it: act while there is margin, not when the tube is left.
  */
 omni_heading_real omni_heading_margin(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_heading_margins(omni_heading_real t, const omni_heading_real x[OMNI_HEADING_N],
+                          omni_heading_real margin[OMNI_HEADING_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool omni_heading_covered(const omni_heading_real x[OMNI_HEADING_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

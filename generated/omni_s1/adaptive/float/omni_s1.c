@@ -1096,6 +1096,103 @@ omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1
     return margin;
 }
 
+void omni_s1_margins(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], const omni_s1_real x[OMNI_S1_N],
+                     omni_s1_real margin[OMNI_S1_N])
+{
+    const omni_s1_real t_zero = t * 0.0F;
+    omni_s1_real zero = t_zero;
+    for (int32_t j = 0; j < 4; ++j) {
+        const omni_s1_real alpha_j = alpha[j];
+        const omni_s1_real alpha_zero = alpha_j * 0.0F;
+        const omni_s1_real zeros = zero + alpha_zero;
+        zero = zeros;
+    }
+    const bool finite = zero <= 0.0F;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j2 = 0; j2 < 2; ++j2) {
+            margin[j2] = (omni_s1_real)NAN;
+        }
+        return;
+    }
+    const omni_s1_real held = omni_s1_hold(t, 9.0F);
+    const omni_s1_real sigma = omni_s1_profile(held, 9.0F);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t reach_row = i * 4;
+        const int32_t wall_row = i * 2;
+        const omni_s1_real low_start = omni_s1_reach[reach_row];
+        const int32_t low_end_at = reach_row + 1;
+        const omni_s1_real low_end = omni_s1_reach[low_end_at];
+        const omni_s1_real rho_low = omni_s1_reach_edge(low_start, low_end, sigma);
+        const int32_t high_start_at = reach_row + 2;
+        const omni_s1_real high_start = omni_s1_reach[high_start_at];
+        const int32_t high_end_at = reach_row + 3;
+        const omni_s1_real high_end = omni_s1_reach[high_end_at];
+        const omni_s1_real rho_high = omni_s1_reach_edge(high_start, high_end, sigma);
+        const omni_s1_real low_wall = omni_s1_walls[wall_row];
+        const int32_t low_bumps_at = i * 8;
+        omni_s1_real low_joined = 0.0F;
+        for (int32_t low_j = 0; low_j < 1; ++low_j) {
+            const int32_t low_offset = low_j * 4;
+            const int32_t low_at = low_bumps_at + low_offset;
+            const omni_s1_real low_height = omni_s1_bumps[low_at];
+            const int32_t low_steepness_at = low_at + 1;
+            const omni_s1_real low_steepness = omni_s1_bumps[low_steepness_at];
+            const int32_t low_middle_at = low_at + 2;
+            const omni_s1_real low_middle = omni_s1_bumps[low_middle_at];
+            const int32_t low_radius_at = low_at + 3;
+            const omni_s1_real low_radius = omni_s1_bumps[low_radius_at];
+            const omni_s1_real low_bump = omni_s1_circumvent(held, low_height, low_steepness, low_middle, low_radius, 0.009615385F);
+            low_joined = low_bump;
+        }
+        const omni_s1_real beta_low = low_wall + low_joined;
+        const int32_t high_wall_at = wall_row + 1;
+        const omni_s1_real high_wall = omni_s1_walls[high_wall_at];
+        const int32_t high_bumps_at = i * 8;
+        omni_s1_real high_joined = 0.0F;
+        for (int32_t high_j = 0; high_j < 1; ++high_j) {
+            const int32_t high_offset = high_j * 4;
+            const int32_t high_at = high_bumps_at + high_offset;
+            const int32_t high_height_at = high_at + 4;
+            const omni_s1_real high_height = omni_s1_bumps[high_height_at];
+            const int32_t high_steepness_at = high_at + 5;
+            const omni_s1_real high_steepness = omni_s1_bumps[high_steepness_at];
+            const int32_t high_middle_at = high_at + 6;
+            const omni_s1_real high_middle = omni_s1_bumps[high_middle_at];
+            const int32_t high_radius_at = high_at + 7;
+            const omni_s1_real high_radius = omni_s1_bumps[high_radius_at];
+            const omni_s1_real high_bump = omni_s1_circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615385F);
+            high_joined = high_bump;
+        }
+        const omni_s1_real beta_high = high_wall - high_joined;
+        const omni_s1_real alpha_low_in = alpha[i];
+        const bool alpha_low_positive = 0.0F < alpha_low_in;
+        const omni_s1_real alpha_low_raised = alpha_low_positive ? alpha_low_in : 0.0F;
+        const bool alpha_low_small = alpha_low_raised < 41.98983F;
+        const omni_s1_real alpha_low = alpha_low_small ? alpha_low_raised : 41.98983F;
+        const int32_t alpha_high_at = i + 2;
+        const omni_s1_real alpha_high_in = alpha[alpha_high_at];
+        const bool alpha_high_positive = 0.0F < alpha_high_in;
+        const omni_s1_real alpha_high_raised = alpha_high_positive ? alpha_high_in : 0.0F;
+        const bool alpha_high_small = alpha_high_raised < 41.98983F;
+        const omni_s1_real alpha_high = alpha_high_small ? alpha_high_raised : 41.98983F;
+        const omni_s1_real gamma_low = omni_s1_lower_edge(rho_low, alpha_low, beta_low, 100.024414F);
+        const omni_s1_real gamma_high = omni_s1_upper_edge(rho_high, alpha_high, beta_high, 100.024414F);
+        const omni_s1_real x_i = x[i];
+        const omni_s1_real room = gamma_high - gamma_low;
+        const bool wide = 9.536743e-7F < room;
+        const omni_s1_real width = wide ? room : 9.536743e-7F;
+        const omni_s1_real to_lower = x_i - gamma_low;
+        const omni_s1_real to_upper = gamma_high - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const omni_s1_real nearest = upper_nearer ? to_upper : to_lower;
+        const omni_s1_real share = nearest / width;
+        const bool beyond = share < (-1.0F);
+        const omni_s1_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
 void omni_s1_transform(const omni_s1_real lower[OMNI_S1_N], const omni_s1_real upper[OMNI_S1_N],
                        const omni_s1_real x[OMNI_S1_N], omni_s1_real e[OMNI_S1_N],
                        omni_s1_real epsilon[OMNI_S1_N], omni_s1_real xi[OMNI_S1_N])

@@ -74,6 +74,12 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real alpha[2 * OMNI
 omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N],
                             const omni_s1_real x[OMNI_S1_N]);
 
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_s1_margins(omni_s1_real t, const omni_s1_real alpha[2 * OMNI_S1_N], const omni_s1_real x[OMNI_S1_N],
+                     omni_s1_real margin[OMNI_S1_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

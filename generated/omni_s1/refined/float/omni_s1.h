@@ -10,6 +10,8 @@
 #ifndef OMNI_S1_H
 #define OMNI_S1_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef float omni_s1_real;
 
 #define OMNI_S1_N 2
 #define OMNI_S1_T_C 9.0F /* prescribed time, seconds */
+#define OMNI_S1_SHARE 0.98999995F /* 0.99 of the half widths at t = 0, rounded down: for omni_s1_covered */
 #define OMNI_S1_DESIGN_HASH "93e290185d1afd3c" /* log it: names this design */
 
 typedef enum {
@@ -48,6 +51,19 @@ omni_s1_status omni_s1_control(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], 
  * Watch it: act while there is margin, not when the tube is left.
  */
 omni_s1_real omni_s1_margin(omni_s1_real t, const omni_s1_real x[OMNI_S1_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_s1_margins(omni_s1_real t, const omni_s1_real x[OMNI_S1_N], omni_s1_real margin[OMNI_S1_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool omni_s1_covered(const omni_s1_real x[OMNI_S1_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -74,6 +74,12 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real alpha[2 * OMNI
 omni_s2_real omni_s2_margin(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N],
                             const omni_s2_real x[OMNI_S2_N]);
 
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_s2_margins(omni_s2_real t, const omni_s2_real alpha[2 * OMNI_S2_N], const omni_s2_real x[OMNI_S2_N],
+                     omni_s2_real margin[OMNI_S2_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

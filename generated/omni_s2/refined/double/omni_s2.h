@@ -10,6 +10,8 @@
 #ifndef OMNI_S2_H
 #define OMNI_S2_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef double omni_s2_real;
 
 #define OMNI_S2_N 2
 #define OMNI_S2_T_C 9.0 /* prescribed time, seconds */
+#define OMNI_S2_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for omni_s2_covered */
 #define OMNI_S2_DESIGN_HASH "a712148dd874f801" /* log it: names this design */
 
 typedef enum {
@@ -48,6 +51,19 @@ omni_s2_status omni_s2_control(omni_s2_real t, const omni_s2_real x[OMNI_S2_N], 
  * Watch it: act while there is margin, not when the tube is left.
  */
 omni_s2_real omni_s2_margin(omni_s2_real t, const omni_s2_real x[OMNI_S2_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_s2_margins(omni_s2_real t, const omni_s2_real x[OMNI_S2_N], omni_s2_real margin[OMNI_S2_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool omni_s2_covered(const omni_s2_real x[OMNI_S2_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

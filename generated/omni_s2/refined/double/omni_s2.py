@@ -12,6 +12,7 @@ import math
 
 N = 2
 T_C = 9.0  # prescribed time, seconds
+SHARE = 0.99  # 0.99, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "a712148dd874f801"
 
 OK = 0
@@ -57,6 +58,16 @@ COEFFICIENTS = (
     0.750004768371582, 0.833317756652832, 0.7290554046630859, 0.8123683929443359,
     0.750004768371582, 0.833317756652832, 0.7604799270629883, 0.8437929153442383,
     0.750004768371582, 0.833317756652832, 0.7290554046630859, 0.8123683929443359,
+)
+
+# Covered starts have x strictly above these bounds, by component.
+START_LOWER = (
+    0.002562332153321423, 0.0025613784790050166,
+)
+
+# Covered starts have x strictly below these bounds, by component.
+START_UPPER = (
+    0.49744148254394416, 0.49744052886962775,
 )
 
 
@@ -367,6 +378,75 @@ def margin(t, x):
         margin_next = held_share if less else margin
         margin = margin_next
     return margin
+
+
+def margins(t, x):
+    """The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+    components where another argument is not finite.
+    """
+    t = float(t)
+    x = _vector("x", x, 2)
+    margin = [0.0] * 2
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(2):
+            margin[j] = math.nan
+        return tuple(margin)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(2):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 4
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 8
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 12
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 5
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 9
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 13
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / room
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        margin[i] = held_share
+    return tuple(margin)
+
+
+def covered(x):
+    """Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+    every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+    What a measurement may be wrong by (rounding) is taken off.
+    Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+    from where it stands. False for a NaN.
+    """
+    x = _vector("x", x, 2)
+    covered = True
+    for i in range(2):
+        x_i = x[i]
+        start_lower_i = START_LOWER[i]
+        start_upper_i = START_UPPER[i]
+        x_i_after = start_lower_i < x_i
+        x_i_before = x_i < start_upper_i
+        x_i_between = x_i_after and x_i_before
+        covered_next = covered if x_i_between else False
+        covered = covered_next
+    return covered
 
 
 def transform(lower, upper, x):

@@ -943,6 +943,89 @@ def margin(t, alpha, x):
     return margin
 
 
+def margins(t, alpha, x):
+    """The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+    components where another argument is not finite.
+    """
+    t = float(t)
+    alpha = _vector("alpha", alpha, 4)
+    x = _vector("x", x, 2)
+    margin = [0.0] * 2
+    t_zero = t * 0.0
+    zero = t_zero
+    for j in range(4):
+        alpha_j = alpha[j]
+        alpha_zero = alpha_j * 0.0
+        zeros = zero + alpha_zero
+        zero = zeros
+    finite = zero <= 0.0
+    bad = not finite
+    if bad:
+        for j2 in range(2):
+            margin[j2] = math.nan
+        return tuple(margin)
+    held = _hold(t, 9.0)
+    sigma = _profile(held, 9.0)
+    for i in range(2):
+        reach_row = i * 4
+        wall_row = i * 2
+        low_start = REACH[reach_row]
+        low_end_at = reach_row + 1
+        low_end = REACH[low_end_at]
+        rho_low = _reach_edge(low_start, low_end, sigma)
+        high_start_at = reach_row + 2
+        high_start = REACH[high_start_at]
+        high_end_at = reach_row + 3
+        high_end = REACH[high_end_at]
+        rho_high = _reach_edge(high_start, high_end, sigma)
+        low_wall = WALLS[wall_row]
+        low_rest = 0.0
+        beta_low = low_wall + low_rest
+        high_wall_at = wall_row + 1
+        high_wall = WALLS[high_wall_at]
+        high_bumps_at = i * 4
+        high_joined = 0.0
+        for high_j in range(1):
+            high_offset = high_j * 4
+            high_at = high_bumps_at + high_offset
+            high_height = BUMPS[high_at]
+            high_steepness_at = high_at + 1
+            high_steepness = BUMPS[high_steepness_at]
+            high_middle_at = high_at + 2
+            high_middle = BUMPS[high_middle_at]
+            high_radius_at = high_at + 3
+            high_radius = BUMPS[high_radius_at]
+            high_bump = _circumvent(held, high_height, high_steepness, high_middle, high_radius, 0.009615384973585606)
+            high_joined = high_bump
+        beta_high = high_wall - high_joined
+        alpha_low_in = alpha[i]
+        alpha_low_positive = 0.0 < alpha_low_in
+        alpha_low_raised = alpha_low_in if alpha_low_positive else 0.0
+        alpha_low_small = alpha_low_raised < 41.989830017089844
+        alpha_low = alpha_low_raised if alpha_low_small else 41.989830017089844
+        alpha_high_at = i + 2
+        alpha_high_in = alpha[alpha_high_at]
+        alpha_high_positive = 0.0 < alpha_high_in
+        alpha_high_raised = alpha_high_in if alpha_high_positive else 0.0
+        alpha_high_small = alpha_high_raised < 41.989830017089844
+        alpha_high = alpha_high_raised if alpha_high_small else 41.989830017089844
+        gamma_low = _lower_edge(rho_low, alpha_low, beta_low, 100.0244140625)
+        gamma_high = _upper_edge(rho_high, alpha_high, beta_high, 100.0244140625)
+        x_i = x[i]
+        room = gamma_high - gamma_low
+        wide = 9.5367431640625e-7 < room
+        width = room if wide else 9.5367431640625e-7
+        to_lower = x_i - gamma_low
+        to_upper = gamma_high - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / width
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        margin[i] = held_share
+    return tuple(margin)
+
+
 def transform(lower, upper, x):
     """Error transform of section IV for the state x in the box (lower, upper), by component:
       e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

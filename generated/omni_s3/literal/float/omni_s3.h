@@ -72,6 +72,12 @@ omni_s3_status omni_s3_control(omni_s3_real t, const omni_s3_real alpha[2 * OMNI
 omni_s3_real omni_s3_margin(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N],
                             const omni_s3_real x[OMNI_S3_N]);
 
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void omni_s3_margins(omni_s3_real t, const omni_s3_real alpha[2 * OMNI_S3_N], const omni_s3_real x[OMNI_S3_N],
+                     omni_s3_real margin[OMNI_S3_N]);
+
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]
  *   epsilon = ln((1 + e) / (1 - e))

@@ -69,6 +69,16 @@ static const rover_real rover_u_max[2] = {
     0.7999999999999999, 0.7999999999999999
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const rover_real rover_start_lower[2] = {
+    0.7250565338134781, 0.7250565338134781
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const rover_real rover_start_upper[2] = {
+    1.0749446105957015, 1.0749446105957015
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 20 s).
  */
@@ -406,6 +416,73 @@ rover_real rover_margin(rover_real t, const rover_real x[ROVER_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void rover_margins(rover_real t, const rover_real x[ROVER_N], rover_real margin[ROVER_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (rover_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    rover_real s;
+    rover_segment(t, &row, &s);
+    rover_real w0;
+    rover_real w1;
+    rover_real w2;
+    rover_real w3;
+    rover_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const rover_real lower_q0 = rover_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const rover_real lower_q1 = rover_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const rover_real lower_q2 = rover_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const rover_real lower_q3 = rover_coefficients[lower_3];
+        const rover_real lower_edge = rover_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const rover_real upper_q0 = rover_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const rover_real upper_q1 = rover_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const rover_real upper_q2 = rover_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const rover_real upper_q3 = rover_coefficients[upper_3];
+        const rover_real upper_edge = rover_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const rover_real x_i = x[i];
+        const rover_real room = upper_edge - lower_edge;
+        const rover_real to_lower = x_i - lower_edge;
+        const rover_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const rover_real nearest = upper_nearer ? to_upper : to_lower;
+        const rover_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const rover_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool rover_covered(const rover_real x[ROVER_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const rover_real x_i = x[i];
+        const rover_real start_lower_i = rover_start_lower[i];
+        const rover_real start_upper_i = rover_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void rover_transform(const rover_real lower[ROVER_N], const rover_real upper[ROVER_N],

@@ -13,6 +13,8 @@
 #ifndef ROVER_H
 #define ROVER_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -22,6 +24,7 @@ typedef double rover_real;
 #define ROVER_N 2
 #define ROVER_T_C 20.0 /* prescribed time, seconds */
 #define ROVER_PERIOD_PROVED 0.019999999999999997 /* seconds between samples, at most: from which starts, see above (P9) */
+#define ROVER_SHARE 0.8999999999999999 /* 0.9 of the half widths at t = 0, rounded down: for rover_covered */
 #define ROVER_DESIGN_HASH "1903819dca576c05" /* log it: names this design */
 
 typedef enum {
@@ -53,6 +56,19 @@ rover_status rover_control(rover_real t, const rover_real x[ROVER_N], rover_real
  * Watch it: act while there is margin, not when the tube is left.
  */
 rover_real rover_margin(rover_real t, const rover_real x[ROVER_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void rover_margins(rover_real t, const rover_real x[ROVER_N], rover_real margin[ROVER_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x:
+ * every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool rover_covered(const rover_real x[ROVER_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

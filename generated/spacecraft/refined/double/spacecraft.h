@@ -10,6 +10,8 @@
 #ifndef SPACECRAFT_H
 #define SPACECRAFT_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,6 +20,7 @@ typedef double spacecraft_real;
 
 #define SPACECRAFT_N 3
 #define SPACECRAFT_T_C 15.0 /* prescribed time, seconds */
+#define SPACECRAFT_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for spacecraft_covered */
 #define SPACECRAFT_DESIGN_HASH "735bb822037988da" /* log it: names this design */
 
 typedef enum {
@@ -51,6 +54,20 @@ spacecraft_status spacecraft_control(spacecraft_real t, const spacecraft_real x[
  * Watch it: act while there is margin, not when the tube is left.
  */
 spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void spacecraft_margins(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
+                        spacecraft_real margin[SPACECRAFT_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool spacecraft_covered(const spacecraft_real x[SPACECRAFT_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

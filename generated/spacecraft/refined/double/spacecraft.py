@@ -12,6 +12,7 @@ import math
 
 N = 3
 T_C = 15.0  # prescribed time, seconds
+SHARE = 0.99  # 0.99, rounded down, of the tube's half widths at t = 0: the starts of `covered`
 DESIGN_HASH = "735bb822037988da"
 
 OK = 0
@@ -92,6 +93,16 @@ COEFFICIENTS = (
     0.4371953010559082, 0.5371851921081543,
     0.43334102630615234, 0.5333309173583984, 0.41947269439697266, 0.5194625854492188,
     0.4256167411804199, 0.525606632232666,
+)
+
+# Covered starts have x strictly above these bounds, by component.
+START_LOWER = (
+    0.0030311655998237087, 0.0030306911468512966, 0.4030303096771248,
+)
+
+# Covered starts have x strictly below these bounds, by component.
+START_UPPER = (
+    0.5969706463813774, 0.5969706439971916, 0.996970262527465,
 )
 
 
@@ -402,6 +413,75 @@ def margin(t, x):
         margin_next = held_share if less else margin
         margin = margin_next
     return margin
+
+
+def margins(t, x):
+    """The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+    components where another argument is not finite.
+    """
+    t = float(t)
+    x = _vector("x", x, 3)
+    margin = [0.0] * 3
+    finite = math.isfinite(t)
+    bad = not finite
+    if bad:
+        for j in range(3):
+            margin[j] = math.nan
+        return tuple(margin)
+    row, s = _segment(t)
+    w0, w1, w2, w3 = _basis(s)
+    for i in range(3):
+        pair = i * 2
+        at = row + pair
+        lower_q0 = COEFFICIENTS[at]
+        lower_1 = at + 6
+        lower_q1 = COEFFICIENTS[lower_1]
+        lower_2 = at + 12
+        lower_q2 = COEFFICIENTS[lower_2]
+        lower_3 = at + 18
+        lower_q3 = COEFFICIENTS[lower_3]
+        lower_edge = _blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3)
+        upper_0 = at + 1
+        upper_q0 = COEFFICIENTS[upper_0]
+        upper_1 = at + 7
+        upper_q1 = COEFFICIENTS[upper_1]
+        upper_2 = at + 13
+        upper_q2 = COEFFICIENTS[upper_2]
+        upper_3 = at + 19
+        upper_q3 = COEFFICIENTS[upper_3]
+        upper_edge = _blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3)
+        x_i = x[i]
+        room = upper_edge - lower_edge
+        to_lower = x_i - lower_edge
+        to_upper = upper_edge - x_i
+        upper_nearer = to_upper < to_lower
+        nearest = to_upper if upper_nearer else to_lower
+        share = nearest / room
+        beyond = share < -1.0
+        held_share = -1.0 if beyond else share
+        margin[i] = held_share
+    return tuple(margin)
+
+
+def covered(x):
+    """Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+    every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+    What a measurement may be wrong by (rounding) is taken off.
+    Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+    from where it stands. False for a NaN.
+    """
+    x = _vector("x", x, 3)
+    covered = True
+    for i in range(3):
+        x_i = x[i]
+        start_lower_i = START_LOWER[i]
+        start_upper_i = START_UPPER[i]
+        x_i_after = start_lower_i < x_i
+        x_i_before = x_i < start_upper_i
+        x_i_between = x_i_after and x_i_before
+        covered_next = covered if x_i_between else False
+        covered = covered_next
+    return covered
 
 
 def transform(lower, upper, x):

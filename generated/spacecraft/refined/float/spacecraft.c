@@ -96,6 +96,16 @@ static const spacecraft_real spacecraft_coefficients[210] = {
     0.42561674F, 0.52560663F
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const spacecraft_real spacecraft_start_lower[3] = {
+    0.0030315472F, 0.0030310727F, 0.4030307F
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const spacecraft_real spacecraft_start_upper[3] = {
+    0.59697026F, 0.59697026F, 0.9969699F
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 15 s).
  */
@@ -434,6 +444,74 @@ spacecraft_real spacecraft_margin(spacecraft_real t, const spacecraft_real x[SPA
         margin = margin_next;
     }
     return margin;
+}
+
+void spacecraft_margins(spacecraft_real t, const spacecraft_real x[SPACECRAFT_N],
+                        spacecraft_real margin[SPACECRAFT_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 3; ++j) {
+            margin[j] = (spacecraft_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    spacecraft_real s;
+    spacecraft_segment(t, &row, &s);
+    spacecraft_real w0;
+    spacecraft_real w1;
+    spacecraft_real w2;
+    spacecraft_real w3;
+    spacecraft_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 3; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const spacecraft_real lower_q0 = spacecraft_coefficients[at];
+        const int32_t lower_1 = at + 6;
+        const spacecraft_real lower_q1 = spacecraft_coefficients[lower_1];
+        const int32_t lower_2 = at + 12;
+        const spacecraft_real lower_q2 = spacecraft_coefficients[lower_2];
+        const int32_t lower_3 = at + 18;
+        const spacecraft_real lower_q3 = spacecraft_coefficients[lower_3];
+        const spacecraft_real lower_edge = spacecraft_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const spacecraft_real upper_q0 = spacecraft_coefficients[upper_0];
+        const int32_t upper_1 = at + 7;
+        const spacecraft_real upper_q1 = spacecraft_coefficients[upper_1];
+        const int32_t upper_2 = at + 13;
+        const spacecraft_real upper_q2 = spacecraft_coefficients[upper_2];
+        const int32_t upper_3 = at + 19;
+        const spacecraft_real upper_q3 = spacecraft_coefficients[upper_3];
+        const spacecraft_real upper_edge = spacecraft_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real room = upper_edge - lower_edge;
+        const spacecraft_real to_lower = x_i - lower_edge;
+        const spacecraft_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const spacecraft_real nearest = upper_nearer ? to_upper : to_lower;
+        const spacecraft_real share = nearest / room;
+        const bool beyond = share < (-1.0F);
+        const spacecraft_real held_share = beyond ? (-1.0F) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool spacecraft_covered(const spacecraft_real x[SPACECRAFT_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 3; ++i) {
+        const spacecraft_real x_i = x[i];
+        const spacecraft_real start_lower_i = spacecraft_start_lower[i];
+        const spacecraft_real start_upper_i = spacecraft_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void spacecraft_transform(const spacecraft_real lower[SPACECRAFT_N], const spacecraft_real upper[SPACECRAFT_N],

@@ -74,6 +74,16 @@ static const trolley_real trolley_u_max[2] = {
     2.0, 2.0
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const trolley_real trolley_start_lower[2] = {
+    0.23205466461181753, 0.23205466461181753
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const trolley_real trolley_start_upper[2] = {
+    0.7679434280395496, 0.7679434280395496
+};
+
 /* Spline time u = 32 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 32 (t_c = 8 s).
  */
@@ -415,6 +425,73 @@ trolley_real trolley_margin(trolley_real t, const trolley_real x[TROLLEY_N])
         margin = margin_next;
     }
     return margin;
+}
+
+void trolley_margins(trolley_real t, const trolley_real x[TROLLEY_N], trolley_real margin[TROLLEY_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (trolley_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    trolley_real s;
+    trolley_segment(t, &row, &s);
+    trolley_real w0;
+    trolley_real w1;
+    trolley_real w2;
+    trolley_real w3;
+    trolley_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const trolley_real lower_q0 = trolley_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const trolley_real lower_q1 = trolley_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const trolley_real lower_q2 = trolley_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const trolley_real lower_q3 = trolley_coefficients[lower_3];
+        const trolley_real lower_edge = trolley_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const trolley_real upper_q0 = trolley_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const trolley_real upper_q1 = trolley_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const trolley_real upper_q2 = trolley_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const trolley_real upper_q3 = trolley_coefficients[upper_3];
+        const trolley_real upper_edge = trolley_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const trolley_real x_i = x[i];
+        const trolley_real room = upper_edge - lower_edge;
+        const trolley_real to_lower = x_i - lower_edge;
+        const trolley_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const trolley_real nearest = upper_nearer ? to_upper : to_lower;
+        const trolley_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const trolley_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool trolley_covered(const trolley_real x[TROLLEY_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const trolley_real x_i = x[i];
+        const trolley_real start_lower_i = trolley_start_lower[i];
+        const trolley_real start_upper_i = trolley_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void trolley_transform(const trolley_real lower[TROLLEY_N], const trolley_real upper[TROLLEY_N],

@@ -13,6 +13,8 @@
 #ifndef TROLLEY_H
 #define TROLLEY_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -22,6 +24,7 @@ typedef double trolley_real;
 #define TROLLEY_N 2
 #define TROLLEY_T_C 8.0 /* prescribed time, seconds */
 #define TROLLEY_PERIOD_PROVED 0.019999999999999997 /* seconds between samples, at most: from which starts, see above (P9) */
+#define TROLLEY_SHARE 0.8999999999999999 /* 0.9 of the half widths at t = 0, rounded down: for trolley_covered */
 #define TROLLEY_DESIGN_HASH "92be7eddec8f2767" /* log it: names this design */
 
 typedef enum {
@@ -52,6 +55,19 @@ trolley_status trolley_control(trolley_real t, const trolley_real x[TROLLEY_N], 
  * Watch it: act while there is margin, not when the tube is left.
  */
 trolley_real trolley_margin(trolley_real t, const trolley_real x[TROLLEY_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void trolley_margins(trolley_real t, const trolley_real x[TROLLEY_N], trolley_real margin[TROLLEY_N]);
+
+/* Whether the proof of the sampling period (P9) covers a start at the measured x:
+ * every component of x is within 0.9 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding and the noise of [plant]) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool trolley_covered(const trolley_real x[TROLLEY_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -96,6 +96,16 @@ static const watchman_real watchman_coefficients[268] = {
     0.22768497467041016, 0.3276653289794922, 0.12508678436279297, 0.225067138671875
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const watchman_real watchman_start_lower[2] = {
+    0.20305927753448622, 0.20305927753448622
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const watchman_real watchman_start_upper[2] = {
+    0.7969378614425645, 0.7969378614425645
+};
+
 /* Spline time u = 64 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 64 (t_c = 16 s).
  */
@@ -525,6 +535,73 @@ watchman_real watchman_margin(watchman_real t, const watchman_real x[WATCHMAN_N]
         margin = margin_next;
     }
     return margin;
+}
+
+void watchman_margins(watchman_real t, const watchman_real x[WATCHMAN_N], watchman_real margin[WATCHMAN_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (watchman_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    watchman_real s;
+    watchman_segment(t, &row, &s);
+    watchman_real w0;
+    watchman_real w1;
+    watchman_real w2;
+    watchman_real w3;
+    watchman_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const watchman_real lower_q0 = watchman_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const watchman_real lower_q1 = watchman_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const watchman_real lower_q2 = watchman_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const watchman_real lower_q3 = watchman_coefficients[lower_3];
+        const watchman_real lower_edge = watchman_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const watchman_real upper_q0 = watchman_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const watchman_real upper_q1 = watchman_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const watchman_real upper_q2 = watchman_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const watchman_real upper_q3 = watchman_coefficients[upper_3];
+        const watchman_real upper_edge = watchman_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const watchman_real x_i = x[i];
+        const watchman_real room = upper_edge - lower_edge;
+        const watchman_real to_lower = x_i - lower_edge;
+        const watchman_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const watchman_real nearest = upper_nearer ? to_upper : to_lower;
+        const watchman_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const watchman_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool watchman_covered(const watchman_real x[WATCHMAN_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const watchman_real x_i = x[i];
+        const watchman_real start_lower_i = watchman_start_lower[i];
+        const watchman_real start_upper_i = watchman_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void watchman_transform(const watchman_real lower[WATCHMAN_N], const watchman_real upper[WATCHMAN_N],

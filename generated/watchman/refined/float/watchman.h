@@ -13,6 +13,7 @@
 #ifndef WATCHMAN_H
 #define WATCHMAN_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -27,6 +28,7 @@ typedef float watchman_real;
 #define WATCHMAN_TICKS 800U /* the first tick that is not before t_c: watchman_wrap_tick turns it back */
 #define WATCHMAN_CYCLE 14.0F /* seconds after which the tube repeats itself, from T_C - CYCLE on: watchman_wrap */
 #define WATCHMAN_CYCLE_TICKS 700U /* the same in ticks, exactly */
+#define WATCHMAN_SHARE 0.98999995F /* 0.99 of the half widths at t = 0, rounded down: for watchman_covered */
 #define WATCHMAN_DESIGN_HASH "6f75ab59a7aef00f" /* log it: names this design */
 
 typedef enum {
@@ -69,6 +71,19 @@ watchman_status watchman_control_tick(uint32_t tick, const watchman_real x[WATCH
  * Watch it: act while there is margin, not when the tube is left.
  */
 watchman_real watchman_margin(watchman_real t, const watchman_real x[WATCHMAN_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void watchman_margins(watchman_real t, const watchman_real x[WATCHMAN_N], watchman_real margin[WATCHMAN_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool watchman_covered(const watchman_real x[WATCHMAN_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

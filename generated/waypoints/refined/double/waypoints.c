@@ -224,6 +224,16 @@ static const waypoints_real waypoints_coefficients[780] = {
     3.00006103515625, 3.166645050048828, 3.00006103515625, 3.166645050048828
 };
 
+/* Covered starts have x strictly above these bounds, by component. */
+static const waypoints_real waypoints_start_lower[2] = {
+    4.005234146118169, 4.005237922668462
+};
+
+/* Covered starts have x strictly below these bounds, by component. */
+static const waypoints_real waypoints_start_upper[2] = {
+    4.994765853881831, 4.994762077331538
+};
+
 /* Spline time u = 192 t / t_c of t held within [0, t_c]: table index of segment floor(u), and s = u - floor(u).
  * Before 0 the start; from t_c on the last number below 192 (t_c = 18 s).
  */
@@ -561,6 +571,74 @@ waypoints_real waypoints_margin(waypoints_real t, const waypoints_real x[WAYPOIN
         margin = margin_next;
     }
     return margin;
+}
+
+void waypoints_margins(waypoints_real t, const waypoints_real x[WAYPOINTS_N],
+                       waypoints_real margin[WAYPOINTS_N])
+{
+    const bool finite = isfinite(t) != 0;
+    const bool bad = !finite;
+    if (bad) {
+        for (int32_t j = 0; j < 2; ++j) {
+            margin[j] = (waypoints_real)NAN;
+        }
+        return;
+    }
+    int32_t row;
+    waypoints_real s;
+    waypoints_segment(t, &row, &s);
+    waypoints_real w0;
+    waypoints_real w1;
+    waypoints_real w2;
+    waypoints_real w3;
+    waypoints_basis(s, &w0, &w1, &w2, &w3);
+    for (int32_t i = 0; i < 2; ++i) {
+        const int32_t pair = i * 2;
+        const int32_t at = row + pair;
+        const waypoints_real lower_q0 = waypoints_coefficients[at];
+        const int32_t lower_1 = at + 4;
+        const waypoints_real lower_q1 = waypoints_coefficients[lower_1];
+        const int32_t lower_2 = at + 8;
+        const waypoints_real lower_q2 = waypoints_coefficients[lower_2];
+        const int32_t lower_3 = at + 12;
+        const waypoints_real lower_q3 = waypoints_coefficients[lower_3];
+        const waypoints_real lower_edge = waypoints_blend(w0, w1, w2, w3, lower_q0, lower_q1, lower_q2, lower_q3);
+        const int32_t upper_0 = at + 1;
+        const waypoints_real upper_q0 = waypoints_coefficients[upper_0];
+        const int32_t upper_1 = at + 5;
+        const waypoints_real upper_q1 = waypoints_coefficients[upper_1];
+        const int32_t upper_2 = at + 9;
+        const waypoints_real upper_q2 = waypoints_coefficients[upper_2];
+        const int32_t upper_3 = at + 13;
+        const waypoints_real upper_q3 = waypoints_coefficients[upper_3];
+        const waypoints_real upper_edge = waypoints_blend(w0, w1, w2, w3, upper_q0, upper_q1, upper_q2, upper_q3);
+        const waypoints_real x_i = x[i];
+        const waypoints_real room = upper_edge - lower_edge;
+        const waypoints_real to_lower = x_i - lower_edge;
+        const waypoints_real to_upper = upper_edge - x_i;
+        const bool upper_nearer = to_upper < to_lower;
+        const waypoints_real nearest = upper_nearer ? to_upper : to_lower;
+        const waypoints_real share = nearest / room;
+        const bool beyond = share < (-1.0);
+        const waypoints_real held_share = beyond ? (-1.0) : share;
+        margin[i] = held_share;
+    }
+}
+
+bool waypoints_covered(const waypoints_real x[WAYPOINTS_N])
+{
+    bool covered = true;
+    for (int32_t i = 0; i < 2; ++i) {
+        const waypoints_real x_i = x[i];
+        const waypoints_real start_lower_i = waypoints_start_lower[i];
+        const waypoints_real start_upper_i = waypoints_start_upper[i];
+        const bool x_i_after = start_lower_i < x_i;
+        const bool x_i_before = x_i < start_upper_i;
+        const bool x_i_between = x_i_after && x_i_before;
+        const bool covered_next = x_i_between ? covered : false;
+        covered = covered_next;
+    }
+    return covered;
 }
 
 void waypoints_transform(const waypoints_real lower[WAYPOINTS_N], const waypoints_real upper[WAYPOINTS_N],

@@ -13,6 +13,8 @@
 #ifndef WAYPOINTS_H
 #define WAYPOINTS_H
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -21,6 +23,7 @@ typedef double waypoints_real;
 
 #define WAYPOINTS_N 2
 #define WAYPOINTS_T_C 18.0 /* prescribed time, seconds; t = 0 is when the mission begins */
+#define WAYPOINTS_SHARE 0.99 /* 0.99 of the half widths at t = 0, rounded down: for waypoints_covered */
 #define WAYPOINTS_DESIGN_HASH "013ad0e103db218f" /* log it: names this design */
 
 typedef enum {
@@ -53,6 +56,20 @@ waypoints_status waypoints_control(waypoints_real t, const waypoints_real x[WAYP
  * Watch it: act while there is margin, not when the tube is left.
  */
 waypoints_real waypoints_margin(waypoints_real t, const waypoints_real x[WAYPOINTS_N]);
+
+/* The margin of each component: which axis is near its edge. NaN where that component of the state is NaN; in all
+ * components where another argument is not finite.
+ */
+void waypoints_margins(waypoints_real t, const waypoints_real x[WAYPOINTS_N],
+                       waypoints_real margin[WAYPOINTS_N]);
+
+/* Whether the paper's Theorem 4.1, in continuous time, covers a start at the measured x:
+ * every component of x is within 0.99 of the tube's half width about its middle at t = 0.
+ * What a measurement may be wrong by (rounding) is taken off.
+ * Ask before the first step. Where it says false, nothing is proved of this start: move the robot, or design a tube
+ * from where it stands. False for a NaN.
+ */
+bool waypoints_covered(const waypoints_real x[WAYPOINTS_N]);
 
 /* Error transform of section IV for the state x in the box (lower, upper), by component:
  *   e       = (2 x - (upper + lower)) / (upper - lower), clamped to [-e_max, e_max]

@@ -1,0 +1,224 @@
+"""The example sketches on a simulated Uno, with steps that take too long: is the tube where the clock is? And what do steps take?
+
+    python -m benchmarks sketch_time [--steps 150] [--count 60]
+
+First the real sketch, with Arduino's core for AVR, in simavr: sensors take a random part of two and a half periods. At every
+sample the time that the controller is called with is compared with micros(): to one tick, or to the rounding of a float. Then
+`control` is counted, with the options of Arduino's IDE, beside what `generate` estimates. Ends with 1 where one is off.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import subprocess
+import tempfile
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.fixed import in_floats, limited
+from benchmarks.suites.report import table
+from stt_codegen.board.boards import BOARDS
+from stt_codegen.board.emulated import DECORATION, Emulated
+from stt_codegen.certify.missions.proof import cycle_of
+from stt_codegen.compare.integer_comparison import ticks_and_states
+from stt_codegen.errors import MissingTool
+from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.program.targets.python.runner import GeneratedPython
+from stt_codegen.record.files import write_files
+from stt_codegen.record.package import package
+from stt_codegen.record.sketch import loop_times
+from stt_codegen.record.uno import ERROR, step_cycles
+from stt_codegen.task.load import load_task
+
+ROOT = Path(__file__).resolve().parent.parent
+CORE = Path("/usr/share/arduino/hardware/arduino/avr")  # Debian's arduino-core-avr
+IDE = ("-mmcu=atmega328p", "-DF_CPU=16000000L", "-DARDUINO=10819", "-DARDUINO_AVR_UNO", "-Os", "-ffunction-sections")
+SKETCHES: dict[str, tuple[str, dict[str, Any]]] = {
+    "seconds": ("crawler", {"emit": {"tick_period": None}}),
+    "ticks": ("crawler", {}),
+    "integers": ("gantry", {}),
+    "repeat, ticks": ("watchman", {}),
+    "repeat, seconds": ("watchman", {"emit": {"tick_period": None}, "prescribed_time": "15.90001"}),
+    "hold": ("omni_board", {"control": {"outside": "hold"}, "emit": {"selftest": False}}),
+}
+COUNTED = ("omni_s2", "trolley", "spacecraft", "crane", "drone", "arm", "attitude")
+HARNESS = """#include <avr/sleep.h>
+static uint32_t dice = 1;
+static int slow_read(int pin) {
+  if (pin == 0) {
+    dice = dice * 1664525UL + 1013904223UL;
+    for (uint32_t rest = ((dice >> 16) * %(most)uUL) >> 16; rest > 0; ) {
+      const uint32_t part = rest < 8000 ? rest : 8000;
+      delayMicroseconds((unsigned int)part);
+      rest -= part;
+    }
+  }
+  return analogRead(pin);
+}
+#define analogRead slow_read
+#define loop sketch_loop
+#include "sketch.ino"
+#undef loop
+static %(time)s called_at;
+static bool stepped;
+extern "C" {
+%(status)s __real_%(function)s(%(parameters)s);
+%(status)s __wrap_%(function)s(%(parameters)s) {
+  if (!stepped) { called_at = t; }
+  stepped = true;
+  return __real_%(function)s(%(arguments)s);
+}
+}
+static void put(uint32_t word) {
+  for (int k = 28; k >= 0; k -= 4) {
+    UDR0 = (uint8_t)"0123456789abcdef"[(word >> k) & 15U];
+    delayMicroseconds(20);  // longer than a character takes
+  }
+}
+void loop() {
+  static int steps;
+  stepped = false;
+  if (UCSR0B == 0) { UCSR0B = (uint8_t)(1U << TXEN0); }
+  sketch_loop();
+  if (stepped) {
+    uint32_t bits;
+    memcpy(&bits, &called_at, sizeof bits);
+    put(last); put(bits); put(late_steps);
+    UDR0 = '\\n';
+    if (++steps >= %(steps)d) { delay(5); cli(); sleep_mode(); }
+  }
+}
+"""
+
+
+def run(command: list[Any], folder: Path) -> str:
+    done = subprocess.run([str(c) for c in command], cwd=folder, capture_output=True, text=True, check=False, timeout=120)
+    if done.returncode:
+        raise SystemExit(f"{command[0]}: {done.stderr[-2000:]}")
+    return done.stdout + done.stderr
+
+
+def core_objects(folder: Path) -> list[Path]:
+    """Arduino's core, compiled once."""
+    includes = [f"-I{CORE / 'cores' / 'arduino'}", f"-I{CORE / 'variants' / 'standard'}"]
+    objects = []
+    for part in sorted((CORE / "cores" / "arduino").glob("*.c*")):
+        driver = ["avr-g++", "-std=gnu++11", "-fpermissive", "-fno-exceptions"] if part.suffix == ".cpp" else ["avr-gcc"]
+        objects.append(folder / f"core_{part.stem}_{part.suffix[1:]}.o")
+        run([*driver, *IDE, *includes, "-DDECIMAL_DIG=__DECIMAL_DIG__", "-w", "-c", part, "-o", objects[-1]], folder)
+    return objects
+
+
+def image(controller: Controller, steps: int, core: list[Path], folder: Path) -> Path:
+    """The sketch for an Uno, its sensors slow, what the controller is called with on the serial line."""
+    p, n = controller.task.name, f"{controller.task.name.upper()}_N"
+    write_files(folder, package(controller, "arduino"))
+    source = folder / p / "src"
+    shutil.copy(folder / p / "examples" / f"{p}_loop" / f"{p}_loop.ino", folder / "sketch.ino")
+    integers = controller.program.tick is not None
+    by_ticks = controller.task.emit.tick_period is not None and controller.task.control.outside == "return"
+    number = "int32_t" if integers else f"{p}_real"
+    function, kept = (f"{p}_guard", f", {number} held[2]") if controller.task.control.outside == "hold" else (f"{p}_control", "")
+    words = {
+        "most": int(loop_times(controller).period * 2_500_000), "steps": steps, "status": f"{p}_status",
+        "time": "uint32_t" if by_ticks else number, "function": f"{function}{'_tick' if by_ticks and not integers else ''}",
+        "parameters": f"{'uint32_t' if by_ticks else number} t, const {number} x[{n}]{kept}, {number} u[{n}]",
+        "arguments": "t, x, held, u" if kept else "t, x, u",
+    }  # fmt: skip
+    (folder / "main.cpp").write_text(HARNESS % words)
+    includes = [f"-I{v}" for v in (CORE / "cores" / "arduino", CORE / "variants" / "standard", source, folder)]
+    objects = [folder / "main.o"]
+    run(["avr-g++", *IDE, *includes, "-std=gnu++11", "-include", "Arduino.h", "-c", "main.cpp", "-o", objects[0]], folder)
+    for file in source.glob("*.c"):
+        objects.append(folder / f"{file.stem}.o")
+        run(["avr-gcc", *IDE, *includes, "-std=gnu11", "-ffp-contract=off", "-c", file, "-o", objects[-1]], folder)
+    wrap = f"-Wl,--gc-sections,--wrap={words['function']}"
+    run(["avr-g++", "-mmcu=atmega328p", wrap, *objects, *core, "-lm", "-o", "uno.elf"], folder)
+    return folder / "uno.elf"
+
+
+def tube_time(controller: Controller, steps: int, core: list[Path]) -> tuple[int, Fraction, Fraction, int]:
+    """Samples, the farthest that tube and clock were apart (seconds), how far they may be, and late steps."""
+    task = controller.task
+    with tempfile.TemporaryDirectory() as name:
+        told = run(["simavr", "-m", "atmega328p", "-f", "16000000", image(controller, steps, core, Path(name))], Path(name))
+    lines = (DECORATION.sub("", line) for line in told.splitlines())
+    rows = [[int(line[k : k + 8], 16) for k in (0, 8, 16)] for line in lines if re.fullmatch(r"[0-9a-f]{24}", line)]
+    if len(rows) != steps:
+        raise SystemExit(f"{task.name}: {len(rows)} samples for {steps}: {told[-500:]}")
+    by_ticks, cycle, worst = (
+        task.emit.tick_period is not None and task.control.outside == "return",
+        cycle_of(controller.design),
+        Fraction(0),
+    )
+    for now, bits, _ in rows:
+        clock = Fraction((now - rows[0][0]) % 2**32, 10**6)
+        if by_ticks:
+            assert task.emit.tick_period is not None
+            tube = bits * task.emit.tick_period
+        else:
+            tube = Fraction(float(np.array([bits], np.uint32).view(np.float32)[0]))
+        if cycle is not None and clock >= cycle.end:
+            clock -= cycle.length * (1 + int((clock - cycle.end) / cycle.length))
+        if not task.repeat:
+            clock, tube = min(clock, task.prescribed_time), min(tube, task.prescribed_time)
+        worst = max(worst, abs(clock - tube))
+    limit = task.emit.tick_period if by_ticks else 4 * Fraction(1, 2**24) * task.prescribed_time + Fraction(1, 10**6)
+    assert limit is not None
+    return len(rows), worst, limit, rows[-1][2]
+
+
+def counted(controller: Controller, count: int) -> int:
+    """The most cycles of `control` that were seen, near the tube and in it."""
+    board, task = Emulated(controller, BOARDS["avr"], ("-Os",)), controller.task
+    if controller.program.tick is not None:
+        tick, *states = ticks_and_states(controller, count)
+        board.call("control", tick, *states)
+    else:
+        dice = np.random.default_rng(1)
+        t = np.linspace(0, float(task.prescribed_time), count).astype(np.float32)
+        lower, upper = GeneratedPython(controller).call("tube", t.astype(float))
+        x = (lower + (upper - lower) * dice.uniform(-0.1, 1.1, lower.shape)).astype(np.float32)
+        board.call("control", t, x, *([dice.uniform(-0.1, 0.1, x.shape).astype(np.float32)] * (task.order == 2)))
+    return board.counts["control"].summary().most
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--steps", type=int, default=150)
+    parser.add_argument("--count", type=int, default=60)
+    given = parser.parse_args()
+    for tool in ("avr-gcc", "simavr"):
+        if shutil.which(tool) is None:
+            raise MissingTool(f"{tool} is not found; install (Debian names): gcc-avr avr-libc simavr arduino-core-avr")
+    good, rows = True, []
+    with tempfile.TemporaryDirectory() as folder:
+        core = core_objects(Path(folder))
+        for variant, (name, changed) in SKETCHES.items():
+            controller = build_task(load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed))
+            samples, worst, limit, late = tube_time(controller, given.steps, core)
+            good &= worst <= limit
+            figures = [f"{float(v) * 1e6:,.1f}" for v in (worst, limit)]
+            rows.append([f"{name}, {variant}", str(samples), *figures, str(late), "yes" if worst <= limit else "NO"])
+    print(table(["", "samples", "tube and clock apart, us", "allowed, us", "late", "kept"], rows), flush=True)
+    rows = []
+    for name in COUNTED:
+        task = load_task(ROOT / "tasks" / f"{name}.toml")
+        for kind, controller in (*((k, in_floats(task, k)) for k in ("libm", "inline")), ("integers", build_task(limited(task)))):
+            known, most = step_cycles(controller), counted(controller, given.count)
+            assert known is not None
+            off = known / most - 1
+            good &= abs(off) <= ERROR
+            rows.append([f"{name}, {kind}", f"{most:,}", f"{known:,}", f"{off:+.1%}", "yes" if abs(off) <= ERROR else "NO"])
+    print(table(["", "cycles counted, most", "estimate", "off", "within"], rows))
+    print("every tube is where the clock is, every estimate within its error" if good else "NOT KEPT: see NO above")
+    return int(not good)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

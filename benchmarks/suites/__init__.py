@@ -1,0 +1,1 @@
+"""Suites: arenas, loops, missions and boards that are measured by the hundred, with their tables."""

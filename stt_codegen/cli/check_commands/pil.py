@@ -1,0 +1,53 @@
+"""`pil`: processor in the loop."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from stt_codegen.board import BOARDS
+from stt_codegen.cli.options import DesignOption, Json, ScalarOption, TaskFile, one_of, patience, print_json
+
+
+def pil(
+    task: TaskFile,
+    board: Annotated[str, one_of(tuple(BOARDS), "the emulated board")],
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    points: Annotated[int, typer.Option(min=1, help="random points, beside the edges")] = 2000,
+    rust: Annotated[bool, typer.Option("--rust", help="the emitted Rust in place of the C, on an ARM board")] = False,
+    json: Json = False,
+) -> None:
+    """Processor in the loop: run the emitted code on an emulated board, compare with the reference, count what a call takes."""
+    from dataclasses import asdict
+
+    with patience(f"running {task} on {board}"):
+        from stt_codegen.board.emulated import run_on_board
+        from stt_codegen.pipeline import build
+
+        controller = build(task, design, scalar, language="rust" if rust else None)
+        rows, costs = run_on_board(controller, BOARDS[board], points, rust)
+    good = all(r.holds for r in rows)
+    if json:
+        compared = [{**asdict(r), "holds": r.holds} for r in rows]
+        print_json(
+            {
+                "task": controller.task.name,
+                "board": board,
+                "within_bounds": good,
+                "rows": compared,
+                "calls": {k: asdict(c) for k, c in costs.items()},
+            }
+        )
+    else:
+        from stt_codegen.cli.show import show_rows
+
+        show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
+        unit = BOARDS[board].unit
+        for name, c in costs.items():
+            taken = f"{c.least} to {c.most} {unit}, median {c.median}"
+            place = c.place([p.name for p in controller.program.function(name).inputs])
+            print(f"  {name}: {taken}; {c.stack} B of stack; most at {place}")
+    if not good:
+        raise typer.Exit(1)

@@ -1,0 +1,112 @@
+"""`prove`: the lemma book, and the bounds of one task."""
+
+from __future__ import annotations
+
+import json as _json
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, PlantOption, ScalarOption, patience, print_json, say
+from stt_codegen.errors import BadInput
+
+BOOK = Path("generated/lemmas.md")  # of a repository that keeps one
+
+
+def prove(
+    task: Annotated[Path | None, typer.Argument(metavar="[TASK]", help="a task file; without one, the lemma book")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            help="the book's page, .md or .tex (default: generated/lemmas.md); with TASK, the folder of <name>.bounds.json",
+        ),
+    ] = None,
+    check: Annotated[bool, typer.Option("--check", help="compare with what is on disk, instead of writing it")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas, also those proved before with these sources")] = False,
+    plant: PlantOption = None,
+    noise: Noise = None,
+    latency: Latency = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    json: Json = False,
+) -> None:
+    """Prove, or refute, what the controllers rest on, about the expressions that are printed; with a TASK, evaluate the
+    hypotheses and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
+    if task is None:
+        if plant is not None or noise or latency or design is not None or scalar is not None:
+            told = "--plant, --noise, --latency, --design and --scalar belong to a TASK"
+            raise BadInput(f"prove: {told}; the book is about every task")
+        if out is None and not BOOK.is_file():
+            raise BadInput(f"prove: there is no {BOOK} here, which the book replaces; say with --out where it goes (.md or .tex)")
+        good = _prove_book(out or BOOK, check, fresh, json)
+    else:
+        if fresh:
+            raise BadInput("prove: --fresh is for the lemma book; bounds of a TASK are always made anew")
+        from stt_codegen.pipeline import build
+
+        with patience(f"designing {task}"):
+            controller = build(task, design, scalar)
+        good = _prove_task(controller, plant, (noise, latency), out or Path(), check, json)
+    if not good:
+        raise typer.Exit(1)
+
+
+def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
+    from stt_codegen.lemmas import Verdict, page, prove_all
+    from stt_codegen.record import write_files
+
+    if out.suffix not in (".md", ".tex"):
+        raise BadInput(f"--out {out}: the book is written as .md or .tex")
+    entries = prove_all(lambda title: say(f"  {title}"), fresh)
+    text = page(entries, out.suffix).encode()
+    still_open = [e for e in entries if e.verdict is Verdict.OPEN]
+    differs = check and (not out.is_file() or out.read_bytes() != text)
+    if not check:
+        write_files(out.parent, {out.name: text})
+    if json:
+        rows = [
+            {"lemma": e.lemma.name, "verdict": e.verdict.value, "method": e.outcome.method, "evidence": list(e.outcome.evidence)}
+            for e in entries
+        ]
+        print_json({"lemmas": rows, "open": len(still_open), "page_differs": differs})
+    else:
+        for verdict in Verdict:
+            print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
+        for e in still_open:
+            print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
+        print(f"{out}: {_compared(out, check, differs)}")
+    return not still_open and not differs
+
+
+def _compared(path: Path, check: bool, differs: bool) -> str:
+    if differs:
+        return f"{'differs' if path.is_file() else 'is missing'}; run without --check to write it"
+    return "as it should be" if check else "written"
+
+
+def _prove_task(
+    controller: Any, plant: str | None, errors: tuple[float | None, float | None], folder: Path, check: bool, as_json: bool
+) -> bool:
+    from stt_codegen.cli.show import show_bounds
+    from stt_codegen.plants import plant_of
+    from stt_codegen.record import write_files
+    from stt_codegen.report import Analysis
+
+    task = controller.task
+    model = None if plant is None else plant_of(plant, task.dimension, task.order)
+    with patience(f"bounds of {task.name}"):
+        report = Analysis(controller, model, *errors).report()
+    name = f"{task.name}.bounds.json"
+    text = (_json.dumps(report.document(), indent=2) + "\n").encode()
+    path = folder / name
+    differs = check and (not path.is_file() or path.read_bytes() != text)
+    if not check:
+        write_files(folder, {name: text})
+    if as_json:
+        print_json({**report.document(), "file_differs": differs})
+    else:
+        show_bounds(report)
+        print(f"{path}: {_compared(path, check, differs)}")
+    return report.good and not differs

@@ -1,0 +1,70 @@
+"""`map`: what an occupancy map is taken as."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from stt_codegen.cli.options import Json, counted, patience, print_json
+from stt_codegen.errors import BadInput
+
+
+def map_(
+    file: Annotated[Path, typer.Argument(metavar="MAP", help="the .yaml of a map server, with its image beside it")],
+    kind: Annotated[Literal["boxes", "polygons"], typer.Option("--as", help="the sets that it is taken as")] = "boxes",
+    picture: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="folder for <name>_map.png, or a file .png, .svg, .pdf; default: here")
+    ] = None,
+    free: Annotated[
+        Literal["white", "thresholds"],
+        typer.Option(help="which cells are free: white ones, or all that the thresholds make free"),
+    ] = "white",
+    upright: Annotated[
+        Path | None, typer.Option(metavar="YAML", help="write a rotated map as one that is not, with its .png beside it")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Show the sets that a whole occupancy map is taken as, how many and what they cover, and draw them. A task with [map] takes
+    those near its state space."""
+    if upright is not None:
+        _turn_upright(file, upright, free, json)
+        return
+    with patience(f"reading {file}"):
+        from stt_codegen.report.pictures import draw_map, map_report, picture_path
+        from stt_codegen.task.map import read_map
+
+        report = map_report(read_map(file, free), kind)
+        path = picture_path(picture or Path(), f"{file.stem}_map")
+        if path.resolve() == report.found.image.resolve():
+            raise BadInput(f"{path}: is the map's own image; give another --picture")
+        draw_map(report, path)
+    if json:
+        print_json({**report.document(), "picture": str(path)})
+        return
+    counts, found = report.counts, report.found
+    width, height = found.occupied.shape
+    print(f"{file}: {width} x {height} cells of {float(found.resolution):g}")
+    print(f"  from {', '.join(f'{float(v):g}' for v in found.origin)} to {', '.join(f'{float(v):g}' for v in found.upper)}")
+    print(f"  {counts['occupied']} occupied, {counts['unknown']} unknown, {counts['free']} free; occupied and unknown are unsafe")
+    if note := found.grey_note():
+        print(f"  note: {note}")
+    unsafe = counts["occupied"] + counts["unknown"]
+    more = f", {report.gained / unsafe:.1%} of the unsafe ones" if unsafe else ""
+    print(f"  as {kind}: {counted(len(report.pieces), 'set')}, which cover the middle of {report.gained} free cells{more}")
+    print(f"  picture: {path}")
+
+
+def _turn_upright(file: Path, target: Path, free: Literal["white", "thresholds"], json: bool) -> None:
+    """Write a rotated map as an upright one."""
+    with patience(f"turning {file}"):
+        from stt_codegen.task.map import upright_map
+
+        cells = upright_map(file, target, free)
+    if json:
+        print_json({"map": str(target), "image": str(target.with_suffix(".png")), **cells})
+        return
+    print(
+        f"{target}: {cells['free']} free cells of {cells['free_before']} in {file}; all that is not free there is not free here"
+    )

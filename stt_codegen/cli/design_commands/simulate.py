@@ -1,0 +1,82 @@
+"""`simulate`: drive a plant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stt_codegen.cli.options import (
+    Axes,
+    DesignOption,
+    Json,
+    Latency,
+    Noise,
+    ScalarOption,
+    TaskFile,
+    Uncertified,
+    patience,
+    print_json,
+    say,
+)
+
+
+def simulate(
+    task: TaskFile,
+    plant: Annotated[
+        str,
+        typer.Option(
+            metavar="PLANT", help="integrator, robot, spacecraft, arm, bounds (the worst within [plant]), or a file .py"
+        ),
+    ] = "integrator",
+    rate: Annotated[
+        float | None, typer.Option(metavar="HZ", help="samples a second (default: that of the task's period or tick, or 1000)")
+    ] = None,
+    disturbance: Annotated[str, typer.Option(help="none, constant, sinusoidal, random, nearest or outward")] = "none",
+    w_max: Annotated[float | None, typer.Option(min=0, help="bound on |w| (default: the plant's, or the task's)")] = None,
+    noise: Noise = None,
+    lost: Annotated[int, typer.Option(min=0, help="samples that may be lost in a row, at random")] = 0,
+    latency: Latency = None,
+    lag: Annotated[
+        float, typer.Option(min=0, metavar="SECONDS", help="u acts through a first-order lag, of which nothing is proved")
+    ] = 0.0,
+    clock: Annotated[
+        str,
+        typer.Option(help="of sets that move: stated, early, late (as timing and start_delay allow), or worst, at every moment"),
+    ] = "stated",
+    start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
+    seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
+    gain: Annotated[
+        str | None, typer.Option(help='another control.gain, or "best": of those proved for the rate that with the most room')
+    ] = None,
+    out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
+    axes: Axes = None,
+    design: DesignOption = None,
+    scalar: ScalarOption = None,
+    uncertified: Uncertified = False,
+    json: Json = False,
+) -> None:
+    """Drive a plant with the emitted C, held between samples: what is hit, left, reached. Exit code 1 when the task is missed."""
+    with patience(f"simulating {task}"):
+        from stt_codegen.loop import Request, doubtful
+        from stt_codegen.loop import simulate as drive
+        from stt_codegen.pipeline import build
+
+        request = Request(
+            plant=plant, rate=rate, disturbance=disturbance, w_max=w_max, noise=noise, lost=lost, latency=latency,
+            lag=lag, start=start,
+            seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
+        )  # fmt: skip
+        controller = build(task, design, scalar, uncertified)
+        report = drive(controller, request, out)
+    for name in doubtful(controller.task):
+        say(f"note: {controller.task.name}: {name}, grown by the body, is judged by a set that holds it; a collision may be none")
+    if json:
+        print_json(report.document())
+    else:
+        from stt_codegen.cli.show import show_run
+
+        show_run(report)
+    if not report.fulfilled:
+        raise typer.Exit(1)

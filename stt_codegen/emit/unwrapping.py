@@ -1,0 +1,52 @@
+"""Axes that close in emitted files: the notice of every file, and what the templates place of <p>_unwrap."""
+
+from __future__ import annotations
+
+import textwrap
+from fractions import Fraction
+from typing import Any
+
+from stt_codegen.decimals import above, below, decimal
+from stt_codegen.program import Const, round_to
+from stt_codegen.task import Task
+
+
+def turns_notice(task: Task) -> list[str]:
+    """What the guarantee is about, where axes close."""
+    if not task.closed:
+        return []
+    periods = [f"{task.axis_names[a.index]} after {decimal(a.period)}" for a in task.closed]
+    text = f"Axes that close: {', '.join(periods)}. Unsafe sets count at every turn; {_target_turns(task)}x is the "
+    return textwrap.wrap(text + f"unwrapped state: measured angles go through {task.name}_unwrap first.", 115)
+
+
+def _target_turns(task: Task) -> str:
+    """Where the middle of the target is taken in these axes, as part of a sentence."""
+    if task.target_set is None:
+        return ""
+    middles = ((a.index, (task.target.lower[a.index] + task.target.upper[a.index]) / 2) for a in task.closed)
+    return f"the target's middle is at {', '.join(f'{task.axis_names[i]} = {decimal(middle)}' for i, middle in middles)}; "
+
+
+def unwrapping(task: Task, scalar: str) -> dict[str, Any]:
+    """What the templates place for axes that close: periods as the C has them, the largest step, the error of unwrapping."""
+    end = "F" if scalar == "float" else ""
+    numbers = {"fewest": -1000, "most": 1000, "zero": 0, "down": -0.5, "up": 0.5}
+    axes = [
+        {
+            "index": axis.index,
+            "number": axis.index + 1,
+            "name": task.axis_names[axis.index],
+            "period": Const(round_to(axis.period, scalar)),
+            "period_told": decimal(axis.period),
+            "step": f"{below(axis.largest_step):g}",
+            **{name: f"{float(value)!r}{end}" for name, value in numbers.items()},
+        }
+        for axis in task.closed
+    ]
+    first = ", ".join(map(decimal, task.initial_state))
+    wrong = max((axis.unwrap_error for axis in task.closed), default=Fraction(0))
+    return {
+        "closed": axes, "first_state": f"the initial state, {first}", "unwrap_error": f"{above(wrong, 2):g}",
+        "noise_raised": bool(task.closed) and task.control.period is not None,
+    }  # fmt: skip

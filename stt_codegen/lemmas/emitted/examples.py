@@ -1,0 +1,120 @@
+"""The example programs whose functions are followed, the symbols for their inputs, and the words for what is claimed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen.controller import adaptive_program, refined_program
+from stt_codegen.design_kinds import CAPABILITIES, DesignKind
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign, Bump, Design, RefinedDesign
+from stt_codegen.program import Program
+from stt_codegen.task import Task
+
+N, K, T_C, GAIN, E_MAX = 2, 4, Fraction(9), Fraction(1, 2), Fraction(99, 100)
+U_MAX = (Fraction(3, 2), Fraction(40))
+FOLLOWED = frozenset({"segment", "segment_at_tick", "hold", "normalized_error"})  # kernels that belong to the frame
+Point = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A program and its design; guarded: the law looks for tubes narrower than LEAST_WIDTH."""
+
+    program: Program
+    design: Design
+    guarded: bool = True
+
+    @property
+    def opaque(self) -> frozenset[str]:
+        return frozenset(k.name for k in self.program.kernels) - FOLLOWED
+
+
+def _task(kind: DesignKind, u_max: bool) -> Task:
+    side = {"lower": [0, 0], "upper": [5, 5]}
+    return Task.model_validate(
+        {
+            "name": "example",
+            "prescribed_time": int(T_C),
+            "initial_state": [1, 1],
+            "state_space": side,
+            "initial_set": side,
+            "target_set": side,
+            "tube": {"design": kind},
+            "control": {"gain": Decimal("0.5"), "e_max": Decimal("0.99")} | ({"u_max": [Decimal("1.5"), 40]} if u_max else {}),
+            "emit": {"scalar": "double"} | ({"tick_period": Decimal("0.001")} if CAPABILITIES[kind].counts_ticks else {}),
+        }
+    )
+
+
+def _refined(widths: Sequence[int], u_max: bool) -> Case:
+    """K segments that rise; the width of control point j, in 2^-10 / 6, is widths[j] in dimension 1, the last ones in 2."""
+    rows = tuple(((100 * j, 100 * j + widths[j]), (50 - 10 * j, 50 - 10 * j + widths[-1 - j])) for j in range(K + 3))
+    design = RefinedDesign(T_C, K, 10, rows)
+    return Case(refined_program(_task("refined", u_max), design), design)
+
+
+def _adaptive() -> Case:
+    bumps = [(0, LOWER, 2), (0, LOWER, 3), (0, UPPER, 5), (1, UPPER, 6)]
+    shape: Any = {"height": Fraction(3, 2), "steepness": Fraction(1, 100), "radius": Fraction(1), "unsafe": "U"}
+    design = AdaptiveDesign(
+        kind="adaptive",
+        prescribed_time=T_C,
+        start=((Fraction(1, 2), Fraction(1)), (Fraction(2), Fraction(5, 2))),
+        target=((Fraction(4), Fraction(9, 2)), (Fraction(1), Fraction(3, 2))),
+        walls=((Fraction(0), Fraction(5)),) * N,
+        bumps=tuple(Bump(dimension=i, side=side, middle=Fraction(m), **shape) for i, side, m in bumps),
+        theta0=Fraction(1, 2),
+        kappa=Fraction(5),
+        mu=Fraction(1, 4),
+        varsigma=Fraction(20),
+        nu=Fraction(100),
+    )
+    return Case(adaptive_program(_task("adaptive", False), design), design)
+
+
+@cache
+def cases() -> Mapping[str, Case]:
+    """wide: every width above the guard, so that there is none; narrow: with the guard, empty in places; adaptive."""
+    return {
+        "wide": replace(_refined((300, 320, 280, 400, 500, 350, 300), True), guarded=False),
+        "narrow": _refined((300, 0, 0, 0, 0, -50, 200), False),
+        "adaptive": _adaptive(),
+    }
+
+
+T, TICK, DT = sp.Symbol("t", real=True), sp.Symbol("tick", integer=True), sp.Symbol("dt", real=True)
+X = sp.symbols(f"x1:{N + 1}", real=True)
+ALPHA = sp.symbols(f"alpha1:{2 * N + 1}", real=True)
+BOX = {name: sp.symbols(f"{name}1:{N + 1}", real=True) for name in ("lower", "upper")}
+SYMBOLS: dict[str, Any] = {"t": T, "tick": TICK, "dt": DT, "x": X, "alpha": ALPHA, **BOX}
+
+Wanted = tuple[Any, Mapping[str, Sequence[Any]], Any]  # what tells regimes apart, outputs, result
+Spec = Callable[[Case, Point], Wanted]
+
+
+def finite(*values: Any) -> bool:
+    return all(map(math.isfinite, values))
+
+
+def kernel_of(name: str, output: int, *args: Any) -> Any:
+    return sp.Function(f"{name}_{output}", real=True)(*(sp.expand(a) for a in args))
+
+
+def rational(value: Fraction | int) -> Any:
+    return sp.Rational(Fraction(value).numerator, Fraction(value).denominator)
+
+
+def entry(table: str, index: Any) -> Any:
+    return sp.Function(table, real=True)(sp.expand(index))
+
+
+def all_finite(point: Point) -> bool:
+    return finite(*(v for value in point.values() for v in (value if isinstance(value, Sequence) else (value,))))

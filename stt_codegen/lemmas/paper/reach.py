@@ -1,0 +1,133 @@
+"""The reachability tube (4): the profile sigma, its limits, its speed; and what is emitted for it."""
+
+from __future__ import annotations
+
+import sympy as sp
+from flint import arb
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive, sign
+from stt_codegen.paper import reach_tube
+from stt_codegen.program.convert import lower
+from stt_codegen.program.symbolic import formulas
+
+s, t, t_c = sp.symbols("s t t_c", positive=True)
+FASTEST = 0.40607  # of t_c, where sigma is steepest
+
+
+def _rate() -> Outcome:
+    by_definition = sp.diff(sp.tanh(t / (t_c - t)), t)
+    claimed = ((1 + s) ** 2 / sp.cosh(s) ** 2 / t_c).subs(s, t / (t_c - t))
+    return identity({"d sigma/dt - (1 + s)^2 sech(s)^2 / t_c": by_definition - claimed})
+
+
+def _limits() -> Outcome:
+    found = {
+        "sigma at t_c, less 1": sp.limit(sp.tanh(s), s, sp.oo) - 1,
+        "rate at t_c": sp.limit(((1 + s) ** 2 * 4 * sp.exp(-2 * s)), s, sp.oo),
+        "second derivative at t_c": sp.limit((1 + s) ** 4 * 4 * sp.exp(-2 * s), s, sp.oo),
+    }
+    return identity(found, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2")
+
+
+def _monotone() -> Outcome:
+    """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s >= 0."""
+    return sign({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
+
+
+def _steepest() -> Outcome:
+    """f = (1 + s) sech s has f' = sech s (1 - (1 + s) tanh s); g = (1 + s) tanh s rises, so its one root is the maximum."""
+    at, slope = FASTEST / (1 - FASTEST), sp.tanh(s) + (1 + s) / sp.cosh(s) ** 2
+
+    def bound(v: arb) -> arb:
+        return arb(1.83489) - ((1 + v) / v.cosh()) ** 2
+
+    return all_of(
+        positive("1.83489 - sigmadot t_c", bound, [(0.0, 6.0)]),
+        identity(
+            {"d/ds ln((1 + s)^2 exp(-2 s)) + 2 s/(1 + s), so it falls": sp.diff(2 * sp.log(1 + s) - 2 * s, s) + 2 * s / (1 + s)}
+        ),
+        positive(
+            "1.83489 - 4 (1 + s)^2 exp(-2 s), above sech's, from 6 on",
+            lambda v: arb(1.83489) - 4 * (1 + v) ** 2 * (-2 * v).exp(),
+            [(6.0, 7.0)],
+        ),
+        positive(
+            "sigmadot t_c - 1.83487 near there", lambda v: ((1 + v) / v.cosh()) ** 2 - arb(1.83487), [(at - 1e-4, at + 1e-4)]
+        ),
+        identity({"d/ds ((1 + s) tanh s) - tanh s - (1 + s) sech(s)^2": sp.diff((1 + s) * sp.tanh(s), s) - slope}),
+        sign({"tanh s + (1 + s) sech(s)^2": slope}),
+    )
+
+
+def _hull() -> Outcome:
+    start, end, value = sp.symbols("X0 T sigma", real=True)
+    (rho,) = formulas(lower(reach_tube.reach_edge()), {"start": start, "end": end, "sigma": value})
+    return identity({"reach_edge - ((1 - sigma) X0 + sigma T)": rho - ((1 - value) * start + value * end)})
+
+
+def _guard() -> Outcome:
+    """At the guard s >= 1023: 1 - tanh is 2 d/(1 + d), d = exp(-2046), which no double holds."""
+    d = (arb(-2046)).exp()
+    smallest = 2.0**-1074
+    if d < arb(smallest):
+        return Outcome(Verdict.PROVED, "Arb", (f"exp(-2046) = {d.str(4)} < 2^-1074",))
+    return Outcome(Verdict.OPEN, "Arb", (f"exp(-2046) = {d.str(4)}",))
+
+
+def _printed() -> Outcome:
+    argument = t / (t_c - t)
+    below = sp.denom(sp.together(argument)).subs(t, t_c)
+    return counterexample("tanh's argument t/(t_c - t) is a number", "t = t_c", below == 0, f"its denominator is {below}")
+
+
+LEMMAS = (
+    Lemma(
+        "reach.rate",
+        "The rate of sigma is (1 + s)^2 sech(s)^2 / t_c with s = t/(t_c - t).",
+        r"\dot\sigma = \frac{(1+s)^2}{t_c\cosh^2 s}",
+        ("0 <= t < t_c",),
+        "(4)",
+        _rate,
+    ),
+    Lemma(
+        "reach.limits",
+        "sigma tends to 1 at t_c, and its first two derivatives to 0, so it goes on as 1 twice differentiably.",
+        r"\sigma\to1,\ \dot\sigma\to0,\ \ddot\sigma\to0\quad(t\to t_c)",
+        ("t < t_c",),
+        "(4)",
+        _limits,
+    ),
+    Lemma("reach.monotone", "sigma rises.", r"\dot\sigma > 0", ("0 <= t < t_c",), "(4)", _monotone),
+    Lemma(
+        "reach.steepest",
+        "sigma moves at most 1.83489/t_c, and 1.83487/t_c at t = 0.40607 t_c, the one maximum.",
+        r"\max\dot\sigma = 1.8348\ldots/t_c",
+        ("0 <= t < t_c",),
+        "(4), ours",
+        _steepest,
+    ),
+    Lemma(
+        "reach.hull",
+        "The emitted edge is between X0hat and That.",
+        r"\rho = (1-\sigma)\hat X_0 + \sigma\hat T",
+        ("0 <= sigma <= 1",),
+        "Program",
+        _hull,
+    ),
+    Lemma(
+        "reach.guard",
+        "From there on sigma is 1 to the last bit of a double: what is left of it underflows.",
+        r"e^{-2\cdot1023} < 2^{-1074}",
+        ("t >= t_c (1 - 1/1024)",),
+        "Program",
+        _guard,
+    ),
+    Lemma(
+        "reach.printed",
+        "tanh(t/(t_c - t)) can be evaluated at t = t_c.",
+        r"t_c - t \ne 0",
+        (),
+        "(4) as printed",
+        _printed,
+    ),
+)

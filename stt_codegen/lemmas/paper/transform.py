@@ -1,0 +1,314 @@
+"""The error transform of section IV and the law (13): the emitted forms are the printed ones; the clamp; the outer product.
+
+Long because it is one family of the book.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from flint import arb
+
+from stt_codegen.controller.kernels import logarithm
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive, sign
+from stt_codegen.paper import control_law
+from stt_codegen.program.convert import lower
+from stt_codegen.program.symbolic import formulas
+
+x = sp.Symbol("x", real=True)
+low = sp.Symbol("gamma_L", real=True)
+a, b, k = sp.symbols("a b k", positive=True)
+e = (a - b) / (a + b)  # with a = x - gamma_L, b = gamma_U - x: (2x - gamma_s)/gamma_d
+
+
+def _e() -> Outcome:
+    upper = x + b
+    printed = (2 * x - (upper + low)) / (upper - low)
+    return identity({"(a - b)/(a + b) - (2x - gamma_s)/gamma_d": e.subs(a, x - low) - printed})
+
+
+def _normalized() -> Outcome:
+    (value,) = formulas(lower(control_law.normalized_error()), {"a": a, "b": b, "width": a + b})
+    return identity({"emitted e less (a - b)/(a + b)": value - e})
+
+
+def _epsilon() -> Outcome:
+    epsilon, _ = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
+    return identity({"exp(emitted epsilon) - (1 + e)/(1 - e)": sp.exp(epsilon) - (1 + e) / (1 - e)}, "SymPy: exp of both sides")
+
+
+def _xi() -> Outcome:
+    _, xi = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
+    upper = sp.Symbol("gamma_U", real=True)
+    slope = sp.diff(sp.log((x - low) / (upper - x)), x).subs(upper, x + b).subs(low, x - a)
+    return identity(
+        {"emitted xi - d epsilon/dx": xi - slope, "emitted xi - 4/(gamma_d (1 - e^2))": xi - 4 / ((a + b) * (1 - e**2))}
+    )
+
+
+def _inverse() -> Outcome:
+    z = sp.Symbol("z", real=True)
+    return identity(
+        {
+            "e = tanh(epsilon/2), put back into (1 + e)/(1 - e), less exp(epsilon)": (
+                (1 + sp.tanh(z / 2)) / (1 - sp.tanh(z / 2)) - sp.exp(z)
+            ).rewrite(sp.exp)
+        }
+    )
+
+
+def _monotone() -> Outcome:
+    v, z = sp.symbols("e z", real=True)
+    derivative = sp.diff(sp.log((1 + v) / (1 - v)), v)
+    return all_of(
+        identity({"d epsilon/de - 2/(1 - e^2)": derivative - 2 / (1 - v**2)}),
+        identity({"2/(1 - e^2) - 2 cosh(z)^2 for e = tanh z": sp.simplify(2 / (1 - sp.tanh(z) ** 2) - 2 * sp.cosh(z) ** 2)}),
+        sign({"2 cosh(z)^2": 2 * sp.cosh(z) ** 2}),
+    )
+
+
+def _odd() -> Outcome:
+    """What lets the emitted law measure from the nearer edge."""
+    mirrored = formulas(lower(control_law.transformed_error()), {"a": b, "b": a})
+    plain = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
+    given = {"k": k, "xi": plain[1], "epsilon": plain[0]}
+    other = {"k": -k, "xi": mirrored[1], "epsilon": mirrored[0]}
+    law = lower(control_law.law())
+    return identity(
+        {
+            "epsilon changes its sign": sp.expand_log(plain[0] + mirrored[0]),
+            "xi stays": plain[1] - mirrored[1],
+            "u with -k from the other edge is u": sp.expand_log(formulas(law, given)[0] - formulas(law, other)[0]),
+        }
+    )
+
+
+def _law() -> Outcome:
+    xi, epsilon = sp.symbols("xi epsilon", real=True)
+    (u,) = formulas(lower(control_law.law()), {"k": k, "xi": xi, "epsilon": epsilon})
+    return identity({"u + k xi epsilon": u + k * xi * epsilon})
+
+
+def _clamp() -> Outcome:
+    """a >= c (a + b), c = (1 - e_max)/2, is e >= -e_max; and its mirror image."""
+    e_max = sp.Symbol("e_max", positive=True)
+    c = (1 - e_max) / 2
+    return identity(
+        {
+            "(a - c w)/w - (e + e_max)/2": (a - c * (a + b)) / (a + b) - (e + e_max) / 2,
+            "((1 - c) w - a)/w - (e_max - e)/2": ((1 - c) * (a + b) - a) / (a + b) - (e_max - e) / 2,
+        },
+        "SymPy: both differences have one sign, w > 0",
+    )
+
+
+def _outer_product() -> tuple[Any, Any]:
+    """e of two components, and I - e e^T as printed."""
+    vector = sp.Matrix(sp.symbols("e1 e2", real=True))
+    return vector, sp.eye(2) - vector * vector.T
+
+
+def _outer() -> Outcome:
+    """On the unit circle, which runs through the square |e_i| < 1, the determinant 1 - |e|^2 is 0."""
+    vector, matrix = _outer_product()
+    determinant = matrix.det().subs(dict(zip(vector, (sp.Rational(4, 5), sp.Rational(3, 5)), strict=True)))
+    return counterexample("I - e e^T is invertible", "e = (4/5, 3/5)", determinant == 0, f"its determinant is {determinant}")
+
+
+def _outer_jacobian() -> Outcome:
+    """epsilon_1 does not depend on x_2, but the inverse of I - e e^T is full."""
+    vector, matrix = _outer_product()
+    half = dict.fromkeys(vector, sp.Rational(1, 2))
+    xi = matrix.inv()[0, 1].subs(half)
+    slope = sp.diff(sp.log((1 + vector[0]) / (1 - vector[0])), vector[1]).subs(half)
+    return counterexample("xi_12 is d epsilon_1/dx_2", "e = (1/2, 1/2)", xi != slope, f"{xi} times 4/gamma_d, and {slope}")
+
+
+def _outer_loop() -> Outcome:
+    """x = (3/4, 3/4) in the resting tube (-1, 1)^2, xdot = u, k = 1: u by the outer product points out of the tube in both."""
+    vector, matrix = _outer_product()
+    at = dict.fromkeys(vector, sp.Rational(3, 4))
+    epsilon = sp.Matrix([sp.log((1 + v) / (1 - v)) for v in vector])
+    u = (-2 * matrix.inv() * epsilon).subs(at)  # 4/gamma_d = 2
+    pushed = all(bool(v > 0) for v in u)
+    shown = f"xdot = ({sp.N(u[0], 4)}, {sp.N(u[1], 4)}), away from the middle"
+    return counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
+
+
+def _outer_three() -> Outcome:
+    """In three dimensions the singular sphere is nearer to every corner still: e = (2/3, 2/3, 1/3)."""
+    e = sp.Matrix([sp.Rational(2, 3), sp.Rational(2, 3), sp.Rational(1, 3)])
+    determinant = (sp.eye(3) - e * e.T).det()
+    return counterexample("I - e e^T is invertible", "e = (2/3, 2/3, 1/3)", determinant == 0, f"its determinant is {determinant}")
+
+
+def _clamp_cost() -> Outcome:
+    """While |eps| <= eps(e_max) the clamp does nothing; beyond, |u| is that at e_max: 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
+    ratio, width = sp.symbols("rho w", positive=True)
+    e_max = ratio / (1 + ratio)  # any number from 0 to 1
+    near, far = (1 - e_max) / 2 * width, (1 + e_max) / 2 * width
+    at_clamp = (1 / near + 1 / far) * sp.log(far / near)
+    printed = 4 / (width * (1 - e_max**2)) * sp.log((1 + e_max) / (1 - e_max))
+    return identity(
+        {
+            "k h at the clamp, less 4 k ln((1 + e_max)/(1 - e_max))/(gamma_d (1 - e_max^2))": sp.simplify(
+                sp.expand_log(sp.simplify(at_clamp - printed))
+            ),
+            "tanh(eps(e_max)/2) - e_max": sp.simplify(sp.tanh(sp.log((1 + e_max) / (1 - e_max)) / 2).rewrite(sp.exp) - e_max),
+        }
+    )
+
+
+def _logarithm() -> Outcome:
+    """y = m 2^e, s = (m - 1)/(m + 1): ln y = e ln 2 + 2 atanh s, and the kernel's polynomial in place of 2 atanh(s)/s is within
+    2^-14.9 of it; |s| <= sqrt 2 - 1 squared."""
+    m, count = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
+    kernel = logarithm.without_library(lower(control_law.transformed_error()))
+    epsilon, _ = formulas(kernel, {"a": a, "b": b})
+    ratio = b / a
+    split = {sp.Function("exponent")(ratio): count, sp.Function("mantissa")(ratio): m}
+    s = (m - 1) / (m + 1)
+    around = sp.Rational(logarithm.C.numerator, logarithm.C.denominator) * s**2 + 2
+    ln2 = sp.Rational(logarithm.LN2.numerator, logarithm.LN2.denominator)
+    farthest = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
+    bound, c = 2.0**-14.9, arb(float(logarithm.C))
+
+    def room(v: Any, sign: int) -> Any:
+        """bound 2 s + sign D, D = s (2 + C s^2) - 2 atanh s, about the middle of the ball; 2 s <= 2 atanh s."""
+        mid = arb(v.mid())
+        difference = mid * (2 + c * mid**2) - 2 * mid.atanh()
+        slope = 2 + 3 * c * v**2 - 2 / (1 - v**2)
+        return 2 * bound * mid + sign * difference + (2 * bound + sign * slope) * (v - mid)
+
+    small = 2.0**-7  # below: 2 atanh(s) - 2 s is at most 0.67 s^3, and C is
+    ln2_error = abs(arb(ln2.p) / ln2.q - arb(2).log())
+    return all_of(
+        identity({"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(split) - (count * ln2 + s * around))}),
+        identity({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - m)}),
+        positive("2^-14.9 2 s + D", lambda v: room(v, 1), [(small, farthest)]),
+        positive("2^-14.9 2 s - D", lambda v: room(v, -1), [(small, farthest)]),
+        positive("2^-14.9 - 0.68 s^2/2 below s = 2^-7", lambda v: arb(bound) - arb("0.34") * v**2, [(0.0, small)]),
+        identity({"whether |ln 2 of the Program - ln 2| is above 2^-50": sp.Integer(0 if ln2_error < arb(2) ** -50 else 1)}),
+    )
+
+
+LEMMAS = (
+    Lemma(
+        "transform.e",
+        "e = (2x - gamma_s)/gamma_d is (a - b)/(a + b) in the distances to the edges.",
+        r"\frac{2x-\gamma_s}{\gamma_d} = \frac{a-b}{a+b}",
+        ("a, b > 0",),
+        "section IV",
+        _e,
+    ),
+    Lemma(
+        "transform.e_shipped",
+        "The emitted `normalized_error` is e.",
+        r"\texttt{normalized\_error}(a,b,a+b) = e",
+        ("a, b > 0",),
+        "Program",
+        _normalized,
+    ),
+    Lemma(
+        "transform.epsilon_shipped",
+        "The emitted epsilon is ln((1 + e)/(1 - e)).",
+        r"\ln\frac{1+e}{1-e} = \ln\frac ab",
+        ("a, b > 0",),
+        "Program",
+        _epsilon,
+    ),
+    Lemma(
+        "transform.xi_shipped",
+        "The emitted xi is d epsilon/dx, which is 4/(gamma_d (1 - e^2)).",
+        r"\xi = \frac{\partial\varepsilon}{\partial x} = \frac{4}{\gamma_d(1-e^2)}",
+        ("a, b > 0",),
+        "Program",
+        _xi,
+    ),
+    Lemma(
+        "transform.inverse",
+        "e = tanh(epsilon/2), so epsilon takes every real value just once.",
+        r"e = \tanh(\varepsilon/2)",
+        ("|e| < 1",),
+        "section IV",
+        _inverse,
+    ),
+    Lemma(
+        "transform.monotone",
+        "epsilon rises with e, with slope at least 2.",
+        r"\frac{d\varepsilon}{de} = \frac{2}{1-e^2} \ge 2",
+        ("|e| < 1",),
+        "section IV",
+        _monotone,
+    ),
+    Lemma(
+        "transform.odd",
+        "Measured from the other edge epsilon and k change sign and u stays: the emitted law measures from the nearer one.",
+        r"u(a,b;k) = u(b,a;-k)",
+        ("a, b > 0",),
+        "Program",
+        _odd,
+    ),
+    Lemma(
+        "transform.law_shipped", "The emitted `law` is u = -k xi epsilon.", r"u = -k\,\xi\,\varepsilon", (), "(13), Program", _law
+    ),
+    Lemma(
+        "transform.clamp",
+        "Holding a and b within [c, 1 - c] of the width is holding e within [-e_max, e_max], c = (1 - e_max)/2.",
+        r"a \ge c\,\gamma_d \iff e \ge -e_{\max}",
+        ("a + b = gamma_d > 0",),
+        "ours",
+        _clamp,
+    ),
+    Lemma(
+        "transform.outer_product",
+        "I - e e^T, read as an outer product, is invertible wherever |e_i| < 1.",
+        r"\det(I-ee^\top) \ne 0",
+        ("n = 2",),
+        "section IV as printed",
+        _outer,
+    ),
+    Lemma(
+        "transform.outer_jacobian",
+        "With it xi would be the Jacobian of epsilon.",
+        r"\xi = \partial\varepsilon/\partial x",
+        ("n = 2",),
+        "section IV as printed",
+        _outer_jacobian,
+    ),
+    Lemma(
+        "transform.outer_loop",
+        "With it the closed loop xdot = u, k > 0, is driven toward the middle of the tube.",
+        r"\dot x = -k\,\tfrac{4}{\gamma_d}(I-ee^\top)^{-1}\varepsilon \text{ points inward}",
+        ("n = 2",),
+        "section IV as printed",
+        _outer_loop,
+    ),
+    Lemma(
+        "transform.outer_three",
+        "In three dimensions it is invertible wherever |e_i| < 1.",
+        r"\det(I-ee^\top) \ne 0",
+        ("n = 3",),
+        "section IV as printed",
+        _outer_three,
+    ),
+    Lemma(
+        "transform.clamp_cost",
+        "The clamp bounds |u| by its value at e_max and changes nothing while |eps| <= eps(e_max): Theorem 4.1 stands if eps* is "
+        "below that.",
+        r"|u| \le \frac{4k}{\gamma_d(1-e_{\max}^2)}\ln\frac{1+e_{\max}}{1-e_{\max}}",
+        ("gamma_d > 0",),
+        "ours",
+        _clamp_cost,
+    ),
+    Lemma(
+        "transform.logarithm",
+        "The inline logarithm is e ln 2 + s (2 + C s^2), within 2^-14.9 of ln y, relatively: component i has a gain within 2^-14 "
+        "of k.",
+        r"\ln y = e\ln 2 + 2\operatorname{artanh} s,\quad s = \tfrac{m-1}{m+1}",
+        ("y = m 2^e, m in [1/sqrt 2, sqrt 2)", "rounding: `controller/kernels/logarithm.py`"),
+        "ours, Program",
+        _logarithm,
+    ),
+)

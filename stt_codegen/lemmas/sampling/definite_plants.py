@@ -1,0 +1,184 @@
+"""Assumption 2 for plants: g_s is definite, as an exact condition or as a bound over a box. The plants are the built-in ones,
+read from the kernels that the bounds of `prove TASK` are evaluated on."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import sympy as sp
+from flint import arb
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, sign
+from stt_codegen.plants import PLANTS, model
+from stt_codegen.program.convert import lower
+from stt_codegen.program.symbolic import formulas
+from stt_codegen.sampling import PlantEnclosure, least_eigenvalue
+
+HEADING = 1.2  # of the example task with heading: |x3| in its state space
+ROBOT, SPACECRAFT, ARM = PLANTS["robot"], PLANTS["spacecraft"], PLANTS["arm"]
+
+
+def matrices(plant: Any, n: int) -> tuple[Any, Any, Any]:
+    """x, f and g of a plant as SymPy matrices, from its kernel."""
+    kernel = lower(model(plant, n))
+    x = sp.symbols(f"x1:{n + 1}", real=True)
+    values = formulas(kernel, dict(zip((v.name for v in kernel.inputs), x, strict=True)))
+    return x, sp.Matrix(values[:n]), sp.Matrix(n, n, lambda i, j: values[n + i + j * n])
+
+
+def _symmetric(g: Any) -> Any:
+    return (g + g.T) / 2
+
+
+def _robot() -> Outcome:
+    x, _, g = matrices(ROBOT, 3)
+    wanted = sp.diag(sp.cos(x[2]), sp.cos(x[2]), 1)
+    return identity(
+        {f"g_s - diag(cos x3, cos x3, 1), entry {i}{j}": (_symmetric(g) - wanted)[i, j] for i in range(3) for j in range(3)}
+    )
+
+
+def _robot_condition() -> Outcome:
+    """The least eigenvalue is min(cos x3, 1) = cos x3: positive inside (-pi/2, pi/2), 0 at its ends."""
+    x, z = sp.symbols("x3 z", real=True)
+    return all_of(
+        sign({"cos x3, x3 = arctan z": sp.cos(sp.atan(z))}),
+        identity(
+            {
+                "cos(pi/2)": sp.cos(sp.pi / 2),
+                "cos(-pi/2)": sp.cos(-sp.pi / 2),
+                "d cos/dx3 + sin x3": sp.diff(sp.cos(x), x) + sp.sin(x),
+            }
+        ),
+    )
+
+
+def _robot_norm() -> Outcome:
+    _, _, g = matrices(ROBOT, 3)
+    return identity({f"g' g - I, entry {i}{j}": sp.simplify((g.T * g - sp.eye(3))[i, j]) for i in range(3) for j in range(3)})
+
+
+def _anywhere() -> Outcome:
+    _, _, g = matrices(ROBOT, 3)
+    least = min(_symmetric(g.subs(sp.Symbol("x3", real=True), 2)).eigenvals(), key=float)
+    return counterexample("g_s is positive definite", "x3 = 2", bool(least < 0), f"its least eigenvalue is {sp.N(least, 4)}")
+
+
+def _over(name: str, plant: Any, box: list[tuple[float, float]], wanted: float) -> Outcome:
+    """The enclosed least eigenvalue is above `wanted` over the box."""
+    least = PlantEnclosure(plant, len(box), 1).over(box).definite
+    verdict = Verdict.PROVED if least > wanted else Verdict.OPEN
+    return Outcome(verdict, "Arb: enclosures and Weyl's inequality", (f"{name}: eigenvalues of g_s >= {least:.6g} over {box}",))
+
+
+def _robot_task() -> Outcome:
+    return _over("robot", ROBOT, [(0.0, 5.0), (0.0, 5.0), (-HEADING, HEADING)], 0.9 * math.cos(HEADING))
+
+
+def _robot_coupled() -> Outcome:
+    """sampled.coupled needs g_ii > |g_ij| at equal widths: cos x3 > |sin x3|, which is |x3| < pi/4."""
+    x, _, g = matrices(ROBOT, 3)
+    return all_of(
+        identity({"g_11^2 - g_12^2 - cos(2 x3)": sp.simplify(g[0, 0] ** 2 - g[0, 1] ** 2 - sp.cos(2 * x[2]))}),
+        sign({"cos(2 x3), 2 x3 = arctan z": sp.cos(sp.atan(sp.Symbol("z", real=True)))}),
+    )
+
+
+def _spacecraft() -> Outcome:
+    """The drift does no work on the kinetic energy, and g is constant."""
+    x, f, g = matrices(SPACECRAFT, 3)
+    inertia = [1 / g[i, i] for i in range(3)]
+    work = sp.Poly(sum(inertia[i] * x[i] * f[i] for i in range(3)), *x)
+    rest = max((abs(float(c)) for c in work.coeffs()), default=0.0)
+    found = Verdict.PROVED if rest < 1e-15 else Verdict.OPEN  # the inertias are doubles, so their quotients are rounded
+    energy = Outcome(found, "SymPy: coefficients, up to those roundings", (f"x' J f = {rest:.0e} x1 x2 x3 or less",))
+    return all_of(energy, _over("spacecraft", SPACECRAFT, [(-100.0, 100.0)] * 3, 0.83))
+
+
+def _arm() -> Outcome:
+    return _over("arm", ARM, [(-math.pi, math.pi)] * 2, 0.6)
+
+
+def _weyl() -> Outcome:
+    """v'(A + D)v >= v'Av - |D| for |v| = 1, |D| the Frobenius norm (Cauchy, Schwarz): for 2 by 2 as a sum of squares."""
+    p, q, s, c, t = sp.symbols("p q s c t", real=True)  # D = ((p, q), (q, s)), v = (c, t)
+    vector, matrix = sp.Matrix([c, t]), sp.Matrix([[p, q], [q, s]])
+    form = (vector.T * matrix * vector)[0]
+    square = (p**2 + 2 * q**2 + s**2) * (c**2 + t**2) ** 2 - form**2
+    squares = 2 * (p * c * t - q * c**2) ** 2 + (p * t**2 - s * c**2) ** 2 + 2 * (q * t**2 - s * c * t) ** 2
+    shown = least_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
+    return all_of(
+        identity({"|D|^2 |v|^4 - (v'Dv)^2 - a sum of squares": sp.expand(square - squares)}),
+        identity(
+            {"v'(A + D)v - v'Av - v'Dv": sp.expand((vector.T * (sp.eye(2) * 2 + matrix) * vector)[0] - 2 * (c**2 + t**2) - form)}
+        ),
+        Outcome(
+            Verdict.PROVED if 1 - 1e-9 < shown <= 1 else Verdict.OPEN,
+            "Arb",
+            (f"the built bound for ((2, 1), (1, 2)), whose is 1: {shown:.12g}",),
+        ),
+    )
+
+
+LEMMAS = (
+    Lemma(
+        "plant.robot",
+        "For the robot (14) g_s = diag(cos x3, cos x3, 1).",
+        r"g_s = \operatorname{diag}(\cos x_3, \cos x_3, 1)",
+        (),
+        "(14)",
+        _robot,
+    ),
+    Lemma(
+        "plant.robot_condition",
+        "So Assumption 2 holds for it on a set of states exactly if |x3| is bounded below pi/2 there; g_min is its cosine.",
+        r"g_s > 0 \iff |x_3| < \tfrac\pi2",
+        ("x3 taken in (-pi, pi]",),
+        "Assumption 2, (14)",
+        _robot_condition,
+    ),
+    Lemma(
+        "plant.robot_anywhere",
+        "The robot (14) fulfils Assumption 2 (no set is given for x3).",
+        r"\forall x:\ g_s(x) > 0",
+        (),
+        "section V as printed",
+        _anywhere,
+    ),
+    Lemma(
+        "plant.robot_task",
+        "Over the example task with heading, |x3| <= 1.2, it holds with g_min above 0.9 cos 1.2.",
+        r"\lambda_{\min}(g_s) > 0.9\cos 1.2",
+        ("|x3| <= 1.2",),
+        "Assumption 2",
+        _robot_task,
+    ),
+    Lemma("plant.robot_norm", "Its g is a rotation: |g| = 1.", r"g^\top g = I", (), "(14)", _robot_norm),
+    Lemma(
+        "plant.robot_coupled",
+        "Its own input outweighs the other one in the plane (what sampled.coupled needs at equal widths) exactly if |x3| < pi/4.",
+        r"\cos x_3 > |\sin x_3| \iff |x_3| < \tfrac\pi4",
+        ("|x3| < pi/2",),
+        "ours",
+        _robot_coupled,
+    ),
+    Lemma(
+        "plant.spacecraft",
+        "For attitude rates g is constant and definite, and the drift does no work, up to the rounding of the inertias.",
+        r"x^\top J f(x) = 0,\quad g = J^{-1}",
+        (),
+        "Euler's equations",
+        _spacecraft,
+    ),
+    Lemma("plant.arm", "For the two-link arm with unknown gains g_s >= 0.6 at all angles.", r"g_s \ge 0.6", (), "ours", _arm),
+    Lemma(
+        "plant.weyl",
+        "The eigenvalue bound over a box: that of the middle matrix less the norm of what the balls leave (for 2 "
+        "by 2 checked here; for n by n Weyl's inequality).",
+        r"\lambda_{\min}(A+D) \ge \lambda_{\min}(A) - \|D\|_F",
+        ("A, D symmetric",),
+        "Weyl",
+        _weyl,
+    ),
+)

@@ -1,0 +1,410 @@
+"""Sampled control: what keeps |eps| < E when u is held (`sampling/statements.py` evaluates these statements).
+
+At a first time at which some |eps_i| reached E its edge would have to be approached (`first_exit.py`): r = xdot -
+(gammadot_s + gammadot_d e)/2 would not point inward there. Each statement says why r does point inward although u is that of an
+older sample, and names the steps of that argument. By symmetry (transform.odd) the upper edge is looked at, k > 0. P bounds
+|f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
+
+Long because it is one family of the book: sixteen lemmas that refer to one another.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+from flint import arb
+
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.pull import least_slope
+
+E = sp.Symbol("E", positive=True)
+a, b, d, k, g, P = sp.symbols("a b d k g P", positive=True)
+r, width_rate = sp.symbols("r ddot", real=True)
+Q = E * sp.cosh(E / 2) ** 2
+PULL = (1 / a + 1 / b) * sp.log(a / b)  # h(a, b) = |u|/k
+
+
+def _exponentials(expression: Any) -> Any:
+    """Hyperbolic functions of E/2 as rational functions of y = exp(E/2), over one denominator."""
+    y = sp.Symbol("y", positive=True)
+    written = sp.powsimp(sp.expand(expression).rewrite(sp.exp)).subs(E, 2 * sp.log(y))
+    return sp.cancel(sp.together(sp.expand_log(sp.simplify(written))))
+
+
+def _law() -> Outcome:
+    """e = tanh(eps/2), xi = 4/(gamma_d (1 - e^2)); and xi eps is h of the distances."""
+    e = sp.tanh(E / 2)
+    far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
+    return identity(
+        {
+            "xi eps - 4 q(eps)/gamma_d": _exponentials(4 / (d * (1 - e**2)) * E - 4 * Q / d),
+            "(1/a + 1/b) gamma_d - 4 cosh(eps/2)^2": _exponentials((1 / far + 1 / near) * d - 4 * sp.cosh(E / 2) ** 2),
+            "a/b - exp(eps)": sp.simplify(far / near - sp.exp(E)),
+        }
+    )
+
+
+def _rate() -> Outcome:
+    """epsdot = (d eps/de) edot, edot = (2/gamma_d) r; then the chain rule on 4 q(eps)/gamma_d."""
+    epsdot = 2 * sp.cosh(E / 2) ** 2 * (2 / d) * r
+    v = 4 * Q / d
+    vdot = sp.diff(v, E) * epsdot + sp.diff(v, d) * width_rate
+    claimed = 16 * sp.diff(Q, E) * sp.cosh(E / 2) ** 2 / d**2 * r - 4 * Q / d**2 * width_rate
+    slope = 2 / (1 - sp.tanh(E / 2) ** 2)
+    return identity(
+        {
+            "d eps/de - 2 cosh(eps/2)^2": _exponentials(slope - 2 * sp.cosh(E / 2) ** 2),
+            "vdot - (16 q' cosh^2 r/gamma_d^2 - 4 q gammadot_d/gamma_d^2)": sp.expand(vdot - claimed),
+        }
+    )
+
+
+def _rises() -> Outcome:
+    """q' = cosh^2 (1 + E tanh(E/2)): both factors rise, so q and q' cosh^2 do, and bounds at E hold below it."""
+    return all_of(
+        identity(
+            {
+                "q' - cosh(E/2)^2 (1 + E tanh(E/2))": _exponentials(
+                    sp.diff(Q, E) - sp.cosh(E / 2) ** 2 * (1 + E * sp.tanh(E / 2))
+                ),
+                "d(E tanh(E/2))/dE - tanh(E/2) - E sech(E/2)^2/2": _exponentials(
+                    sp.diff(E * sp.tanh(E / 2), E) - sp.tanh(E / 2) - E / sp.cosh(E / 2) ** 2 / 2
+                ),
+            }
+        ),
+        sign({"tanh(E/2)": sp.tanh(E / 2), "E sech(E/2)^2": E / sp.cosh(E / 2) ** 2}),
+    )
+
+
+def _norm() -> Outcome:
+    """G(y) = y^2 cosh(y/2)^4 as a function of s = y^2 is convex: dG/ds = cosh^4 + y cosh^3 sinh rises. So over |eps| = E the sum
+    of G(eps_i) is least at equal components (Jensen), and most where all is in one."""
+    y, n = sp.symbols("y n", positive=True)
+    G = y**2 * sp.cosh(y / 2) ** 4
+    slope = sp.cosh(y / 2) ** 4 + y * sp.cosh(y / 2) ** 3 * sp.sinh(y / 2)
+    equal = n * G.subs(y, E / sp.sqrt(n)) - (E * sp.cosh(E / (2 * sp.sqrt(n))) ** 2) ** 2
+    bend = sp.cosh(y / 2) ** 2 * (3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2)
+    return all_of(
+        identity({"dG/ds - (cosh^4 + y cosh^3 sinh)": _exponentials(sp.diff(G, y) / (2 * y) - slope)}),
+        identity({"n G(E/sqrt n) - q_n(E)^2": sp.simplify(equal)}),
+        identity({"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _exponentials(sp.diff(slope, y) - bend)}),
+        sign({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": bend}),
+    )
+
+
+def _general() -> Outcome:
+    """Vdot <= -k g |v|^2 + |v| (P + G R tau), |v| >= 4 q_n/d+: below 0 by the statement's slack s."""
+    v, stale, s = sp.symbols("v Delta s", positive=True)  # |v|, G R tau, slack
+    bound = -k * g * v**2 + v * (P + stale)
+    return identity(
+        {"Vdot's bound at k g |v| = P + G R tau + s, plus s |v|": sp.expand(bound.subs(P, k * g * v - stale - s) + s * v)}
+    )
+
+
+def _diagonal() -> Outcome:
+    """r <= P + g u(t_s), u(t_s) <= -(k v - R tau) at the edge, v >= 4 q/d+."""
+    stale, s = sp.symbols("Delta s", positive=True)  # R tau, slack
+    v = sp.Symbol("v", positive=True)
+    inward = P - g * (k * v - stale)
+    return identity({"r's bound at k v = P/g + R tau + s, plus g s": sp.expand(inward.subs(v, (P / g + stale + s) / k) + g * s)})
+
+
+def _pull_monotone() -> Outcome:
+    y = a / b
+    return all_of(
+        identity(
+            {
+                "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(PULL, a) - (1 + y - sp.log(y))),
+                "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(PULL, b) + (1 + 1 / y + sp.log(y))),
+            }
+        ),
+        least_slope(),
+    )
+
+
+def _displacement() -> Outcome:
+    """While g u <= 0 (u of a sample above the middle): a rises and b falls no faster than P."""
+    f, w, u, low, high, F, S, most = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
+    return identity(
+        {
+            "P - adot - [(F - f - w) + (S + gammadot_L) - g u]": (F + S)
+            - (f + w + g * u - low)
+            - ((F - f - w) + (S + low) - g * u),
+            "P + G U - adot - [(F - f - w) + (S + gammadot_L) + (G U - g u)]": (F + S + most)
+            - (f + w + g * u - low)
+            - ((F - f - w) + (S + low) + (most - g * u)),
+            "P + bdot - [(F - f - w) + (S + gammadot_U) - g u]": (F + S)
+            + (high - f - w - g * u)
+            - ((F - f - w) + (S + high) - g * u),
+        },
+        "SymPy: differences of sums whose terms in brackets are not negative",
+    )
+
+
+def _same_side() -> Outcome:
+    """At |eps| = E x is (gamma_d/2) tanh(E/2) from the middle; it moves against the middle no faster than P + G U."""
+    f, w, u, low, high = sp.symbols("f w u gammadot_L gammadot_U", real=True)
+    far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
+    middle = f + w + g * u - (low + high) / 2
+    return identity(
+        {
+            "(a - b)/2 - (gamma_d/2) tanh(E/2)": _exponentials((far - near) / 2 - d / 2 * sp.tanh(E / 2)),
+            "d(x - middle)/dt less [f + w] + [g u] - [mean of edge rates]": middle - (f + w) - g * u + (low + high) / 2,
+        }
+    )
+
+
+def _ends() -> Outcome:
+    """h gamma_d = phi(e), phi(e) = 8 atanh(e)/(1 - e^2), e = e0 - 2 c y, y = 1/gamma_d. The slope of y phi(e0 - 2 c y) in y is
+    phi' s, s = phi/phi' + e - e0. 1/phi is convex, so s rises with e and falls with y: the product first rises, then falls."""
+    e, z = sp.Symbol("e", positive=True), sp.Symbol("y", positive=True)
+    e0, c = sp.symbols("e0 c", positive=True)
+    f = sp.Function("phi")
+    value = z * f(e0 - 2 * c * z)
+    at = e0 - 2 * c * z
+    slope = sp.diff(value, z).doit()
+    claimed = f(at) + (at - e0) * sp.diff(f(e), e).subs(e, at)
+    s = f(e) / sp.diff(f(e), e) + e - e0
+    convex = sp.diff(1 / f(e), e, 2)
+    left = sp.Symbol("left", positive=True)  # eps - zeta
+    de = 2 * sp.cosh(E / 2) ** 2
+    inverse = 1 / (left * sp.cosh(E / 2) ** 2)  # 4/phi in eps = 2 atanh e; left moves as eps does
+
+    def slope_of(expression: Any) -> Any:
+        return de * (sp.diff(expression, E) + sp.diff(expression, left))
+
+    second = slope_of(slope_of(inverse))
+    wanted = de * 2 / left**3 * (2 + left * sp.tanh(E / 2) - left**2 / (2 * sp.cosh(E / 2) ** 2))
+    return all_of(
+        identity({"d(y phi)/dy - (phi + (e - e0) phi')": sp.simplify((slope - claimed).doit())}),
+        identity({"ds/de - (phi^3/phi'^2) (1/phi)''": sp.simplify(sp.diff(s, e) - f(e) ** 3 / sp.diff(f(e), e) ** 2 * convex)}),
+        identity(
+            {
+                "(4/phi)'' in eps - 2 cosh^2 (2/l^3) (2 + l tanh - l^2 sech^2/2), l = eps - zeta <= eps": _exponentials(
+                    second - wanted
+                )
+            }
+        ),
+        _above_itself(),
+    )
+
+
+def _above_itself() -> Outcome:
+    """cosh v > v, so 1 - (v/cosh v)^2 > 0 with v = eps/2: cosh is convex, and above its tangent where sinh is 1."""
+    v = sp.Symbol("v", real=True)
+    at = sp.asinh(1)
+    return all_of(
+        identity({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, at) - 1}),
+        sign({"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(at) - sp.log(1 + sp.sqrt(2))}),
+        identity({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(at.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
+    )
+
+
+def _sharp() -> Outcome:
+    """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c)."""
+    s, held = sp.symbols("s h", positive=True)
+    return identity({"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * held).subs(held, (P + s) / (k * g)) + s)})
+
+
+def _coupled() -> Outcome:
+    """Row i of g u is g_ii u_i and what the other inputs add, at most sum |g_ij| U_j: it joins P, and nothing else changes."""
+    found = {}
+    for n in (2, 3):
+        row = sp.symbols(f"g1:{n + 1}", real=True)
+        u = sp.symbols(f"u1:{n + 1}", real=True)
+        found[f"n = {n}: (g u)_1 - g_11 u_1 - sum over j > 1 of g_1j u_j"] = sp.expand(
+            sum(x * y for x, y in zip(row, u, strict=True))
+            - row[0] * u[0]
+            - sum(x * y for x, y in zip(row[1:], u[1:], strict=True))
+        )
+    return identity(found)
+
+
+def _shift() -> Outcome:
+    """What the law sees is wrong by eta in a and b: h is of degree -1, so h(al d + eta, be d - eta) falls with d, and its bound
+    is that at d-; al, be are the shares 1/(1 + exp(-E)), 1/(1 + exp(E))."""
+    al, be, eta = sp.symbols("alpha beta eta", positive=True)
+    h_a, h_b = sp.diff(PULL, a), sp.diff(PULL, b)
+    places = {a: al * d + eta, b: be * d - eta}
+    falls = sp.diff(PULL.subs(places), d) * d + (PULL + eta * h_a - eta * h_b).subs(places)
+    return identity(
+        {
+            "a dh/da + b dh/db + h": sp.simplify(a * h_a + b * h_b + PULL),
+            "d (dh/dd) + h + eta h_a - eta h_b, whose last three terms are positive": sp.simplify(falls),
+        }
+    )
+
+
+def _saturated() -> Outcome:
+    """min(u_max, k h) > P/g is both; and a u held within u_max never exceeds it."""
+    u_max, s = sp.symbols("u_max s", positive=True)
+    return identity({"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + s) / g) + s)})
+
+
+def _centre_rule() -> Outcome:
+    """gamma = (-1, 1), k = g = 1: half of gamma_d^2/(8 k g) is 1/4 s. From e = 0.64 the held law overshoots farther each time."""
+    x, period = arb("0.64"), arb(1) / 4
+    steps = 0
+    while abs(x) < 1 and steps < 100:
+        x = x - period * (1 / (1 + x) + 1 / (1 - x)) * ((1 + x) / (1 - x)).log()
+        steps += 1
+    outside = abs(x) > 1
+    shown = f"after {steps} periods x = {x.str(4)}, outside (-1, 1)"
+    return counterexample("a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", outside, shown)
+
+
+FIRST_EXIT = ("sampled.first_exit", "theorem.edot")  # so r is not negative at the upper edge
+# By how much a held u may differ from that of now: v moves at its rate for the sample's age, and both bounds rise with |eps|.
+STALE = ("sampled.age", "sampled.before", "sampled.law", "sampled.rate", "sampled.rises", "sampled.integral")
+
+LEMMAS = (
+    Lemma(
+        "sampled.law",
+        "|u| = k v with v = 4 q(eps)/gamma_d = h(a, b), where a/b = exp(eps).",
+        r"\xi\varepsilon = \frac{4q(\varepsilon)}{\gamma_d} = h(a,b),"
+        r"\quad q(E) = E\cosh^2\tfrac E2,\ h(a,b) = \bigl(\tfrac1a+\tfrac1b\bigr)\ln\tfrac ab",
+        ("inside the tube",),
+        "section IV",
+        _law,
+    ),
+    Lemma(
+        "sampled.rate",
+        "v moves by 16 q' cosh^2 r/gamma_d^2 - 4 q gammadot_d/gamma_d^2, so |v - v(t_s)| <= R tau/k on the sublevel set.",
+        r"\dot v = \frac{16\,q'\cosh^2(\varepsilon/2)}{\gamma_d^2}\,r - \frac{4q\,\dot\gamma_d}{\gamma_d^2}",
+        ("r = xdot - (gammadot_s + gammadot_d e)/2, |r| <= F + G U + S",),
+        "ours",
+        _rate,
+    ),
+    Lemma(
+        "sampled.rises",
+        "q and q' cosh^2 rise, so on |eps| <= E they are at most their values at E.",
+        r"q' = \cosh^2\tfrac E2\,(1 + E\tanh\tfrac E2)",
+        ("E > 0",),
+        "ours",
+        _rises,
+    ),
+    Lemma(
+        "sampled.norm",
+        "Over |eps| = E the norm of (q(eps_i)) is between q_n(E) and q(E).",
+        r"q_n(E) = E\cosh^2\tfrac{E}{2\sqrt n} \le \|q(\varepsilon)\| \le q(E)",
+        ("convexity in eps_i^2, Jensen's inequality",),
+        "ours",
+        _norm,
+    ),
+    Lemma(
+        "sampled.general",
+        "For any g with g_s >= g_min: if F + S + G R tau < k g_min (4/d+) q_n(E), |eps| < E stays.",
+        r"F+S+G R\tau < k g_{\min}\tfrac{4}{d_+}q_n(E) \Rightarrow \dot V < 0 \text{ at } \|\varepsilon\| = E",
+        (
+            "|eps(0)| < E",
+            "samples no older than tau, the first at 0",
+        ),
+        "ours",
+        _general,
+        (*FIRST_EXIT, "theorem.vdot", "theorem.norms", "theorem.skew", "sampled.norm", *STALE),
+    ),
+    Lemma(
+        "sampled.diagonal",
+        "For diagonal g, by component: if P/g_min + R tau < 4 k q(E)/d+, |eps_i| < E stays.",
+        r"\frac{P}{g_{\min}} + R\tau < \frac{4kq(E)}{d_+} \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
+        ("|eps_i(0)| < E", "samples no older than tau, the first at 0"),
+        "ours",
+        _diagonal,
+        (*FIRST_EXIT, "transform.odd", *STALE),
+    ),
+    Lemma(
+        "sampled.pull",
+        "h rises with a and falls with b (a > b).",
+        r"a^2\partial_a h = 1+\tfrac ab-\ln\tfrac ab \ge 2,\quad b^2\partial_b h = -(1+\tfrac ba+\ln\tfrac ab) < 0",
+        ("a > b > 0",),
+        "ours",
+        _pull_monotone,
+    ),
+    Lemma(
+        "sampled.displacement",
+        "Since a sample taken above the middle a has risen, and b fallen, by at most c = P tau + G U l: P tau, and G U l while "
+        "the u before still acted, for the latency l. So a_s >= a - c, b_s <= b + c.",
+        r"\dot a \le P,\ \dot b \ge -P \text{ while } g u \le 0;\quad \dot a \le P + GU,\ \dot b \ge -P - GU \text{ always}",
+        ("|f + w| <= F, |edge rates| <= S, P = F + S", "|g u| <= G U"),
+        "ours",
+        _displacement,
+    ),
+    Lemma(
+        "sampled.same_side",
+        "If (P + G U) tau < (d-/2) tanh(E/2), the sample was taken above the middle, so its u is not positive.",
+        r"\tfrac{a-b}{2} = \tfrac{\gamma_d}{2}\tanh\tfrac E2",
+        ("|u| <= U",),
+        "ours",
+        _same_side,
+    ),
+    Lemma(
+        "sampled.ends",
+        "For a = d/(1 + e^-E) - c, b = d/(1 + e^E) + c the least h over d- <= d <= d+ is at d- or d+; also with eps - zeta in "
+        "the place of eps = ln(a/b), which is what rounding may leave of it.",
+        r"\min_{d_-\le d\le d_+} h = \min\bigl(h|_{d_-}, h|_{d_+}\bigr)",
+        ("a > b at both ends", "c >= 0", "0 <= zeta < eps"),
+        "ours",
+        _ends,
+    ),
+    Lemma(
+        "sampled.sharp",
+        "For diagonal g, by component: same side, and k g_min h(a - c, b + c) > P at d- and d+; then |eps_i| < E stays.",
+        r"k\,g_{\min}\,h\bigl(\tfrac{d}{1+e^{-E}}-c,\ \tfrac{d}{1+e^{E}}+c\bigr) > P,\ c = P\tau+GUl"
+        r" \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
+        (
+            "|eps_i(0)| < E",
+            "samples no older than tau, the first at 0",
+        ),
+        "ours",
+        _sharp,
+        (
+            *FIRST_EXIT,
+            "transform.odd",
+            "sampled.age",
+            "sampled.before",
+            "sampled.law",
+            "sampled.integral",
+            "sampled.same_side",
+            "sampled.displacement",
+            "sampled.pull",
+            "sampled.ends",
+        ),
+    ),
+    Lemma(
+        "sampled.coupled",
+        "Where g couples, the same holds with P + sum over j != i of |g_ij| U_j in place of P, and g_ii in place of g.",
+        r"(gu)_i = g_{ii}u_i + \sum_{j\ne i} g_{ij}u_j",
+        ("g_ii > 0", "|u_j| <= U_j"),
+        "ours",
+        _coupled,
+        ("sampled.sharp",),
+    ),
+    Lemma(
+        "sampled.shift",
+        "What the law sees of a and b may be wrong by eta (noise; twice P7's bound, which the clamp needs): eta joins c, and "
+        "U is k h(a + eta, b - eta) at d-.",
+        r"h(\alpha d+\eta,\ \beta d-\eta) \text{ falls with } d",
+        ("eta below the nearer distance at |eps| = E", "E <= eps(e_max): what is clamped pulls no less than what is used"),
+        "ours",
+        _shift,
+        ("sampled.pull",),
+    ),
+    Lemma(
+        "sampled.saturated",
+        "With u saturated at u_max the sharp statement holds if also g_min u_max > P.",
+        r"\min(u_{\max}, k h) > P/g_{\min}",
+        ("as sampled.sharp",),
+        "ours",
+        _saturated,
+        ("sampled.sharp",),
+    ),
+    Lemma(
+        "sampled.centre_rule",
+        "A period below gamma_d^2/(8 k g), the stability limit at the middle of a resting tube, keeps the state inside.",
+        r"\tau < \frac{\gamma_d^2}{8kg}",
+        ("gamma constant, f = w = 0",),
+        "a rule of thumb",
+        _centre_rule,
+    ),
+)

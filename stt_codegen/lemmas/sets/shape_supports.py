@@ -1,0 +1,171 @@
+"""Shapes: what the sets of a task say of normals, run on symbols, and on random sets where there is no symbol for it."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen import constraints as rows
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.lemmas.sets.constraint_rows import EDGE, METHOD, N
+from stt_codegen.properties import Property
+from stt_codegen.task.sets import Hull, Polytope, Prism, Round, Segment, cut_box, dot, size, spanned
+
+DRAWN = 60  # random sets of each kind
+
+
+def _signed() -> list[tuple[Any, ...]]:
+    """Normals with every pattern of signs, their entries symbols."""
+    c = [sp.Symbol(f"c{i + 1}", positive=True) for i in range(N)]
+    return [tuple(s * v for s, v in zip(signs, c, strict=True)) for signs in product((-1, 0, 1), repeat=N) if any(signs)]
+
+
+def _behind() -> Outcome:
+    """The rows of half-spaces: the largest n.x over the tube's box is at most b. For P3 and for P5, after the rows of the box."""
+    h, found = sp.Symbol("b", real=True), {}
+    normals = _signed()
+    zero = (0,) * N
+    box: Any = SimpleNamespace(lower=zero, upper=zero)
+    near, far = ([(n, b) for n in normals] for b in (h, 2 * h))
+    task: Any = SimpleNamespace(free_space=box, target=box, space_cuts=near, target_cuts=far)
+    wrong = []
+    for what, made, bound in ((Property.STAY.code, rows.stay_rows(task), h), (Property.REACH.code, rows.reach_rows(task), 2 * h)):
+        wrong += [f"{what}: {len(made)} rows"] * (len(made) != 2 * N + len(normals))
+        for normal, row in zip(normals, made[2 * N :], strict=True):
+            most = sum(c * EDGE[i, 1 if c.is_positive else 0] for i, c in enumerate(normal) if c != 0)
+            left = sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.keep
+            found[f"{what} {normal}"] = sp.expand(left - (bound - most))
+            found[f"{what} {normal}: per"] = sp.expand(row.per - sum(map(abs, normal)))
+    return all_of(identity(found, METHOD), cases(2, wrong, "a row for every half-space, after those of the box"))
+
+
+def _round() -> Outcome:
+    """h(n) of a ball or capsule is at least n.(p + r u) for |u| <= 1: the difference is r (size(n) - n.u), size(n) >= |n|_2 by
+    whole numbers, and |n|_2 >= n.u by Lagrange's identity."""
+    n, u = sp.symbols("n1:4", real=True), sp.symbols("u1:4", real=True)
+    squares = sum((n[i] * u[j] - n[j] * u[i]) ** 2 for i in range(N) for j in range(i))
+    left = sum(v * v for v in n) * sum(v * v for v in u) - sum(v * w for v, w in zip(n, u, strict=True)) ** 2
+    wrong, draw = [], random.Random(5)
+    normals = [
+        tuple(draw.choice((draw.randint(-9, 9), draw.randint(-(10**9), 10**9))) for _ in range(N)) for _ in range(20 * DRAWN)
+    ]
+    step = Fraction(1, 1 << 32)
+    for normal in normals:
+        square = sum(c * c for c in normal)
+        if not size(normal) ** 2 >= square or (square and not (size(normal) - step) ** 2 < square):
+            wrong.append(f"size{normal}")
+    for _ in range(DRAWN):
+        ends = tuple(tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N)) for _ in range(draw.randint(1, 2)))
+        radius, normal = Fraction(draw.randint(1, 40), 8), normals[draw.randrange(len(normals))]
+        if Round(ends, radius).support(normal) != max(dot(normal, p) for p in ends) + radius * size(normal):
+            wrong.append(f"{ends}, {radius}: {normal}")
+    return all_of(
+        identity({"|n|^2 |u|^2 - (n.u)^2": sp.expand(left - squares)}, METHOD),
+        cases(len(normals) + DRAWN, wrong, "size(n) is |n|_2 rounded up by less than 2^-32; h(n) is reached at an end"),
+    )
+
+
+def _nearest() -> Outcome:
+    """The square of the distance from a segment to a box: no place of a fine grid is nearer, and some place is as near."""
+    wrong, draw = [], random.Random(6)
+    for _ in range(DRAWN):
+        ends = tuple(tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N)) for _ in range(2))
+        lower = tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N))
+        upper = tuple(a + Fraction(draw.randint(0, 24), 8) for a in lower)
+        told = Segment(ends).square_to(lower, upper)
+        found = []
+        for k in range(129):
+            place = [a + Fraction(k, 128) * (b - a) for a, b in zip(*ends, strict=True)]
+            found.append(sum(max(a - v, v - b, Fraction(0)) ** 2 for v, a, b in zip(place, lower, upper, strict=True)))
+        # between two places of the grid every coordinate moves by less than half a step of the segment's
+        reach = sum(abs(b - a) for a, b in zip(*ends, strict=True)) / 256
+        if told > min(found) or float(min(found)) ** 0.5 > float(told) ** 0.5 + float(reach) + 1e-12:
+            wrong.append(f"{ends}, {lower}, {upper}")
+    return cases(DRAWN, wrong, "the least over the segment, between what a grid of 129 places allows")
+
+
+def _hull() -> Outcome:
+    """Faces of random hulls: all points are behind every face, and what the faces leave of a box is spanned by the corners."""
+    wrong, draw, count = [], random.Random(7), 0
+    for k in range(DRAWN):
+        n = 2 + k % 2
+        points = tuple({tuple(Fraction(draw.randint(-16, 16), 8) for _ in range(n)) for _ in range(draw.randint(n + 2, 9))})
+        if spanned(points) < n:
+            continue
+        hull = Hull.of(points)
+        count += 1
+        behind = all(dot(normal, p) <= offset for normal, offset in hull.faces for p in points)
+        box = (Fraction(-3),) * n, (Fraction(3),) * n
+        left = {v.point for v in cut_box(*box, hull.faces)}
+        if not behind or left != {v.point for v in hull.corners}:
+            wrong.append(f"{points}")
+    return cases(count, wrong, "the half-spaces of the faces meet in the hull of the corners")
+
+
+def _prism() -> Outcome:
+    """A set in some of the dimensions: its support is that of its base and of the intervals, reached at a vertex."""
+    wrong, draw = [], random.Random(8)
+    for _ in range(DRAWN):
+        points = [tuple(Fraction(draw.randint(-16, 16), 8) for _ in range(2)) for _ in range(3)]
+        axes = tuple(draw.sample(range(N), 2))
+        lower = tuple(Fraction(draw.randint(-16, 0), 8) for _ in range(N))
+        upper = tuple(a + Fraction(draw.randint(1, 16), 8) for a in lower)
+        prism = Prism(Polytope(points), axes, lower, upper)
+        for normal in product((-2, 0, 3), repeat=N):
+            corners = []
+            for p, ends in product(points, product(*zip(lower, upper, strict=True))):
+                place = dict(zip(axes, p, strict=True))
+                corners.append(tuple(place.get(i, v) for i, v in enumerate(ends)))
+            if prism.support(normal) != max(dot(normal, p) for p in corners):
+                wrong.append(f"{points} in {axes}: {normal}")
+    return cases(DRAWN * 3**N, wrong, "h(n) of a prism is the greatest over its vertices")
+
+
+LEMMAS = (
+    Lemma(
+        "shapes.behind",
+        "The rows of what cuts state space or target: the tube's box lies in every half-space; the slack over |n|_1 is by how "
+        "much it may grow.",
+        r"\max_{x\in B} n\cdot x \le b",
+        (),
+        "the evaluated code",
+        _behind,
+    ),
+    Lemma(
+        "shapes.round",
+        "The support of a ball or capsule is never too small.",
+        r"h(n) = \max_p n\cdot p + r\,\lceil|n|_2\rceil \ge n\cdot(p + r u),\ |u|_2 \le 1",
+        ("size(n) by cases",),
+        "the evaluated code, Lagrange's identity",
+        _round,
+    ),
+    Lemma(
+        "shapes.nearest",
+        "The distance between a segment and a box is the least there is.",
+        r"\min_{s\in[0,1],\,y\in B} |p + s(q - p) - y|_2^2",
+        ("by cases",),
+        "the evaluated code",
+        _nearest,
+    ),
+    Lemma(
+        "shapes.hull",
+        "The faces of a hull of points, and the corners of what half-spaces leave of a box, say the same set.",
+        r"\{x : n_k\cdot x \le b_k\} = \mathrm{conv}\{p_j\}",
+        ("by cases",),
+        "the evaluated code",
+        _hull,
+    ),
+    Lemma(
+        "shapes.prism",
+        "The support of a set in some of the dimensions is that of its base and of the state space in all others.",
+        r"h(n) = h_C(n_a) + \sum_{i\notin a} \max(n_i \underline x_i, n_i \overline x_i)",
+        ("by cases",),
+        "the evaluated code",
+        _prism,
+    ),
+)

@@ -1,0 +1,270 @@
+"""The refined tube: its weights, its smoothness, the Bezier form that the certificate reads, and its hull."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import product
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from stt_codegen.certify import slack
+from stt_codegen.controller import edge_errors as arithmetic
+from stt_codegen.designs import RefinedDesign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, cases, identity, positive, sign
+from stt_codegen.paper import refined_tube
+from stt_codegen.program import FORMATS
+from stt_codegen.program.convert import lower
+from stt_codegen.program.symbolic import formulas
+
+s = sp.Symbol("s", real=True)
+q = sp.symbols("q0:4", real=True)
+WEIGHTS: tuple[Any, ...] = (
+    lambda v: (1 - v) ** 3,
+    lambda v: 3 * v**3 - 6 * v**2 + 4,
+    lambda v: -3 * v**3 + 3 * v**2 + 3 * v + 1,
+    lambda v: v**3,
+)
+
+
+def _weights() -> tuple[sp.Expr, ...]:
+    return formulas(lower(refined_tube.basis()), {"s": s})
+
+
+def _shipped() -> Outcome:
+    found = {f"w{j} less 6 times the cubic B-spline": w - f(s) for j, (w, f) in enumerate(zip(_weights(), WEIGHTS, strict=True))}
+    return identity(found | {"sum - 6": sum(_weights()) - 6})
+
+
+def _rates() -> Outcome:
+    rates = formulas(lower(refined_tube.basis_rate()), {"s": s})
+    return identity({f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))})
+
+
+def _convex() -> Outcome:
+    """The middle two are at least 1 on [0, 1]; the outer two are cubes of numbers that are not negative."""
+    return all_of(
+        positive("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
+        positive("w2", WEIGHTS[2], [(0.0, 1.0)], 0.99),
+        identity({"w0 - (1 - s)^3": _weights()[0] - (1 - s) ** 3, "w3 - s^3": _weights()[3] - s**3}),
+    )
+
+
+def _smooth() -> Outcome:
+    found: dict[str, sp.Expr] = {}
+    for order in range(3):
+        end = [sp.diff(w, s, order).subs(s, 1) for w in _weights()]
+        start = [sp.diff(w, s, order).subs(s, 0) for w in _weights()]
+        found |= {f"derivative {order}: w{j + 1}(1) - w{j}(0)": end[j + 1] - start[j] for j in range(3)}
+        found |= {f"derivative {order}: w0(1)": end[0], f"derivative {order}: w3(0)": start[3]}
+    return identity(found)
+
+
+def _bezier() -> Outcome:
+    """The map that `certify.exact` uses, times 6 in the divided control points."""
+    points = (q[0] + 4 * q[1] + q[2], 4 * q[1] + 2 * q[2], 2 * q[1] + 4 * q[2], q[1] + 4 * q[2] + q[3])
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    curve = sum(w * v for w, v in zip(_weights(), q, strict=True))
+    return identity({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
+
+
+def _hull() -> Outcome:
+    z = sp.Symbol("z", positive=True)
+    inside = z / (1 + z)  # any number from 0 to 1
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    return all_of(
+        identity({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
+        identity(
+            {
+                f"s^{j} (1 - s)^{3 - j} at 0 and 1, but for the 1": (s**j * (1 - s) ** (3 - j)).subs(s, e)
+                for j in (1, 2)
+                for e in (0, 1)
+            }
+        ),
+        *(
+            sign({f"s^{j} (1 - s)^{3 - j} at s = z/(1 + z)": sp.together((s**j * (1 - s) ** (3 - j)).subs(s, inside))})
+            for j in range(4)
+        ),
+    )
+
+
+def _blend() -> Outcome:
+    kernel = lower(refined_tube.blend())
+    w = sp.symbols("w0:4", real=True)
+    (edge,) = formulas(kernel, dict(zip((v.name for v in kernel.inputs), (*w, *q), strict=True)))
+    return identity({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
+
+
+def _bezier_shipped() -> Outcome:
+    """`RefinedDesign.bezier` run on tables with a single 1, which by linearity is all of it, against the weights."""
+    bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
+    found = {}
+    for k in range(4):
+        rows = tuple((((1 if j == k else 0), 0),) for j in range(4))
+        coefficients = RefinedDesign(Fraction(1), 1, 0, rows).bezier()[0, 0, 0]
+        found[f"table entry {k}"] = _weights()[k] - sum(int(c) * f for c, f in zip(coefficients, bernstein, strict=True))
+    return identity(found, "SymPy: the certificate's own map, by linearity")
+
+
+def _halves() -> Outcome:
+    """`slack.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
+    piece = np.array(q, dtype=object)
+    curves = [
+        sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *slack.halves(piece))
+    ]
+    whole, early, late = curves
+    return identity(
+        {
+            "early half less the curve at s/2": early - whole.subs(s, s / 2),
+            "late half less that at (1 + s)/2": late - whole.subs(s, (1 + s) / 2),
+        },
+        "SymPy: the certificate's own code run on symbols",
+    )
+
+
+def _integers() -> Outcome:
+    """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
+    function is run on every such pattern: n, m over a range, r on a grid."""
+    wrong, cases = [], 0
+    for m, r, unit in product(range(-3, 4), [Fraction(k, 7) for k in range(7)], (Fraction(1), Fraction(1, 1 << 18), Fraction(4))):
+        value = (m + r) * unit
+        for n in range(-5, 6):
+            cases += 1
+            if (n >= slack.units_above(value, unit)) != (n * unit >= value):
+                wrong.append((m, r, unit, n))
+    verdict = Verdict.PROVED if not wrong else Verdict.OPEN
+    method = "by cases: sign, whole part and rest of the bound; the certificate's own function, in exact numbers"
+    return Outcome(
+        verdict,
+        method,
+        (f"{cases} comparisons of integers agree with those of numbers, {len(wrong)} do not", *map(str, wrong[:2])),
+    )
+
+
+def _late() -> Outcome:
+    """u = t r (1 + a)(1 + b): a of the constant K/t_c, b of the product, c of a t that was rounded itself; |a|, |b|, |c| <= eps
+    below 1, and t K/t_c <= K. At the end u is held at the last number below K, at most 2 eps K below it."""
+    a, b, c = sp.symbols("a b c", real=True)
+    k, z = sp.symbols("K z", positive=True)
+    eps = z / (1 + z)  # any number from 0 to 1
+    given = arithmetic.late(k, eps)
+    forms = [(scalar, FORMATS[scalar], segments) for scalar in ("float", "double") for segments in (1, 48, 8192)]
+    wrong = []
+    for scalar, form, segments in forms:
+        design: Any = SimpleNamespace(segments=segments)
+        if arithmetic.time_error(design, scalar) != arithmetic.late(Fraction(segments), form.roundoff) + form.tiny:
+            wrong.append(f"{scalar}, {segments} segments")
+    return all_of(
+        identity(
+            {
+                "(1 + a)(1 + b) - 1 - (a + b + a b)": (1 + a) * (1 + b) - 1 - (a + b + a * b),
+                "(1 + a)(1 + b)(1 + c) - 1 less its seven terms": (1 + a) * (1 + b) * (1 + c)
+                - 1
+                - (a + b + c + a * b + a * c + b * c + a * b * c),
+                "given - 2 K (2 eps + eps^2) - 2 K eps^2": given - 2 * k * (2 * eps + eps**2) - 2 * k * eps**2,
+            }
+        ),
+        sign(
+            {
+                "given - K (3 eps + 3 eps^2 + eps^3)": sp.factor(sp.together(given - k * (3 * eps + 3 * eps**2 + eps**3))),
+                "given - 2 eps K": sp.factor(sp.together(given - 2 * eps * k)),
+            }
+        ),
+        cases(len(forms), wrong, "what P7 takes is this bound and the least subnormal"),
+    )
+
+
+LEMMAS = (
+    Lemma(
+        "refined.weights_shipped",
+        "The emitted weights are 6 times the uniform cubic B-spline basis, and sum to 6.",
+        r"\sum_j w_j = 6",
+        ("0 <= s <= 1",),
+        "Program",
+        _shipped,
+    ),
+    Lemma(
+        "refined.rates_shipped",
+        "The emitted weight rates are the derivatives of the emitted weights.",
+        r"w_j' = dw_j/ds",
+        ("0 <= s <= 1",),
+        "Program",
+        _rates,
+    ),
+    Lemma(
+        "refined.blend_shipped",
+        "The emitted edge is the weighted sum of four table entries.",
+        r"\gamma = \sum_j w_j q_j",
+        (),
+        "Program",
+        _blend,
+    ),
+    Lemma(
+        "refined.convex",
+        "The weights are not negative, so an edge is a mean of its control points: widths of control points bound the width.",
+        r"w_j \ge 0",
+        ("0 <= s <= 1",),
+        "ours",
+        _convex,
+    ),
+    Lemma(
+        "refined.smooth",
+        "Neighbouring segments agree in value, slope and curvature: the tube is C2.",
+        r"\gamma \in C^2",
+        (),
+        "ours",
+        _smooth,
+    ),
+    Lemma(
+        "refined.bezier",
+        "Each segment is the Bezier cubic that the certificate computes from the table.",
+        r"\sum_j w_j q_j = \sum_j \beta_j B_j^3",
+        ("0 <= s <= 1",),
+        "ours",
+        _bezier,
+    ),
+    Lemma(
+        "refined.hull",
+        "Bernstein polynomials are not negative and sum to 1, so a segment stays between its least and greatest coefficient.",
+        r"\min\beta_j \le \gamma \le \max\beta_j",
+        ("0 <= s <= 1",),
+        "ours",
+        _hull,
+    ),
+    Lemma(
+        "refined.bezier_shipped",
+        "The map from the table that the certificate's code uses is that form.",
+        r"\beta = (q_0+4q_1+q_2,\ 4q_1+2q_2,\ 2q_1+4q_2,\ q_1+4q_2+q_3)",
+        (),
+        "certificate",
+        _bezier_shipped,
+    ),
+    Lemma(
+        "refined.halves",
+        "Where a hull is too coarse the certificate's code halves the segment, and both halves are the curve itself.",
+        r"\beta \mapsto (\beta^{\text{early}}, \beta^{\text{late}})",
+        ("0 <= s <= 1",),
+        "certificate, de Casteljau",
+        _halves,
+    ),
+    Lemma(
+        "refined.late",
+        "The emitted spline time is nearer to K t/t_c than the bound that P7 takes: by half where t is exact, and still where t "
+        "was rounded once.",
+        r"|u - Kt/t_c| \le K(3\epsilon + 3\epsilon^2 + \epsilon^3) < K(4\epsilon + 4\epsilon^2)",
+        ("one rounding of at most eps, relative, for the constant, the product, and t", "K is exact in the scalar"),
+        "the evaluated code",
+        _late,
+    ),
+    Lemma(
+        "refined.integers",
+        "Comparing integers with the bound's ceiling is comparing the numbers: the certificate rounds nothing. (Over a "
+        "grid of whole parts and rests; n >= v is n >= ceil(v) for every whole n.)",
+        r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
+        ("n whole",),
+        "certificate",
+        _integers,
+    ),
+)

@@ -1,0 +1,82 @@
+"""A reader that turns a kernel into SymPy expressions, branch by branch: what is proved is what is printed.
+
+A kernel with comparisons is read once for every way they can come out; a branch is those conditions and the outputs there.
+Numbers are the exact ones of the Program, before they are rounded to the scalar. For proofs only, never for printing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+import sympy as sp
+
+from stt_codegen.program.nodes import Assign, Kernel, Op, Operand, Select, Var
+from stt_codegen.program.operations import OPERATIONS
+
+
+def formula_of(name: str, *args: Any) -> Any:
+    """An operation on SymPy expressions. Raises `NotImplementedError` for one that is no formula."""
+    formula = OPERATIONS[name].formula
+    if formula is None:
+        raise NotImplementedError(f"no formula for operation {name!r}")
+    return formula(sp, *args)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """One way through a kernel: what holds there, and the outputs, in the kernel's order."""
+
+    conditions: tuple[Any, ...]
+    outputs: tuple[Any, ...]
+
+
+def branches(kernel: Kernel, given: Mapping[str, Any]) -> Iterator[Branch]:
+    """Every way through the kernel, for inputs that are SymPy expressions. Raises `NotImplementedError`, naming it, for a node
+    that is no formula (integers, loads)."""
+    tests = [a.var.name for a in kernel.body if isinstance(a.value, Op) and OPERATIONS[a.value.name].compares]
+    for outcomes in product((True, False), repeat=len(tests)):
+        yield _through(kernel, given, dict(zip(tests, outcomes, strict=True)))
+
+
+def formulas(kernel: Kernel, given: Mapping[str, Any]) -> tuple[Any, ...]:
+    """The outputs, in symbols, of a kernel that decides nothing."""
+    (only,) = branches(kernel, given)
+    return only.outputs
+
+
+def _through(kernel: Kernel, given: Mapping[str, Any], outcomes: Mapping[str, bool]) -> Branch:
+    known: dict[str, Any] = dict(given)
+    conditions: list[Any] = []
+
+    def value(operand: Operand) -> Any:
+        if isinstance(operand, Var):
+            return known[operand.name]
+        number = operand.value
+        if isinstance(number, bool):
+            return number
+        return sp.Rational(Fraction(number).numerator, Fraction(number).denominator)  # type: ignore[arg-type]
+
+    for assign in kernel.body:
+        known[assign.var.name] = _assigned(assign, value, outcomes, conditions)
+    return Branch(tuple(conditions), tuple(value(o) for o in kernel.outputs))
+
+
+def _assigned(assign: Assign, value: Any, outcomes: Mapping[str, bool], conditions: list[Any]) -> Any:
+    match assign.value:
+        case Op(name=name, args=args) if OPERATIONS[name].compares:
+            holds = outcomes[assign.var.name]
+            compared = list(map(value, args))
+            conditions.append(formula_of(name, *compared) if holds else getattr(sp, OPERATIONS[name].opposite)(*compared))
+            return holds
+        case Op(name="and" | "or" | "not" as name, args=args):
+            truths = [value(a) for a in args]
+            return {"and": all(truths), "or": any(truths), "not": not truths[0]}[name]
+        case Op(name=name, args=args) if OPERATIONS[name].formula is not None:
+            return formula_of(name, *map(value, args))
+        case Select(condition=condition, then=then, other=other):
+            return value(then) if value(condition) else value(other)
+    raise NotImplementedError(f"{assign.var.name}: no formula for {assign.value}")

@@ -1,0 +1,36 @@
+"""Python: one module in double arithmetic on the emitted constants, with `math` and nothing else."""
+
+import keyword
+from collections.abc import Callable
+from typing import Any
+
+from stt_codegen.program.targets.python.printer import PythonPrinter
+from stt_codegen.program.targets.target import Emitted, TargetLanguage
+
+__all__ = ["TARGET", "PythonPrinter", "runner"]
+
+# Modules that <name>.py must not shadow, because it or its user imports them early.
+MODULES = frozenset(
+    """sys os io re abc codecs encodings site types builtins collections functools operator random struct
+    typing enum json numpy""".split()
+)
+
+
+def _runner() -> Callable[[Emitted], Any]:
+    from stt_codegen.program.targets.python.runner import GeneratedPython
+
+    return GeneratedPython
+
+
+TARGET = TargetLanguage(
+    key="python",
+    title="Python",
+    suffixes=(".py",),
+    printer=PythonPrinter,
+    words=frozenset(keyword.kwlist) | frozenset(keyword.softkwlist),
+    words_are="a reserved word of Python",
+    library=MODULES,
+    integers=True,
+    scalars=("double",),
+    runner=_runner,
+)

@@ -1,0 +1,274 @@
+"""Program to Rust: one `no_std` module of safe code, in the program's own precision. What a function writes, it returns.
+
+Assumed of the compiler: IEEE-754 arithmetic without fused multiply-add, which is what Rust's own is. A function of mathematics is
+that of `std` (the C library's, on most systems), or of the crate `libm` without it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from stt_codegen.program.nodes import (
+    Assign,
+    Call,
+    Carry,
+    Const,
+    Expression,
+    For,
+    Function,
+    Kernel,
+    Op,
+    Operand,
+    Param,
+    Program,
+    Return,
+    Select,
+    Statement,
+    Status,
+    Store,
+    Table,
+    Var,
+    operands,
+    uses_split,
+)
+from stt_codegen.program.number import round_to, shortest
+from stt_codegen.program.operations import BOOL, INT, OPERATIONS, REAL, STATUS, TICK, Type
+from stt_codegen.program.targets.printer import INDENT, Printer
+
+_BITS = {  # bits of a number, of its fraction, and the number 1/sqrt 2
+    "float": (32, 23, "0x3f35_04f3"),
+    "double": (64, 52, "0x3fe6_a09e_667f_3bcd"),
+}
+# What `std` calls them, where it is not C's name.
+_STD = {"log": "ln", "log1p": "ln_1p", "expm1": "exp_m1", "pow": "powf"}
+
+
+class RustPrinter(Printer):
+    """Arrays come in as references and go out as values; one that is read and changed is a mutable reference."""
+
+    def __init__(self, program: Program) -> None:
+        super().__init__(program)
+        self.real = {"float": "f32", "double": "f64"}[self.program.scalar]
+
+    # ---- what stands before the kernels
+
+    def library(self) -> list[str]:
+        """The functions of mathematics that some kernel calls, by C's names."""
+        values = [a.value for kernel in self.program.kernels for a in kernel.body]
+        used = {OPERATIONS[v.name].call for v in values if isinstance(v, Op)} - {"", "fabs"}
+        return sorted(used)
+
+    def helpers(self) -> list[list[str]]:
+        """What some node of the program needs beside expressions, one function a part."""
+        bits, shift, least = _BITS[self.program.scalar]
+        fraction = f"0x{(1 << shift) - 1:x}"
+        parts = []
+        for name in self.library():
+            two = OPERATIONS[name].args == (REAL, REAL)
+            head = f"fn {name}(x: Real, y: Real) -> Real {{" if two else f"fn {name}(x: Real) -> Real {{"
+            own, theirs = _STD.get(name, name), name + ("f" if self.program.scalar == "float" else "")
+            parts.append(
+                [
+                    '#[cfg(feature = "std")]', "#[inline]", head, f"    x.{own}({'y' if two else ''})", "}", "",
+                    '#[cfg(all(feature = "libm", not(feature = "std")))]', "#[inline]", head,
+                    f"    libm::{theirs}(x{', y' if two else ''})", "}",
+                ]
+            )  # fmt: skip
+        if any(isinstance(a.value, Op) and a.value.name == "fabs" for k in self.program.kernels for a in k.body):
+            sign = f"0x7{'f' * (bits // 4 - 1)}"
+            parts.append(["#[inline]", "fn fabs(x: Real) -> Real {", f"    Real::from_bits(x.to_bits() & {sign})", "}"])
+        if uses_split(self.program):
+            parts.append(
+                [
+                    "/// y = m 2^e with m in [1/sqrt 2, sqrt 2), for y not below that: e.", "#[inline]",
+                    "fn exponent(y: Real) -> i32 {", f"    ((y.to_bits() - {least}) >> {shift}) as i32", "}",
+                ]
+            )  # fmt: skip
+            parts.append(
+                [
+                    "/// And m.", "#[inline]", "fn mantissa(y: Real) -> Real {",
+                    f"    Real::from_bits(((y.to_bits() - {least}) & {fraction}) + {least})", "}",
+                ]
+            )  # fmt: skip
+        return parts
+
+    # ---- names and literals
+
+    def type_name(self, kind: Type) -> str:
+        return {REAL: "Real", INT: "i32", TICK: "u32", BOOL: "bool", STATUS: "Status"}[kind]
+
+    def status(self, status: Status) -> str:
+        return "".join(word.capitalize() for word in status.name.split("_"))
+
+    def literal(self, constant: Const) -> str:
+        value = constant.value
+        if isinstance(value, Status):
+            return f"Status::{self.status(value)}"
+        if isinstance(value, bool):
+            return "true" if value else "false"
+        if constant.type in (INT, TICK):
+            return str(value)
+        if value is None:
+            return "Real::NAN"
+        return shortest(round_to(value, self.program.scalar), self.program.scalar)  # type: ignore[arg-type]
+
+    def array(self, name: str) -> str:
+        return name.upper() if self.is_table(name) else name
+
+    # ---- expressions: operands are names and numbers, so brackets are never needed but about a number's own sign
+
+    def format_load(self, array: str, index: str) -> str:
+        return f"{array}[{self.index(index)}]"
+
+    def index(self, index: str) -> str:
+        return index if index.isdigit() else f"{index} as usize"
+
+    def format_select(self, _select: Select, condition: str, then: str, other: str) -> str:
+        return f"if {condition} {{ {then} }} else {{ {other} }}"
+
+    def format_finite(self, value: str) -> str:
+        return f"{value}.is_finite()"
+
+    def format_trunc(self, _operand: Operand, value: str) -> str:
+        return f"{value} as i32"
+
+    def format_math(self, name: str, args: Sequence[str]) -> str:
+        return f"{name}({', '.join(args)})"
+
+    def op_neg(self, a: str) -> str:
+        return f"-({a})" if a.startswith("-") else f"-{a}"
+
+    def op_not(self, a: str) -> str:
+        return f"!{a}"
+
+    def op_real(self, a: str) -> str:
+        return f"{a} as Real"
+
+    def op_int(self, a: str) -> str:
+        return f"{a} as i32"
+
+    def op_exponent(self, a: str) -> str:
+        return f"exponent({a})"
+
+    def op_mantissa(self, a: str) -> str:
+        return f"mantissa({a})"
+
+    def op_eq(self, a: str, b: str) -> str:
+        return f"{a} == {b}"
+
+    def op_ne(self, a: str, b: str) -> str:
+        return f"{a} != {b}"
+
+    # ---- statements
+
+    def format_assign(self, var: Var, value: str) -> str:
+        return f"let {var.name}: {self.type_name(var.type)} = {value};"
+
+    def format_set(self, var: Var, value: str) -> str:
+        return f"{var.name} = {value};"
+
+    def format_carry(self, carry: Carry) -> str:
+        return f"let mut {carry.var.name}: {self.type_name(carry.var.type)} = {self.expression(carry.initial)};"
+
+    def format_store(self, array: str, index: str, value: str) -> str:
+        return f"{array}[{self.index(index)}] = {value};"
+
+    def format_for(self, index: Var, count: int) -> str:
+        return f"for {self._bound(index)} in 0..{count} {{"
+
+    def format_if(self, condition: str) -> str:
+        return f"if {condition} {{"
+
+    def format_end(self) -> list[str]:
+        return ["}"]
+
+    def format_call(self, call: Call) -> list[str]:
+        names = [self._bound(r) for r in call.results]
+        taken = names[0] if len(names) == 1 else f"({', '.join(names)})"
+        # By its path, for an argument may have the kernel's name.
+        return [f"let {taken} = self::{call.kernel}({', '.join(self.expression(a) for a in call.args)});"]
+
+    def _bound(self, var: Var) -> str:
+        """A name that nothing reads begins with a low line, or the compiler warns."""
+        return var.name if self.inside is None or var.name in self._read else f"_{var.name}"
+
+    def format_leave(self, status: Expression | None) -> list[str]:
+        value = self._returned(status)
+        return [f"return {value};" if value else "return;"]
+
+    def leave(self, statement: Return) -> list[str]:
+        """What ends a function is its value, without a word."""
+        if statement.when is None:
+            value = self._returned(statement.status)
+            return [value] if value else []
+        return super().leave(statement)
+
+    def _returned(self, status: Expression | None) -> str:
+        assert self.inside is not None
+        parts = [p.name for p in self.inside.outputs if not p.inout]
+        parts += [self.expression(status)] if status is not None else []
+        return parts[0] if len(parts) == 1 else f"({', '.join(parts)})" if parts else ""
+
+    # ---- tables, kernels, functions
+
+    def table(self, table: Table) -> list[str]:
+        head = f"static {table.name.upper()}: [Real; {len(table.values)}] = ["
+        return [*self.comment(table.doc, "//"), head, *self.rows(table), "];"]
+
+    def numbers(self, table: Table, row: int) -> str:
+        """One row of a table."""
+        return ", ".join(self.literal(Const(v)) for v in table.values[row * table.row : (row + 1) * table.row])
+
+    def kernel(self, kernel: Kernel) -> list[str]:
+        inputs = [f"{v.name}: {self.type_name(v.type)}" for v in kernel.inputs]
+        kinds, values = [self.type_name(o.type) for o in kernel.outputs], [self.expression(o) for o in kernel.outputs]
+        kind, value = (kinds[0], values[0]) if len(kinds) == 1 else (f"({', '.join(kinds)})", f"({', '.join(values)})")
+        head = self.signature(f"fn {kernel.name}", inputs, f" -> {kind}")
+        return [*self.comment(kernel.doc, "//"), "#[inline]", *head, *self.statements(kernel.body), INDENT + value, "}"]
+
+    def function(self, function: Function) -> list[str]:
+        self.inside, self._read = function, set(_names(function.body))
+        kinds = [f"[Real; {p.length}]" for p in function.outputs if not p.inout]
+        kinds += ["Status"] * function.returns_status + ["Real"] * function.returns_real + ["bool"] * function.returns_bool
+        kind = kinds[0] if len(kinds) == 1 else f"({', '.join(kinds)})" if kinds else ""
+        pure = not any(p.inout for p in function.params)
+        lines = [*self.comment(function.doc, "///"), *(["#[must_use]"] if pure and kind else [])]
+        inputs = [self.param(p) for p in function.params if not p.output or p.inout]
+        lines += self.signature(f"pub fn {function.name}", inputs, f" -> {kind}" if kind else "")
+        lines += [f"    let mut {p.name}: [Real; {p.length}] = [0.0; {p.length}];" for p in function.outputs if not p.inout]
+        lines += [*self.statements(function.body), "}"]
+        self.inside = None
+        return lines
+
+    def param(self, param: Param) -> str:
+        if param.length is None:
+            return f"{param.name}: {self.type_name(param.type)}"
+        return f"{param.name}: &{'mut ' if param.inout else ''}[Real; {param.length}]"
+
+    def signature(self, name: str, inputs: Sequence[str], result: str) -> list[str]:
+        """On one line, or where that is too long with an argument a line, as rustfmt has it."""
+        line = f"{name}({', '.join(inputs)}){result} {{"
+        return [line] if len(line) <= 100 else [f"{name}(", *(f"    {i}," for i in inputs), f"){result} {{"]
+
+    def comment(self, doc: tuple[str, ...], mark: str) -> list[str]:
+        return [f"{mark} {line}".rstrip() for line in doc]
+
+
+def _names(body: Sequence[Statement]) -> Iterator[str]:
+    """Names that are read."""
+    for statement in body:
+        read: Sequence[Expression] = ()
+        match statement:
+            case Assign(value=value):
+                read = (value,)
+            case Call(args=args):
+                read = args
+            case Store(index=index, value=value):
+                read = (index, value)
+            case For(body=inner, carries=carries):
+                read = [v for c in carries for v in (c.initial, c.next)]
+                yield from _names(inner)
+            case Return(status=status, when=when, body=inner):
+                read = [v for v in (status, when) if v is not None]
+                yield from _names(inner)
+        yield from (v.name for e in read for v in (e, *operands(e)) if isinstance(v, Var))

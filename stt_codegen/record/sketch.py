@@ -1,0 +1,138 @@
+"""The times of the example sketch: how often it samples, which gap between two samples is still proved, how it counts time.
+
+Time comes from the board's micros(), in whole microseconds that are counted on. Nothing is lost by a step that takes long.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from stt_codegen.certify.missions import cycle_of
+from stt_codegen.emit import clock_words
+from stt_codegen.errors import BadInput
+from stt_codegen.pipeline import Controller
+from stt_codegen.properties import Property
+from stt_codegen.record.uno import CLOCK, ERROR, INTEGERS_SHARE, step_cycles
+from stt_codegen.report import input_report
+
+LOOP_PERIOD = Fraction(1, 100)  # seconds, the longest between the sketch's samples where no longer one is demanded
+JITTER_SHARE = Fraction(1, 10)  # of the longest gap: how late a sample may be before the gap is longer than what is proved
+MICROS_STEP = 4  # microseconds that micros() of an Uno counts by
+SETTLING_STEPS = 2000  # of alpha over t_c, where the certificate says nothing of its steps
+MICROSECOND = Fraction(1, 10**6)
+
+
+@dataclass(frozen=True)
+class LoopTimes:
+    """Seconds. period: from a sample to the next, as the sketch wants it. longest: the longest gap that is proved, None where no
+    gap as long as the period is; source: what proves it, for the comment beside it."""
+
+    period: Fraction
+    longest: Fraction | None
+    source: str
+
+    @property
+    def longest_us(self) -> int:
+        """Microseconds beyond which the sketch says `late`, on the safe side of what micros() counts by; without a proof a missed
+        step's."""
+        if self.longest is None:
+            return math.floor(self.period * Fraction(3, 2) / MICROSECOND)
+        return max(0, math.floor(self.longest / MICROSECOND) - MICROS_STEP)
+
+
+def loop_times(controller: Controller) -> LoopTimes:
+    """How often the sketch samples: every tick; else within what is proved, with a tenth of it for samples that come late."""
+    task, steps = controller.task, controller.certificate.steps
+    longest, source = _longest_gap(controller)
+    period = LOOP_PERIOD if longest is None else longest * (1 - JITTER_SHARE)
+    if task.emit.tick_period is not None:
+        period = task.emit.tick_period
+    else:
+        if task.control.period is None:
+            period = min(LOOP_PERIOD, period)
+        if task.differs:
+            period = max(period, task.shortest_period)
+        if steps is not None:
+            period = min(max(period, steps[0] + MICROSECOND), steps[1] * (1 - JITTER_SHARE))
+        round_us = _ceil_us if task.differs else _floor_us
+        period = max(1, round_us(period)) * MICROSECOND
+    return LoopTimes(period, longest if longest is not None and longest >= period else None, source)
+
+
+def _longest_gap(controller: Controller) -> tuple[Fraction | None, str]:
+    """Seconds between samples for which the state is proved to stay in the tube, and what says so; None where nothing does."""
+    if not controller.certificate.holds:
+        return None, ""
+    if controller.certificate.proved_period is not None:
+        return controller.certificate.proved_period.period, f"proved ({Property.PERIOD.code})"
+    sampling = input_report(controller).sampling
+    proved = None if sampling is None else sampling.at_this_gain
+    return (None, "") if proved is None else (Fraction(proved.period), "proved for this gain (stt-codegen design)")
+
+
+def _ceil_us(seconds: Fraction) -> int:
+    return math.ceil(seconds / MICROSECOND)
+
+
+def _floor_us(seconds: Fraction) -> int:
+    return math.floor(seconds / MICROSECOND)
+
+
+def sketch_words(controller: Controller) -> dict[str, Any]:
+    """What the sketches' templates need of time, sensors and actuators. Raises `BadInput` for ticks that no micros() tells."""
+    task, times, steps = controller.task, loop_times(controller), controller.certificate.steps
+    tick = task.emit.tick_period
+    if tick is not None and tick < MICROS_STEP * MICROSECOND:
+        problem = f"is {float(tick / MICROSECOND):g} us; an Uno's micros() counts by {MICROS_STEP} us"
+        raise BadInput(f"emit.tick_period: {problem}: give at least 0.{MICROS_STEP:06d} s, or take --package plain or cmake")
+    period, cycle = times.period / MICROSECOND, cycle_of(controller.design)
+    words: dict[str, Any] = {
+        "clock": clock_words(task),
+        "starts": not controller.design.is_stateful,  # whether the C says which starts are covered
+        "by_ticks": tick is not None and (task.emit.scalar == "fixed" or task.control.outside == "return"),
+        "period_us": math.floor(period),
+        "period_rest": period.numerator % period.denominator,
+        "period_parts": period.denominator,
+        "period_ms": f"{float(times.period * 1000):g}",
+        "longest_us": times.longest_us,
+        "proved_by": "" if times.longest is None else times.source,
+        "shortest_us": _ceil_us(task.shortest_period) if task.differs else 0,
+        "latency_us": _floor_us(task.control.latency),
+        "alpha_us": _floor_us(steps[1] if steps else task.prescribed_time / SETTLING_STEPS),
+    }
+    if cycle is not None:
+        length = cycle.length / MICROSECOND
+        words["end_us"] = _ceil_us(cycle.end)
+        words["cycle_us"], words["cycle_rest"] = math.floor(length), length.numerator % length.denominator
+        words["cycle_parts"] = length.denominator
+    space, proved = task.state_space, controller.certificate.proved_period
+    low, high = float(min(space.lower)), float(max(space.upper))
+    largest = max(task.u_max or (proved.u if proved else ()) or (1,))
+    scaled_by = ("largest u_max" if task.u_max else "largest |u| proved") if task.u_max or proved else ""
+    words |= {"low": f"{low:.9g}", "range": f"{high - low:.9g}", "most": f"{float(largest):.9g}"}
+    return words | {"most_is": scaled_by}
+
+
+def sketch_notes(controller: Controller) -> list[str]:
+    """What is known beforehand of the sketch's time: a tick that leaves no room, a step longer than its period on an Uno."""
+    times, notes, cycles = loop_times(controller), [], step_cycles(controller)
+    if times.longest is not None and times.longest_us * MICROSECOND < times.period:
+        cause = f"the sketch samples every {_milliseconds(times.period)}, and {_milliseconds(times.longest)} is {times.source}"
+        remedy = "state a control.period of two ticks" if controller.task.emit.tick_period else "no board keeps that"
+        notes.append(f"{cause}: a sample that is microseconds late sets `late`; {remedy}")
+    limit = times.period if times.longest is None else times.longest
+    if cycles is not None and Fraction(cycles, CLOCK) * (1 + ERROR) > limit:
+        step = Fraction(cycles, CLOCK)
+        what = "the sketch's period" if times.longest is None else times.source
+        cause = f"a step takes about {_milliseconds(step)} on an Uno (16 MHz; an estimate), and {_milliseconds(limit)} is {what}"
+        integers = controller.program.scalar == "fixed"
+        remedy = "" if integers or step * INTEGERS_SHARE > limit else '; emit.scalar = "fixed" takes less than half of that'
+        notes.append(f"{cause}: it will be late there, and says so by `late`{remedy}")
+    return notes
+
+
+def _milliseconds(seconds: Fraction) -> str:
+    return f"{float(seconds * 1000):.3g} ms"

@@ -1,0 +1,57 @@
+"""Notes about the sets of a task: where what is taken is another set than the listed points may suggest. For `design` and
+`generate`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import lcm
+
+from stt_codegen.report.closed_axis_notes import turn_notes
+from stt_codegen.task import Task
+from stt_codegen.task.map import Point, self_meeting, twice_area
+from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, around
+
+
+def task_notes(task: Task) -> tuple[str, ...]:
+    """The notes, a sentence each: of the task's maps, its room, its polytopes, and the way round where axes close or might."""
+    return (*task.notes, *_notes(task), *turn_notes(task))
+
+
+def _notes(task: Task) -> Iterator[str]:
+    room = task.room
+    if room is not None:
+        yield "state_space: the outline is a box" + (f" less {_walls(room.walls)}, an exact partition" if room.walls else "")
+    regions = (("region", region) for region in task.stated.region if isinstance(region, Unsafe))
+    for kind, table in (*(("unsafe", table) for table in task.stated.unsafe), *regions):
+        if isinstance(table, UnsafePolytope) and table.thinned:
+            yield f"{kind} {table.name}: {_hull_note(task, table)}"
+
+
+def _walls(names: tuple[str, ...]) -> str:
+    if len(names) == 1:
+        return f"1 convex unsafe set, {names[0]}"
+    return f"{len(names)} convex unsafe sets, {names[0]} to {names[-1]}"
+
+
+def _hull_note(task: Task, table: UnsafePolytope) -> str:
+    """What is avoided beside the polygon that the points are in their order, where they are one."""
+    added = added_area(table.vertices)
+    if added is None:
+        return "its vertices are not all corners of their hull; the hull is what is avoided"
+    units = {(task.units or ("",) * task.dimension)[i] for i in task.own_axes(table)}
+    unit = f" {units.pop()}^2" if len(units) == 1 and units != {""} else ""
+    return f"its hull is {float(added):.3g}{unit} larger than its outline; list convex parts if that space is needed"
+
+
+def added_area(points: tuple[Vector, ...]) -> Fraction | None:
+    """How much larger the hull of points in the plane is than the polygon that they are in their order; None where they are no
+    simple polygon, or in other dimensions."""
+    if len(points[0]) != PLANE:
+        return None
+    scale = lcm(*(v.denominator for p in points for v in p))
+    scaled = [(int(x * scale), int(y * scale)) for x, y in points]
+    polygon: list[Point] = [p for p, q in zip(scaled, [*scaled[1:], scaled[0]], strict=True) if p != q]
+    if self_meeting(polygon) is not None:
+        return None
+    return Fraction(twice_area(around(polygon)) - abs(twice_area(polygon)), 2 * scale**2)

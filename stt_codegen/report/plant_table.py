@@ -1,0 +1,162 @@
+"""[plant] of a task for a plant that equations describe: numbers that a task takes and that hold all over the tube, or the reason
+why there are none; and where a plant is outside what [plant] states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from stt_codegen.decimals import above, below, by_component, decimal
+from stt_codegen.sampling import Bounds, bounds_of_task
+from stt_codegen.task import Task
+
+SMALLEST, LARGEST = Fraction(1, 10**9), Fraction(10**9)  # of a number in a task that is not 0
+Value = float | list[float] | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProposedBounds:
+    """What [plant] would have to say over the tube, one number or one for each component; w_max None: the equations say nothing
+    of w. reason: why no task can say it; then `lines` is empty, else it is the whole table as a task file has it."""
+
+    f_max: Value = None
+    w_max: Value = None
+    g_min: Value = None
+    g_max: Value = None
+    g_cross: Value = None
+    reason: str = ""
+    lines: tuple[str, ...] = ()
+
+    def document(self) -> dict[str, Any]:
+        names = ("f_max", "w_max", "g_min", "g_max", "g_cross", "reason")
+        return {**{name: getattr(self, name) for name in names}, "toml": "\n".join(self.lines)}
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Over all windows, by component (n,), or as norms in one entry: |f + w|, g from below, g, and |g_ij| (n,)."""
+
+    push: list[float]
+    g_lower: list[float]
+    g_upper: list[float]
+    g_cross: list[float]
+
+
+def component_extremes(bounds: Sequence[Bounds]) -> Extremes:
+    """The worst of |f_i + w_i|, g_ii and |g_ij| over the windows."""
+    push, g_upper = (np.array([getattr(b, name) for b in bounds]).max(axis=0) for name in ("push", "most"))
+    g_lower = np.array([b.least for b in bounds]).min(axis=0)
+    g_cross = np.array([b.cross for b in bounds]).max(axis=(0, 2))
+    return Extremes(push.tolist(), g_lower.tolist(), g_upper.tolist(), g_cross.tolist())
+
+
+def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
+    """The worst of |f + w|, g_s and |g| over the windows; |g_ij| is in |g|."""
+    push, g_lower, g_upper = max(b.push_norm for b in bounds), min(b.definite for b in bounds), max(b.norm for b in bounds)
+    return Extremes([push], [g_lower], [g_upper], [0.0])
+
+
+def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
+    """Where a plant is outside what [plant] states: the number, and what is stated. Empty where it is covered. In norms where u
+    is scaled as a whole, else by component."""
+    extremes = norm_extremes if task.scales else component_extremes
+    worst, stated = extremes(bounds), extremes([bounds_of_task(task)])
+    g = "g" if task.gain[0] > 0 else "-g"
+    names = ("|f + w|", f"{g}_ii", f"{g}_ii", "|g_ij|")
+    if task.scales:
+        names = ("|f + w|", f"least eigenvalue of {g}_s", "|g|", "")
+    lines: list[str] = []
+    for i in range(len(worst.push)):
+        label = f" of {task.axis_words[i]}" if len(worst.push) > 1 else ""
+        for name, kind in zip(names, ("push", "g_lower", "g_upper", "g_cross"), strict=True):
+            value, limit = getattr(worst, kind)[i], getattr(stated, kind)[i]
+            if kind == "g_lower" and value < limit:
+                lines.append(f"{name}{label} falls to {_digits(value, below)}, {limit:.9g} is stated")
+            elif kind != "g_lower" and value > limit:
+                lines.append(f"{name}{label} reaches {_digits(value, above)}, {limit:.9g} is stated")
+    return lines
+
+
+def _digits(value: float, rounding: Callable[[Fraction, int], float]) -> str:
+    """As many digits, from four on, as tell it from a stated bound."""
+    return f"{rounding(Fraction(value), 9):.9g}" if math.isfinite(value) else "no known bound"
+
+
+def propose_bounds(task: Task, bounds: Sequence[Bounds], w: Fraction, opposite: Callable[[], Sequence[Bounds]]) -> ProposedBounds:
+    """[plant] for a plant with these bounds, window by window, of which |w| is at most `w`. opposite: the bounds of the plant
+    with -g, called where g does not do."""
+    worst = component_extremes(bounds)
+    if task.order == 1:  # one number each, good for statements in norms too
+        norms = norm_extremes(bounds)
+        push, g_lower = max(norms.push + worst.push), min(norms.g_lower + worst.g_lower)
+        worst = Extremes([push], [g_lower], [max(norms.g_upper + worst.g_upper)], [max(worst.g_cross)])
+    reason = _reason(task, worst, opposite)
+    if reason:
+        return ProposedBounds(reason=reason)
+    table = {
+        "f_max": [_stated_above(Fraction(v) - w) for v in worst.push],
+        "w_max": [_stated_above(w)] if w else [],
+        "g_min": [below(Fraction(v), 4) for v in worst.g_lower],
+        "g_max": [_stated_above(Fraction(v)) for v in worst.g_upper],
+        "g_cross": [_stated_above(Fraction(v)) for v in worst.g_cross],
+    }
+    outside = next((f"{k} would be {v:.4g}" for k, values in table.items() for v in values if v and not _is_number(v)), None)
+    if outside is not None:
+        return ProposedBounds(reason=f"{outside}, and a task takes 0 or numbers from 1e-9 to 1e9; rescale the units")
+    f_max, w_max, g_min, g_max, g_cross = (_joined(values) for values in table.values())
+    return ProposedBounds(f_max=f_max, w_max=w_max, g_min=g_min, g_max=g_max, g_cross=g_cross, lines=tuple(_lines(task, table)))
+
+
+def _stated_above(value: Fraction) -> float:
+    """Four digits, rounded up to a number that a task takes; 0 stays."""
+    return above(max(value, SMALLEST), 4) if value > 0 else 0.0
+
+
+def _is_number(value: float) -> bool:
+    return SMALLEST <= Fraction(f"{value:.9g}") <= LARGEST
+
+
+def _joined(values: list[float]) -> Value:
+    """One number where all agree, None where there is none."""
+    return None if not values else values[0] if len(set(values)) == 1 else values
+
+
+def _lines(task: Task, table: dict[str, list[float]]) -> Iterator[str]:
+    """The table as a file has it; what the equations do not say stays as the task has it."""
+    yield "[plant]"
+    if task.order == 2:
+        yield "order = 2"
+    for name, values in table.items():
+        if values:
+            yield f"{name} = {by_component(values)}"
+        elif (stated := getattr(task.plant, name)) is not None:
+            yield f"{name} = {by_component(stated if isinstance(stated, tuple) else (stated,))}"
+    for name in ("noise", "noise_v"):
+        if (error := getattr(task.plant, name)) is not None:
+            yield f"{name} = {decimal(error)}"
+
+
+def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]]) -> str:
+    """Why no [plant] can say it; empty where one can."""
+    for name, values in (("f", worst.push), ("g", [*worst.g_lower, *worst.g_upper, *worst.g_cross])):
+        if not all(map(math.isfinite, values)):
+            return f"no bound on {name} is known all over the tube"
+    if min(worst.g_lower) > 0:
+        return ""
+    positive = task.gain[0] > 0
+    g, sign = ("g", "negative") if positive else ("-g", "positive")
+    if task.order == 1:
+        quantity, turned = f"the least eigenvalue of {g}_s", min(b.definite for b in opposite())
+    else:
+        i = worst.g_lower.index(min(worst.g_lower))
+        quantity, turned = f"{g}_ii of {task.axis_words[i]}", min(float(b.least.min()) for b in opposite())
+    lowest = f"{below(Fraction(min(worst.g_lower)), 4):g}"
+    problem = f"{quantity} is only known to be at least {lowest}, and plant.g_min is greater than 0"
+    if turned > 0:
+        return f"{problem}; use a {sign} control.gain, with which [plant] bounds {'-g' if positive else 'g'}"
+    return problem

@@ -1,0 +1,6 @@
+"""What is wrong with a task, as one message each: fields that do not fit together, sets, missions, reserved words."""
+
+from stt_codegen.task.checks.field_checks import first_problem, structure_problem
+from stt_codegen.task.checks.schema_messages import explain
+
+__all__ = ["explain", "first_problem", "structure_problem"]

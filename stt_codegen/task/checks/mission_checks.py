@@ -1,0 +1,167 @@
+"""How regions and the entries of a mission must fit together. Each check returns the message, or None."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+
+from stt_codegen.decimals import decimal
+from stt_codegen.task.checks.set_checks import set_problem
+from stt_codegen.task.mission import FORMS, WORDS, Choice, Entry, regions_of, windows_of
+from stt_codegen.task.schema import TaskTables
+from stt_codegen.task.sets import Unsafe, UnsafePolytope, concave_problem
+
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+# Of a time: by how much a sum of it may be wrong.
+ROUNDED = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53), "fixed": Fraction(0)}
+LOST = 1000  # times that: of a period that is no longer the clock would be wrong by more than a thousandth
+MOST_REGIONS, MOST_ENTRIES = 400, 40
+CONVEX_PARTS = "give its convex parts as regions, and a region that is any_of of them"
+
+
+def mission_problem(task: TaskTables) -> str | None:
+    """The first thing wrong with the regions and the mission of a task."""
+    if len(task.region) > MOST_REGIONS or len(task.mission) > MOST_ENTRIES:
+        field, most = ("region", MOST_REGIONS) if len(task.region) > MOST_REGIONS else ("mission", MOST_ENTRIES)
+        return f"{field}: has {len(getattr(task, field))} entries; at most {most} are taken"
+    if task.region and not task.mission:
+        return "region: is only read by a mission; add [[mission]], or leave the regions out"
+    if task.repeat and (problem := _repeat_problem(task)):
+        return problem
+    if task.mission and not task.tube.capabilities.carries_out_missions:
+        return f"mission: is for the refined design; the {task.tube.design} one knows one target alone, leave the mission out"
+    known: dict[str, Unsafe | Choice] = {}
+    for j, one in enumerate(task.region):
+        if problem := _region_problem(task, one, known):
+            return f"region[{j}].{problem}"
+        known[one.name] = one
+    return next((f"mission[{k}]{p}" for k, e in enumerate(task.mission) if (p := _entry_problem(task, e, known))), None)
+
+
+def _repeat_problem(task: TaskTables) -> str | None:
+    """What does not go with a tube that never ends."""
+    if not task.mission:
+        return "repeat: is for missions; say by [[mission]] what is done for ever, as a patrol, or leave repeat out"
+    if task.target_set is not None:
+        return "target_set: is where a tube ends, and with repeat = true it does not; leave it out, or visit it as a region"
+    period, step = task.control.period, task.prescribed_time * ROUNDED[task.emit.scalar]
+    if period is not None and task.emit.tick_period is None and step * LOST > period:
+        told = (
+            f"{decimal(period)} s is lost where a {task.emit.scalar} adds it to a time of up to {decimal(task.prescribed_time)} s"
+        )
+        return f"control.period: {told}, for ever; count in ticks: give emit.tick_period"
+    for j, one in enumerate(task.unsafe):
+        for field in ("motion", "during", "timing", "spread"):
+            if getattr(one, field) is not None:
+                return f"unsafe[{j}].{field}: with repeat = true unsafe sets stand still and are always there; leave it out"
+    return None
+
+
+def _region_problem(task: TaskTables, one: Unsafe | Choice, known: dict[str, Unsafe | Choice]) -> str | None:
+    if "name" not in one.model_fields_set or not NAME.fullmatch(one.name) or one.name in (*WORDS, "inf"):
+        given = f"{one.name!r} is no name of a region" if one.name else "is missing"
+        return f"name: {given}; use a letter, then letters, digits or _, and none of {', '.join(WORDS)}, inf"
+    if one.name in known:
+        return f"name: {one.name!r} is already the name of region[{list(known).index(one.name)}]; names must differ"
+    if isinstance(one, Choice):
+        unknown = next((name for name in one.any_of if name not in known), None)
+        if unknown is not None or not one.any_of:
+            told = f"{unknown!r} is no region before this one" if one.any_of else "is empty"
+            return f"any_of: {told}; name some of {', '.join(known) or 'those that you add before it'}"
+        return None
+    for field in ("motion", "during", "timing", "spread"):
+        if getattr(one, field) is not None:
+            return f"{field}: is for unsafe sets; regions stand still and are always there, leave it out"
+    if problem := set_problem(task, one):
+        return problem
+    try:
+        one.within(task.state_space, task.own_axes(one))
+    except ValueError as error:
+        return str(error)
+    return None
+
+
+def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Choice]) -> str | None:
+    """A message that begins with ": " or with ".field: "."""
+    given = [name for name in Entry.model_fields if getattr(entry, name) is not None]
+    form = entry.form
+    if form is None:
+        forms = [name for name in FORMS if name in given]
+        told = f"has {' and '.join(forms)}" if forms else "says nothing"
+        return f": {told}; one of {', '.join(FORMS)} is needed"
+    extra = next((name for name in given if name != form and name not in FORMS[form]), None)
+    if extra is not None:
+        return f".{extra}: is not for {form}; leave it out" + (
+            f", beside it stand {', '.join(FORMS[form])}" if FORMS[form] else ""
+        )
+    if problem := _times_problem(task, entry):
+        return problem
+    try:
+        meaning = entry.meaning(task.prescribed_time, task.repeat)
+    except ValueError as error:
+        return f".formula: {error}"
+    for one in regions_of(meaning):
+        if one.region not in known:
+            field = next((n for n in ("visit", "then", "never", "before") if getattr(entry, n) == one.region), form)
+            return f".{field}: {one.region!r} is no region; known are {', '.join(known) or 'none, add [[region]]'}"
+        if not one.kept and (member := _without_half_spaces(known, one.region)):
+            return f".{form}: {member} can only be avoided, as every capsule; to be in, give any_of of balls, or vertices"
+        if not one.kept and (concave := _concave(known, one.region)):
+            return f".{form}: {concave}"
+    t_c = task.prescribed_time
+    windows = () if task.repeat or not entry.formula else windows_of(meaning)
+    late = next((w for w in windows if w.end is not None and w.end > t_c), None)
+    if late is not None:
+        told = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
+        return f".formula: {told}, from when on the tube stands; use at most that, or inf"
+    return None
+
+
+def _times_problem(task: TaskTables, entry: Entry) -> str | None:
+    t_c, window = task.prescribed_time, entry.between
+    if window is not None and not 0 <= window[0] <= window[1] <= t_c:
+        told = f"is [{decimal(window[0])}, {decimal(window[1])}]"
+        return f".between: {told}; from must not be after to, and both between 0 and prescribed_time = {decimal(t_c)}"
+    if entry.within is not None and entry.then is None:
+        return ".within: is about `then`; give it, or leave within out"
+    end = (window[0] if window else Fraction(0)) + (entry.stay or 0)
+    if end > t_c and not task.repeat:
+        return f".stay: lasts to {decimal(end)} s at the earliest, after prescribed_time = {decimal(t_c)}; shorten it"
+    if entry.patrol is not None:
+        if not entry.patrol:
+            return ".patrol: is empty; name the regions to be visited again and again"
+        if entry.every is None:
+            return ".every: is missing; give the seconds between two visits of one region, at most"
+        until = entry.until or t_c
+        if task.repeat and entry.every > t_c and entry.until is None:
+            told = f"is {decimal(entry.every)}, longer than prescribed_time = {decimal(t_c)}, by when the first cycle ends"
+            return f".every: {told}; use that or less"
+        if until > t_c:
+            return f".until: is {decimal(until)}, after prescribed_time = {decimal(t_c)}; use that or less"
+        if entry.every > until:
+            return f".every: is {decimal(entry.every)}, longer than the patrol, which ends at {decimal(until)}; use that or less"
+    return None
+
+
+def _members(known: dict[str, Unsafe | Choice], name: str) -> Iterator[Unsafe]:
+    """The region, or those that it is a choice of."""
+    region = known[name]
+    if isinstance(region, Choice):
+        for member in region.any_of:
+            yield from _members(known, member)
+    else:
+        yield region
+
+
+def _without_half_spaces(known: dict[str, Unsafe | Choice], name: str) -> str | None:
+    """The name of the region, or of one of its members, whose table tells no half-spaces within it to be in, as of a capsule."""
+    return next((member.name for member in _members(known, name) if not member.half_spaces()), None)
+
+
+def _concave(known: dict[str, Unsafe | Choice], name: str) -> str | None:
+    """What makes the region, or one of its members, none to be in: its hull may hold more than was meant."""
+    for member in _members(known, name):
+        if isinstance(member, UnsafePolytope) and (problem := concave_problem(member.vertices, CONVEX_PARTS)):
+            return f"region {member.name}, {problem}"
+    return None

@@ -1,0 +1,82 @@
+"""A rotated occupancy map as an upright one with cells of the same size, in which nothing is free that was not.
+
+An upright cell is free where every rotated cell that it may touch is free and on the map. So walls grow by up to a cell's
+diagonal, and none is lost, as thin ones are where each pixel takes the value of the nearest.
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from stt_codegen.decimals import decimal
+from stt_codegen.errors import BadInput
+from stt_codegen.task.map.map_yaml import read_header
+from stt_codegen.task.map.occupancy import MOST_CELLS, Cells, FreeRule, cells_of
+
+ROUNDING = 1e-6  # cells; doubles err by less than 1e-9 of one among at most 3 * 4096 a side
+FULL_TURN = 7  # radians, more than 2 pi
+FREE, UNKNOWN = 254, 205  # the greys of savers
+
+
+def upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -> dict[str, int]:
+    """Write `target` (.yaml) and the .png beside it; return how many cells are free now, and were before.
+
+    Raises `BadInput` where the map is not rotated, the upright one is too large, or a file of that name exists."""
+    from PIL import Image
+
+    header, image = read_header(path), target.with_suffix(".png")
+    if not header.yaw:
+        raise BadInput(f"{path}: origin: is not rotated; use it as it is")
+    if abs(header.yaw) > FULL_TURN:
+        raise BadInput(
+            f"{path}: origin: is rotated by {decimal(header.yaw)} rad, more than a full turn; give the angle in radians"
+        )
+    if target.suffix not in (".yaml", ".yml"):
+        raise BadInput(f"--upright: {target} does not end in .yaml; give the path of the upright map's .yaml")
+    present = next((file for file in (target, image) if file.exists()), None)
+    if present is not None:
+        raise BadInput(f"--upright: {present} exists; give another name")
+    chart = cells_of(header, free_rule)
+    first, unsafe = turned(chart.unsafe, float(header.yaw))
+    pixels = np.where(unsafe, UNKNOWN, FREE).astype(np.uint8)
+    origin = ", ".join(decimal(o + k * header.resolution) for o, k in zip(header.origin, first, strict=True))
+    lines = [f"image: {image.name}", f"resolution: {decimal(header.resolution)}", f"origin: [{origin}, 0.0]", "negate: 0"]
+    lines += ["mode: trinary", "occupied_thresh: 0.65", "free_thresh: 0.196"]
+    try:
+        Image.fromarray(np.ascontiguousarray(pixels.T[::-1])).save(image)
+        target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise BadInput(f"--upright: {target} cannot be written ({error.strerror})") from None
+    return {"free": int((~unsafe).sum()), "free_before": int((~chart.unsafe).sum())}
+
+
+def turned(unsafe: Cells, yaw: float) -> tuple[tuple[int, int], Cells]:
+    """The lower left cell, counted from the map's own corner, and the unsafe cells of the upright map. yaw: radians."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    corners = np.array([[x, y] for x in (0, unsafe.shape[0]) for y in (0, unsafe.shape[1])])
+    ends = corners @ np.array([[cos, sin], [-sin, cos]])
+    first, last = np.floor(ends.min(axis=0)).astype(int), np.ceil(ends.max(axis=0)).astype(int)
+    if (last - first).max() > MOST_CELLS:
+        width, height = last - first
+        raise BadInput(f"--upright: the upright map has {width} x {height} cells; at most {MOST_CELLS} a side are taken, cut it")
+    padded = np.pad(unsafe, 1, constant_values=True)  # nothing is known beyond the map
+    sums = np.pad(padded.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
+    half = (abs(cos) + abs(sin)) / 2 + ROUNDING  # of the box about an upright cell, in the map's own frame
+    upright = np.ones((last[0] - first[0], last[1] - first[1]), dtype=bool)
+    y = np.arange(first[1], last[1]) + 0.5
+    for column in range(upright.shape[0]):
+        x = first[0] + column + 0.5
+        middle = (cos * x + sin * y, cos * y - sin * x)
+        low, high = zip(*(_cells_between(m - half, m + half, n) for m, n in zip(middle, unsafe.shape, strict=True)), strict=True)
+        touched = sums[high[0], high[1]] - sums[low[0], high[1]] - sums[high[0], low[1]] + sums[low[0], low[1]]
+        upright[column] = touched > 0
+    return (int(first[0]), int(first[1])), upright
+
+
+def _cells_between(low: np.ndarray, high: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Indices into sums of padded cells, of which `count` are the map's: from, and up to but without."""
+    first = np.clip(np.floor(low).astype(int), -1, count) + 1
+    return first, np.clip(np.floor(high).astype(int), -1, count) + 2

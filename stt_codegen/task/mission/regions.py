@@ -1,0 +1,185 @@
+"""The mission of a task: named regions, and entries of which every one must hold. An entry is a formula (formulas.py), or one of
+the simple forms, which are short for one:
+
+    visit = "dock", between = [3, 5], stay = 2           eventually[3, 5] always[0, 2] dock
+      .. then = "exit", within = 4                       eventually[3, 5] (always[0, 2] dock and eventually[2, 6] exit)
+    never = "lab"                                        always not lab
+    never = "lab", before = "key"                        not lab until[0, t_c] key
+    patrol = ["dock", "left"], every = 8, until = 24     always[0, 16] eventually[0, 8] dock, and the same of left
+      .. without until, where the task repeats itself    always eventually[0, 8] dock
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from stt_codegen.task.mission.formulas import (
+    ZERO,
+    Always,
+    And,
+    Eventually,
+    Formula,
+    In,
+    Interval,
+    Or,
+    Until,
+    both,
+    either,
+    mapped,
+    parts_of,
+)
+from stt_codegen.task.mission.grammar import read
+from stt_codegen.task.sets import (
+    SET_TABLES,
+    OneOf,
+    Table,
+    Unsafe,
+    kind_of_set,
+)
+from stt_codegen.task.values import MAX_LABEL, Labels, NotNegative, Positive, Window
+
+FORMS = {  # what tells the form of an entry, and what may stand beside it
+    "visit": ("between", "stay", "then", "within"),
+    "never": ("before",),
+    "patrol": ("every", "until"),
+    "formula": (),
+}
+
+
+class Choice(Table):
+    """A region that is others together: in it is what is in their union."""
+
+    name: str = Field(default="", max_length=MAX_LABEL)
+    any_of: Labels = Field(description="names of regions, of which one is enough")
+
+
+def _kind_of_region(value: Any) -> str:
+    if isinstance(value, Choice) or (isinstance(value, dict) and "any_of" in value):
+        return "<Choice>"
+    return kind_of_set(value)
+
+
+AnyRegion = Annotated[Unsafe | Choice, OneOf((*SET_TABLES, Choice), _kind_of_region)]
+
+
+class Entry(Table):
+    """One thing that must hold: a visit, something never, a patrol, or a formula."""
+
+    visit: str | None = Field(default=None, description="a region to be in, at some time")
+    between: Window | None = Field(
+        default=None, description="[from, to], seconds: at some time of it the stay begins; absent: any time"
+    )
+    stay: NotNegative | None = Field(default=None, description="seconds that the visit lasts at least; absent: 0")
+    then: str | None = Field(default=None, description="a region to be in after the stay")
+    within: Positive | None = Field(default=None, description="seconds from the end of the stay to `then`, at most")
+    never: str | None = Field(default=None, description="a region to be out of")
+    before: str | None = Field(default=None, description="a region: once in it, `never` ends; it must be visited")
+    patrol: Labels | None = Field(default=None, description="regions to be in again and again")
+    every: Positive | None = Field(default=None, description="seconds between two visits of one of them, at most")
+    until: Positive | None = Field(default=None, description="seconds: when the patrol may end; absent: t_c, with `repeat` never")
+    formula: str | None = Field(default=None, description="a formula of signal temporal logic")
+
+    @property
+    def form(self) -> str | None:
+        """Which of the forms it is; None where it is none or several."""
+        given = [name for name in FORMS if getattr(self, name) is not None]
+        return given[0] if len(given) == 1 else None
+
+    def meaning(self, t_c: Fraction, repeats: bool = False) -> Formula:
+        """The entry as a formula, about regions by name. Raises `ValueError` where its text is none."""
+        if self.formula is not None:
+            return read(self.formula)
+        if self.visit is not None:
+            stay, first = self.stay or ZERO, Interval(*(self.between or (ZERO, t_c)))
+            here: Formula = Always(Interval(ZERO, stay), In(self.visit)) if stay else In(self.visit)
+            if self.then is not None:
+                gap = t_c if self.within is None else self.within
+                here = both(here, Eventually(Interval(stay, stay + gap), In(self.then)))
+            return Eventually(first, here)
+        if self.never is not None:
+            if self.before is None:
+                return Always(Interval(), In(self.never, True))
+            return Until(Interval(ZERO, t_c), In(self.never, True), In(self.before))
+        assert self.patrol is not None
+        assert self.every is not None
+        rounds, each = Interval(ZERO, (self.until or t_c) - self.every), Interval(ZERO, self.every)
+        if repeats and self.until is None:
+            rounds = Interval()
+        return both(*(Always(rounds, Eventually(each, In(name))) for name in self.patrol))
+
+    def title(self) -> str:
+        """The entry in a few words, for a sentence."""
+        if self.visit is not None:
+            return f"visit {self.visit}" + (f" then {self.then}" if self.then else "")
+        if self.never is not None:
+            return f"never {self.never}" + (f" before {self.before}" if self.before else "")
+        if self.patrol is not None:
+            return f"patrol {', '.join(self.patrol)}"
+        return str(self.formula)
+
+
+@dataclass(frozen=True)
+class State(Formula):
+    """A formula without time, told as one: of one region, or of boxes with "and" and "or", which is decided in every cell of the
+    grid that their edges make, so that a tube may lie in two boxes at once."""
+
+    inner: Formula
+
+    def __str__(self) -> str:
+        return str(self.inner)
+
+
+def expanded(formula: Formula, regions: Mapping[str, Unsafe | Choice]) -> Formula:
+    """The same formula with every choice told by its members."""
+
+    def leaf(one: In) -> Formula:
+        region = regions[one.region]
+        if not isinstance(region, Choice):
+            return one
+        return (both if one.kept else either)(*(mapped(In(name, one.kept), leaf) for name in region.any_of))
+
+    return mapped(formula, leaf)
+
+
+def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
+    """The same formula with a `State` for all that is told as one; boxes: the regions that are."""
+    match formula:
+        case In():
+            return State(formula)
+        case And(parts):
+            return And(tuple(with_states(p, boxes) for p in parts))
+        case Or(parts):
+            if _is_of(formula, boxes):
+                return State(formula)
+            return Or(tuple(with_states(p, boxes) for p in parts))
+        case Always(over, part):
+            return Always(over, with_states(part, boxes))
+        case Eventually(over, part):
+            return Eventually(over, with_states(part, boxes))
+        case Until(over, first, last):
+            return Until(over, with_states(first, boxes), with_states(last, boxes))
+    raise TypeError(formula)
+
+
+def _is_of(formula: Formula, boxes: frozenset[str]) -> bool:
+    """Whether it is a formula without time of these regions alone."""
+    if isinstance(formula, In):
+        return formula.region in boxes
+    return isinstance(formula, And | Or) and all(_is_of(p, boxes) for p in formula.parts)
+
+
+def states_of(formula: Formula) -> Iterator[State]:
+    """All `State`s of a formula, each once."""
+    return iter(dict.fromkeys(_states(formula)))
+
+
+def _states(formula: Formula) -> Iterator[State]:
+    if isinstance(formula, State):
+        yield formula
+    for part in parts_of(formula):
+        yield from _states(part)

@@ -1,0 +1,138 @@
+"""The arenas benchmark: the same results wherever it runs, sums that agree, arenas as they are described."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks.command_line import suites
+from benchmarks.suites.arenas import EVERYTHING, Job, Part, Result, run, spread, summary
+from benchmarks.suites.command import Arenas, parts_of
+from benchmarks.suites.families import FAMILIES, arena_task, cubes, feasible
+from benchmarks.suites.report import record, table
+from stt_codegen.errors import BadInput
+from tests.support.controllers import ROOT
+
+JOBS = [Job("paper", seed, "refined") for seed in (0, 25, 3)] + [Job("space3", 1, "refined"), Job("paper", 1, "adaptive")]
+
+
+def timeless(results: list[Result]) -> list[str]:
+    """Results without their times, in the order of the jobs; NaNs compare equal as text."""
+    plain = [dataclasses.replace(r, design_seconds=0.0, certificate_seconds=0.0) for r in results]
+    return sorted(repr(r) for r in plain)
+
+
+@pytest.mark.slow
+def test_processes_and_a_cluster_of_two_workers_give_the_same_results() -> None:
+    distributed = pytest.importorskip("distributed", reason="pip install stt-codegen[cluster]")
+    here = timeless(list(spread(run, JOBS, 1, None)))
+    assert timeless(list(spread(run, JOBS, 2, None))) == here
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+        assert timeless(list(spread(run, JOBS, 1, cluster.scheduler_address))) == here
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_not_there_is_one_message() -> None:
+    with pytest.raises(BadInput, match="no Dask scheduler answers there"):
+        list(spread(run, JOBS[:1], 1, "127.0.0.1:9"))
+
+
+def test_a_result_says_what_is_not_certified_and_why() -> None:
+    blocked, good = run(Job("paper", 25, "refined")), run(Job("paper", 0, "refined"))
+    assert not blocked.certified
+    assert not blocked.feasible
+    assert "min_width" in blocked.reason
+    assert good.certified
+    assert not good.reason
+    # the slowest tube is no faster than the shipped one, and neither is below what geometry allows but for the target's inset
+    assert 0.95 <= good.slowest <= good.speed * 1.0001
+    literal = run(Job("paper", 0, "literal"))
+    assert not literal.certified
+    assert {"P4", "P5"} <= set(literal.broken)
+
+
+def test_a_summary_counts_what_is_there() -> None:
+    results = [run(Job("paper", seed, "refined")) for seed in (24, 25, 26)]
+    s = summary(results)
+    assert (s.arenas, s.feasible, s.certified, s.certified_of_feasible) == (3, 2, 2, 2)
+    assert s.missed == ()
+    assert s.design_ms[0] == np.median([1e3 * r.design_seconds for r in results])
+
+
+def test_the_plan_has_every_family_and_the_stretch() -> None:
+    assert {p.family for p in EVERYTHING} == set(FAMILIES)
+    assert Part("paper", "refined", 500, 0.02, 0.04) in parts_of(Arenas())
+    assert parts_of(Arenas(["dense12"], ["refined"], 7)) == [Part("dense12", "refined", 7)]
+    with pytest.raises(BadInput, match="--family moon"):
+        parts_of(Arenas(["moon"]))
+
+
+def test_a_corridor_has_slabs_one_behind_the_other_and_always_a_way() -> None:
+    family = dataclasses.replace(FAMILIES["corridor"], count=40, length=24.0)
+    for seed in range(5):
+        boxes = cubes(family, seed)
+        assert (boxes[1:, 0, 0] > boxes[:-1, 0, 1]).all()
+        assert (boxes[:, 0, 0] >= 2.0).all()
+        assert (boxes[:, 0, 1] <= 22.0).all()
+        assert feasible(family, seed, 0.06)
+        task = arena_task(family, seed)
+        assert float(task.state_space.upper[0]) == 24.0
+        assert float(task.prescribed_time) == pytest.approx(9.0 * 24 / 5)
+
+
+def test_the_command_prints_a_table_or_one_document_and_records_its_section(tmp_path) -> None:
+    results = tmp_path / "RESULTS.md"
+    results.write_text("# Mine\n\n<!-- other -->\nkept\n<!-- end of other -->\n")
+    runner = CliRunner()
+    arguments = ["arenas", "--family", "paper", "--design", "refined", "--count", "3", "--processes", "1"]
+    out = runner.invoke(suites, [*arguments, "--record", str(results)])
+    assert out.exit_code == 0, out.output
+    assert "3 of 3" in out.output
+    runner.invoke(suites, [*arguments, "--record", str(results)])
+    text = results.read_text()
+    assert text.count("<!-- arenas -->") == text.count("<!-- end of arenas -->") == 1
+    assert "kept" in text
+    document = json.loads(runner.invoke(suites, [*arguments, "--json"]).stdout)
+    assert document["arenas"][0]["certified"] == 3
+
+
+def test_sections_are_replaced_and_columns_aligned(tmp_path) -> None:
+    path = tmp_path / "r.md"
+    for text in ("one", "two\nlines", "three"):
+        record(path, "a", text)
+        record(path, "b", "other")
+    assert path.read_text().count("three") == 1
+    assert "two" not in path.read_text()
+    lines = table(["x", "long heading"], [["1", "2"], ["333", "4"]]).splitlines()
+    assert len({len(line) for line in lines}) == 1
+
+
+@pytest.mark.parametrize("given", [("arenas", "--policies", "x"), ("loop", "--policies", "x"), ("missions", "--limit", "1")])
+def test_an_option_of_the_peers_is_refused_without_them(given: tuple[str, ...]) -> None:
+    result = CliRunner().invoke(suites, [*given])
+    assert isinstance(result.exception, BadInput)
+    assert f"{given[1]}: is for --peers" in str(result.exception)
+
+
+def test_benchmarks_are_listed_and_asking_for_help_runs_none() -> None:
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, "-m", "benchmarks", *arguments]
+        return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)
+
+    listed = run()
+    assert listed.returncode == 0
+    names = {line for line in listed.stdout.splitlines() if not line.startswith(" ")}
+    assert {"arenas", "mcu", "mutations", "tubes", "integration"} <= names
+    assert not names & {"command_line", "bodies", "__init__"}
+    unknown = run("nothing")
+    assert (unknown.returncode, unknown.stderr) == (2, "benchmarks: nothing is none of these\n")
+    assert set(unknown.stdout.splitlines()) == set(listed.stdout.splitlines())
+    for name in ("ends", "lemma_mutants"):  # without a parser of their own
+        helped = run(name, "--help")
+        assert (helped.returncode, f"python -m benchmarks {name}" in helped.stdout) == (0, True)

@@ -1,0 +1,177 @@
+"""The command line: exit codes, one message, one JSON document, and quick help."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.command_line import CommandResult, run_command
+from tests.support.controllers import ROOT
+
+TASK = str(ROOT / "tasks" / "omni_s1.toml")
+
+
+def test_help_imports_none_of_the_heavy_packages() -> None:
+    """Help within 0.3 s is a matter of imports, which is what can be tested exactly."""
+    code = (
+        "import sys; sys.argv = ['stt-codegen', '--help']\n"
+        "from stt_codegen.cli.main import main\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        "heavy = {'casadi', 'numpy', 'matplotlib', 'highspy', 'sympy', 'control', 'pydantic', 'jinja2', 'scipy'}\n"
+        "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    for command in ("design", "generate", "check", "certify", "theorem", "compare", "schema"):
+        assert command in result.stdout
+
+
+def one_message(result: CommandResult) -> str:
+    """The one line of a refusal; a word of patience may stand before it where a machine is slow."""
+    lines = [line for line in result.stderr.splitlines() if line and not re.fullmatch(r"  \w+ .*: \d+ s \.\.\.", line)]
+    assert len(lines) == 1, result.stderr
+    assert lines[0].startswith("stt-codegen: ")
+    assert "Traceback" not in result.stderr
+    assert result.stdout == ""
+    return lines[0]
+
+
+@pytest.mark.parametrize("command", ["design", "generate", "compare"])
+def test_bad_input_is_exit_code_2_and_one_line(command: str, tmp_path) -> None:
+    result = run_command(command, "none.toml", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "none.toml: cannot be read" in one_message(result)
+    (tmp_path / "odd.toml").write_text('name = "odd"\nprescribed_time = [')
+    result = run_command(command, "odd.toml", cwd=tmp_path)
+    assert result.returncode == 2
+    assert "line 2" in one_message(result)
+    assert [p.name for p in tmp_path.iterdir()] == ["odd.toml"]
+
+
+@pytest.mark.parametrize("command", ["design", "generate", "compare"])
+def test_an_infeasible_task_is_exit_code_3_and_nothing_is_written(command: str, tmp_path) -> None:
+    wall = '\n[[unsafe]]\nname = "wall"\nlower = [2.0, 0.0]\nupper = [2.5, 3.0]\n'
+    (tmp_path / "walled.toml").write_text((ROOT / "tasks" / "empty.toml").read_text() + wall)
+    result = run_command(command, "walled.toml", cwd=tmp_path)
+    assert result.returncode == 3
+    assert "avoid (P4)" in one_message(result)
+    assert [p.name for p in tmp_path.iterdir()] == ["walled.toml"]
+
+
+def test_without_a_compiler_compare_is_exit_code_4() -> None:
+    result = run_command("compare", TASK, "--points", "10", env={"PATH": "/nonexistent", "CC": ""})
+    assert result.returncode == 4
+    assert "install gcc or clang" in result.stderr.splitlines()[-1]
+
+
+def test_an_unknown_option_is_exit_code_2() -> None:
+    assert run_command("design", TASK, "--colour").returncode == 2
+    assert run_command("generate", TASK, "--scalar", "half").returncode == 2
+    assert run_command("generate", TASK, "--out", "a", "--record", "b").returncode == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("desing",), "desing"),
+        (("simulate", TASK, "--w-max", "-1"), "--w-max"),
+        (("certify", TASK, "nowhere.c", "nowhere.json"), "nowhere.c cannot be read"),
+        (("certify", TASK, TASK, TASK), "give task, C file, certificate"),
+        (("simulate", TASK, "--design", "literal"), TASK),
+        (("design", TASK, "--design", "literal"), TASK),
+        (("check", "nowhere"), "nowhere"),
+    ],
+)
+def test_what_cannot_be_done_is_said_in_the_json_document_too(arguments: tuple[str, ...], told: str) -> None:
+    result = run_command(*arguments, "--json")
+    document = json.loads(result.stdout)
+    assert document["exit_code"] == result.returncode in (2, 3)
+    assert told in document["error"]
+
+
+@pytest.mark.slow
+def test_a_reader_who_has_seen_enough_is_no_error() -> None:
+    """The pipe is closed before anything is written: what comes out at once, and what comes while a command runs."""
+    for arguments in (("schema",), ("--help",), ("design", TASK), ("check", "generated")):
+        reader, writer = os.pipe()
+        os.close(reader)
+        command = [sys.executable, "-u", "-m", "stt_codegen.cli", *arguments]
+        try:
+            result = subprocess.run(command, cwd=ROOT, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+        finally:
+            os.close(writer)
+        beside = [line for line in result.stderr.splitlines() if not line.endswith(" s ...")]  # but for how long it takes
+        assert (result.returncode, beside) == (0, []), arguments
+
+
+def test_compare_says_in_one_line_that_all_agree_and_the_rest_when_asked() -> None:
+    lines = run_command("compare", TASK, "--points", "50").stdout.splitlines()
+    assert len(lines) == 1
+    assert all(backend in lines[0] for backend in ("CasADi", "Python", "C double", "C float"))
+    assert len(run_command("compare", TASK, "--points", "50", "--verbose").stdout.splitlines()) > 8
+
+
+def test_a_defect_of_ours_is_exit_code_5_without_a_traceback(monkeypatch, capsys) -> None:
+    from stt_codegen.cli import main as cli
+
+    def broken(*_: object) -> None:
+        raise RuntimeError("boom")
+
+    monkeypatch.setattr(cli, "_exit_code", broken)
+    monkeypatch.delenv("STT_CODEGEN_DEBUG", raising=False)
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    assert caught.value.code == 5
+    assert "internal error: RuntimeError: boom" in capsys.readouterr().err
+
+
+def test_every_command_speaks_one_json_document(tmp_path) -> None:
+    report = json.loads(run_command("design", TASK, "--json").stdout)
+    assert report["certified"] is True
+    assert [p["property"] for p in report["properties"]] == ["P1", "P2", "P2", "P3", "P4", "P5", "P6", "P7"]
+    assert report["cost"]["table_bytes"] == (35 * 2 * 2 + 2 * 2) * 4  # control points, and the bounds of starts
+    written = json.loads(run_command("generate", TASK, "--out", str(tmp_path), "--json").stdout)["written"][0]
+    assert sorted(written["files"]) == sorted(p.name for p in tmp_path.iterdir())
+    rows = json.loads(run_command("compare", TASK, "--points", "50", "--json").stdout)
+    assert rows["within_bounds"] is True
+    assert json.loads(run_command("schema").stdout)["title"] == "stt_codegen task"
+    run_command("generate", TASK, "--record", str(tmp_path / "kept"))
+    checked = json.loads(run_command("check", str(tmp_path / "kept"), "--json").stdout)
+    assert checked["differences"] == []
+
+
+def test_design_shows_the_tube_and_draws_it(tmp_path) -> None:
+    result = run_command("design", TASK, "--picture", str(tmp_path / "new"))
+    assert result.returncode == 0
+    assert re.search(r"least width 0\.\d+", result.stdout)
+    assert "one control step: " in result.stdout
+    assert (tmp_path / "new" / "omni_s1.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_uncertified_flag_does_not_unsay_a_certificate_that_holds(tmp_path) -> None:
+    result = run_command("generate", TASK, "--uncertified", "--out", str(tmp_path))
+    assert result.returncode == 0
+    assert b"NOT CERTIFIED" not in (tmp_path / "omni_s1.c").read_bytes()
+
+
+def test_a_start_that_is_not_covered_is_told_by_axis_and_amount(tmp_path: Path) -> None:
+    """The post is 0.02 beside the initial set and the clearance is 0.05, so the rim is 0.03 and what the grid rounds by."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    head = text[: text.index("[state_space]")]
+    near = (
+        head + "[state_space]\nlower = [0, 0]\nupper = [4, 3]\n[initial_set]\nlower = [0, 0]\nupper = [1, 1]\n"
+        "[target_set]\nlower = [3, 2]\nupper = [4, 3]\n"
+        '[[unsafe]]\nname = "post"\nlower = [1.02, 0.2]\nupper = [1.5, 0.8]\n[tube]\nclearance = 0.05\n'
+    )
+    (tmp_path / "near.toml").write_text(near)
+    result = run_command("design", str(tmp_path / "near.toml"), "--json")
+    left_out = json.loads(result.stdout)["start_left_out"]
+    assert 0.03 <= left_out[0] < 0.0301
+    shown = run_command("design", str(tmp_path / "near.toml")).stdout
+    assert f"up to {left_out[0]:.3g} in x1" in shown

@@ -1,0 +1,653 @@
+"""Missions: formulas, the algebra of their monitor, unions of boxes, tubes that carry them out, and the checker."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import sys
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import cache
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from benchmarks.mission_mutants import judged
+from benchmarks.suites.scenarios import FAMILIES, random_mission
+from stt_codegen.certify import checker
+from stt_codegen.certify.missions.schedule import phases, sentence, served
+from stt_codegen.certify.monitor import holds, satisfied
+from stt_codegen.constraints import mission_rows
+from stt_codegen.designs.refined import RefinedDesign
+from stt_codegen.errors import BadInput, NotCertified
+from stt_codegen.loop.command import with_gain
+from stt_codegen.loop.simulate import Loop, Scenario
+from stt_codegen.pipeline import Controller, build, build_task, certify, render_files
+from stt_codegen.plants import plant_of
+from stt_codegen.task.load import parse_task
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated
+from stt_codegen.task.mission.grammar import read
+from stt_codegen.task.mission.regions import State, states_of, with_states
+from tests.benchmarks.test_peers import needs
+from tests.support.controllers import ROOT, built
+
+NAMES = ("a", "b", "c")
+LAST = 12  # seconds after which nothing changes; every number here is whole
+GRID = 2 * LAST + 1  # the whole seconds, and what lies between two of them
+Signal = Mapping[str, np.ndarray[Any, Any]]  # by region, whether the state is in it at each place of the grid
+
+COURIER = """
+name = "courier"
+prescribed_time = 24
+initial_state = [0.5, 0.5]
+state_space = { lower = [0, 0], upper = [8, 6] }
+initial_set = { lower = [0.1, 0.1], upper = [0.9, 0.9] }
+target_set = { lower = [6.5, 4.5], upper = [7.8, 5.8] }
+unsafe = [{ name = "shelf", lower = [3, 1], upper = [4, 4] }]
+region = [
+  { name = "dock", lower = [1, 4.5], upper = [2.2, 5.7] },
+  { name = "left", lower = [4.5, 0.3], upper = [5.5, 1.3] },
+  { name = "right", lower = [6.5, 0.3], upper = [7.5, 1.3] },
+  { name = "exit", any_of = ["left", "right"] },
+  { name = "lab", centre = [2.5, 2.6], radius = 0.4 },
+]
+mission = [
+  { visit = "dock", between = [4, 9], stay = 2, then = "exit", within = 8 },
+  { never = "lab", before = "dock" },
+]
+"""
+
+
+@cache
+def the_courier() -> Controller:
+    return built(parse_task(COURIER))
+
+
+# --------------------------------------------------------------------------------------------------- formulas
+
+
+def windows() -> Any:
+    return st.tuples(st.integers(0, 4), st.integers(0, 4)).map(lambda v: Interval(Fraction(min(v)), Fraction(max(v))))
+
+
+def formulas(depth: int = 3) -> Any:
+    leaves = st.builds(In, st.sampled_from(NAMES), st.booleans())
+    return st.recursive(
+        leaves,
+        lambda inner: st.one_of(
+            st.builds(both, inner, inner),
+            st.builds(either, inner, inner),
+            st.builds(Always, windows(), inner),
+            st.builds(Eventually, windows(), inner),
+            st.builds(Until, windows(), inner, inner),
+        ),
+        max_leaves=depth + 1,
+    )
+
+
+def truth(formula: Formula, signal: Signal) -> np.ndarray[Any, Any]:
+    """Whether a formula holds at each place of the grid: by its definition, moment by moment. Windows are whole, so between two
+    whole seconds nothing differs; after the last place all is as there."""
+    at = np.arange(GRID)
+
+    def reach(t: int, over: Interval) -> range:
+        assert over.end is not None
+        return range(t + 2 * int(over.begin), t + 2 * int(over.end) + 1)
+
+    match formula:
+        case State(inner):
+            return truth(inner, signal)
+        case In(region, kept):
+            return signal[region] != kept
+        case And(parts):
+            return np.all([truth(p, signal) for p in parts], axis=0)
+        case Or(parts):
+            return np.any([truth(p, signal) for p in parts], axis=0)
+    if isinstance(formula, Always | Eventually):
+        inner = truth(formula.part, signal)
+        reached = [[bool(inner[min(s, GRID - 1)]) for s in reach(t, formula.over)] for t in at]
+        return np.array([(all if isinstance(formula, Always) else any)(found) for found in reached])
+    assert isinstance(formula, Until)
+    first, last = truth(formula.first, signal), truth(formula.last, signal)
+    return np.array(
+        [
+            any(last[min(s, GRID - 1)] and all(first[min(r, GRID - 1)] for r in range(t, s + 1)) for s in reach(t, formula.over))
+            for t in at
+        ]
+    )
+
+
+def signals() -> Any:
+    """Sets of closed intervals: what is true between two whole seconds is true at both."""
+
+    def closed(bits: list[bool]) -> np.ndarray[Any, Any]:
+        found = np.array(bits, dtype=bool)
+        found[0::2][:-1] |= found[1::2]
+        found[0::2][1:] |= found[1::2]
+        return found
+
+    return st.lists(st.booleans(), min_size=GRID, max_size=GRID).map(closed)
+
+
+@given(formulas())
+def test_a_formula_is_read_as_it_is_written(formula: Formula) -> None:
+    assert read(str(formula)) == formula
+
+
+@given(formulas(), st.fixed_dictionaries({name: st.lists(st.booleans(), min_size=GRID, max_size=GRID) for name in NAMES}))
+@settings(max_examples=150, deadline=None)
+def test_a_formula_and_its_negation_never_hold_together(formula: Formula, bits: dict[str, list[bool]]) -> None:
+    signal = {name: np.array(v) for name, v in bits.items()}
+    assert not (truth(formula, signal) & truth(negated(formula), signal)).any()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("always[0,3) a", "']' is needed"),
+        ("a b", "the end"),
+        ("", "ends where a region"),
+        ("eventually[2,1] a", "from must not be after to"),
+        ("a & b", "no word of a formula"),
+        ("not until a", "a region"),
+        ("always[0, x] a", "a number of seconds"),
+        ("(" * 60 + "a" + ")" * 60, "nested more than"),
+    ],
+)
+def test_what_is_no_formula_is_told(text: str, told: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(told)):
+        read(text)
+
+
+# --------------------------------------------------------------------------------------------------- the monitor
+
+
+def spans(bits: np.ndarray[Any, Any]) -> list[tuple[Any, Any]]:
+    """The closed intervals of a signal, in seconds; what is true at an end is so for ever."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], bits, [False]]).astype(int)))
+    found = []
+    for a, b in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
+        if a % 2 == 0 and b % 2 == 0:
+            found.append((-float("inf") if a == 0 else Fraction(a, 2), float("inf") if b == GRID - 1 else Fraction(b, 2)))
+    return found
+
+
+def proved_of(formula: Formula, signal: Signal) -> dict[State, list[tuple[Any, Any]]]:
+    """What can be proved of each state: closed intervals on which it holds."""
+    found = {}
+    for state in states_of(formula):
+        bits = truth(state.inner, signal)
+        for k in range(1, GRID - 1, 2):  # of what is open only its closed parts
+            bits[k] &= bits[k - 1] and bits[k + 1]
+        found[state] = spans(bits)
+    return found
+
+
+@given(formulas(4), st.fixed_dictionaries({name: signals() for name in NAMES}))
+@settings(max_examples=300, deadline=None)
+def test_what_the_algebra_says_holds_does(formula: Formula, signal: Signal) -> None:
+    stated = with_states(formula, frozenset(NAMES))
+    at_once = satisfied(stated, proved_of(stated, signal))
+    told = truth(formula, signal)
+    for k in range(GRID):
+        if any(a <= Fraction(k, 2) <= b for a, b in at_once):
+            assert told[k], (str(formula), k)
+
+
+@given(formulas(3), st.fixed_dictionaries({name: signals() for name in NAMES}))
+@settings(max_examples=300, deadline=None)
+def test_of_closed_sets_it_says_all_that_holds(formula: Formula, signal: Signal) -> None:
+    """Without "not" every set is closed, and nothing is lost where each state has its own intervals."""
+    from stt_codegen.task.mission.formulas import mapped
+
+    plain = mapped(formula, lambda one: In(one.region))
+    stated = with_states(plain, frozenset())
+    at_once = satisfied(stated, proved_of(stated, signal))
+    told = truth(plain, signal)
+    for k in range(0, GRID, 2):
+        assert any(a <= Fraction(k, 2) <= b for a, b in at_once) == told[k], (str(plain), k)
+
+
+@given(formulas(3), st.fixed_dictionaries({name: signals() for name in NAMES}), st.integers(-2, 2))
+@settings(max_examples=200, deadline=None)
+def test_the_margin_in_time_covers_a_clock_that_is_off(formula: Formula, signal: Signal, off: int) -> None:
+    stated = with_states(formula, frozenset(NAMES))
+    proved = proved_of(stated, signal)
+    if holds(stated, proved, Fraction(2)):
+        moved = {s: [(a + off, b + off) for a, b in found] for s, found in proved.items()}
+        assert holds(stated, moved)
+
+
+# --------------------------------------------------------------------------------------------------- unions
+
+
+@given(st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(data: Any) -> None:
+    boxes = {}
+    for name in NAMES:
+        low = [data.draw(st.integers(0, 6)) for _ in range(2)]
+        boxes[name] = (low, [v + data.draw(st.integers(1, 4)) for v in low])
+    regions = ", ".join(f'{{ name = "{k}", lower = {a}, upper = {b} }}' for k, (a, b) in boxes.items())
+    formula = data.draw(st.sampled_from(["a or b", "a or b or c", "a or not b", "a and b or c", "not a or not b"]))
+    head = COURIER[: COURIER.index("unsafe")].replace("upper = [8, 6]", "upper = [12, 12]")
+    task = parse_task(f'{head}region = [{regions}]\nmission = [{{ formula = "{formula}" }}]\n[tube]\nclearance = 0\n')
+    sets = [one for state in states_of(task.formula) for one in mission_rows(task, state)]  # type: ignore[arg-type]
+    parts = {str(s): [one for one in sets if one.name == str(s)] for s in states_of(task.formula)}  # type: ignore[arg-type]
+    low = [data.draw(st.integers(0, 9)) + 0.25 for _ in range(2)]
+    high = [v + data.draw(st.integers(0, 3)) + 0.5 for v in low]
+    kept = {
+        name: all(
+            any(
+                sum(c * (high if side else low)[i] for i, side, c in row.terms) >= float(row.bound + row.keep) for row in one.rows
+            )
+            for one in found
+        )
+        for name, found in parts.items()
+    }
+    (kept_all,) = kept.values()
+    steps = [np.arange(a + 0.125, b, 0.25) for a, b in zip(low, high, strict=True)]
+
+    def inside(name: str, x: tuple[float, ...]) -> bool:
+        return all(a < v < b for a, v, b in zip(boxes[name][0], x, boxes[name][1], strict=True))
+
+    def true(f: Formula, x: tuple[float, ...]) -> bool:
+        match f:
+            case In(region, out):
+                return inside(region, x) != out
+            case And(parts):
+                return all(true(p, x) for p in parts)
+            case Or(parts):
+                return any(true(p, x) for p in parts)
+        raise AssertionError(f)
+
+    assert kept_all == all(true(read(formula), x) for x in product(*steps))
+
+
+# --------------------------------------------------------------------------------------------------- tubes
+
+
+def checked(controller: Controller, text: str, folder: Path) -> int:
+    for name, data in controller.files.items():
+        (folder / name).write_bytes(data)
+    (folder / "task.toml").write_text(text)
+    name = controller.task.name
+    return checker.main([str(folder / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
+
+
+def kept_by(controller: Controller, t: float, x: np.ndarray[Any, Any]) -> dict[str, bool]:
+    """In which regions a point is."""
+    found = {}
+    for name, region in controller.task.regions.items():
+        if hasattr(region, "any_of"):
+            continue
+        if hasattr(region, "vertices"):
+            faces = [([float(c) for c in n], float(h)) for n, h in region.half_spaces()]
+            found[name] = all(float(np.dot(n, x)) <= h for n, h in faces)
+        elif hasattr(region, "radius"):
+            found[name] = bool(np.hypot(*(x - [float(v) for v in region.centre])) <= float(region.radius))
+        else:
+            low, high = ([float(v) for v in e] for e in (region.lower, region.upper))  # type: ignore[union-attr]
+            found[name] = all(a <= v <= b for a, v, b in zip(low, x, high, strict=True))
+    return found
+
+
+def test_a_courier_is_certified_checked_and_told_of(tmp_path: Path, capsys: Any) -> None:
+    controller = the_courier()
+    assert checked(controller, COURIER, tmp_path) == 0
+    assert "P10" in capsys.readouterr().out
+    shown = controller.certificate.mission
+    assert shown is not None
+    (visit, choice), (key,) = shown.witnesses
+    assert (str(visit.state), str(choice.state), str(key.state)) in {
+        ("dock", "left", "dock"), ("dock", "right", "dock"), ("dock", "(left or right)", "dock"),
+    }  # fmt: skip
+    assert 4 <= visit.begin <= 9
+    assert visit.end - visit.begin >= 2
+
+    times = np.linspace(float(visit.begin), float(visit.end), 50)
+    low, high = controller.design.edges_at(times)
+    assert (low >= [1, 4.5]).all()
+    assert (high <= [2.2, 5.7]).all()
+    until = np.linspace(0, float(key.begin), 200)
+    low, high = controller.design.edges_at(until)
+    nearest = np.clip([2.5, 2.6], low, high)
+    assert (np.hypot(*(nearest - [2.5, 2.6]).T) >= 0.4).all()
+
+
+def test_the_page_shows_what_design_prints(tmp_path: Path) -> None:
+    controller = build(ROOT / "tasks" / "courier.toml")
+    shown = controller.certificate.mission
+    assert shown is not None
+    page = (ROOT / "docs" / "missions.md").read_text()
+    for one in served(controller.task, shown):
+        assert f"    mission {one.entry}, {sentence(one)}\n" in page
+
+
+def test_phases_follow_the_visits() -> None:
+    controller = the_courier()
+    found = phases(controller.task, controller.certificate.mission)  # type: ignore[arg-type]
+    assert [k for _, k in found] == [1]
+    module: dict[str, Any] = {}
+    exec(controller.files["courier.py"].decode(), module)
+    (end, _) = found[-1]
+    assert module["phase"](0.0) == 1
+    assert module["phase"](float(end) - 0.01) == 1
+    assert module["phase"](float(end) + 0.01) == 0
+    assert "int courier_phase(courier_real t);" in controller.files["courier.h"].decode()
+    assert b"phase" not in controller.files["courier.c"]
+
+
+@pytest.mark.parametrize("name", [s.name for family in FAMILIES.values() for s in family() if not s.closed])
+def test_the_scenarios_are_carried_out(name: str, tmp_path: Path) -> None:
+    (scenario,) = (s for family in FAMILIES.values() for s in family() if s.name == name)
+    assert checked(built(parse_task(scenario.text)), scenario.text, tmp_path) == 0
+
+
+@pytest.mark.parametrize("n", [2, 3])
+def test_random_missions_are_carried_out_by_every_trajectory(n: int, tmp_path: Path) -> None:
+    """Trajectories between random corners of the tube, judged at many moments by the definition."""
+
+    for seed in range(3):
+        text = random_mission(seed, n, 6)
+        controller = built(parse_task(text))
+        assert checked(controller, text, tmp_path) == 0
+        task, draw = controller.task, np.random.default_rng(seed)
+        t = np.linspace(0, float(task.prescribed_time), 3001)
+        low, high = controller.design.edges_at(t)
+        for _ in range(4):
+            mix = np.interp(t, np.linspace(0, t[-1], 40), draw.integers(0, 2, 40))[:, None]
+            inside = [kept_by(controller, 0.0, x) for x in low + mix * (high - low)]
+            at = {name: np.array([one[name] for one in inside]) for name in inside[0]}
+            at["either"] = at["r2"] | at["r5"]
+            for entry in task.mission:
+                if entry.visit is not None:
+                    begin, end = entry.between or (0, task.prescribed_time)
+                    window = (t >= float(begin)) & (t <= float(end))
+                    stay = float(entry.stay or 0)
+                    good = [at[entry.visit][(t >= s) & (t <= s + stay)].all() for s in t[window & at[entry.visit]]]
+                    assert any(good), (seed, entry.visit)
+                if entry.never is not None and entry.before is not None:
+                    assert at[entry.before].any()
+                    reached = int(np.argmax(at[entry.before]))
+                    assert not at[entry.never][: reached + 1].any()
+
+
+def test_stones_that_are_not_joined_are_refused_and_why() -> None:
+    (scenario,) = (s for s in FAMILIES["stlpy"]() if s.closed)
+    with pytest.raises(NotCertified, match=r"mission \(P10\): no order .* without mission\[0\]"):
+        built(parse_task(scenario.text))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("lower = [1, 4.5]", "lower = [1, 5.695]"), r"no place was found in dock"),
+        (('before = "dock"', 'before = "lab"'), r"without mission\[1\] \(never lab before lab\)"),
+        (
+            ('name = "shelf", lower = [3, 1], upper = [4, 4]', 'name = "shelf", lower = [3, 0], upper = [4, 6]'),
+            r"without|no order",
+        ),
+    ],
+)
+def test_a_refusal_names_what_is_in_the_way(change: tuple[str, str], told: str) -> None:
+    with pytest.raises(NotCertified, match=told):
+        built(parse_task(COURIER.replace(*change)))
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (('visit = "dock"', 'visit = "dok"'), "mission[0].visit: 'dok' is no region"),
+        (("between = [4, 9]", "between = [9, 4]"), "mission[0].between: is [9, 4]"),
+        (("stay = 2", "stay = 30"), "mission[0].stay: lasts to 34 s"),
+        (('never = "lab", ', ""), "mission[1]: says nothing"),
+        (('never = "lab"', 'never = "lab", visit = "dock"'), "mission[1]: has visit and never"),
+        (('before = "dock"', "every = 3"), "mission[1].every: is not for never"),
+        (('any_of = ["left", "right"]', 'any_of = ["left", "up"]'), "region[3].any_of: 'up' is no region before"),
+        (('name = "dock"', 'name = "the dock"'), "region[0].name"),
+        (('name = "right"', 'name = "left"'), "region[2].name: 'left' is already"),
+        (
+            ('{ never = "lab", before = "dock" }', '{ formula = "always[0, 30] not lab" }'),
+            "mission[1].formula: the window [0, 30]",
+        ),
+        (('{ never = "lab", before = "dock" }', '{ formula = "always not lab)" }'), "mission[1].formula: has ')'"),
+        (('{ never = "lab", before = "dock" }', '{ patrol = ["dock"] }'), "mission[1].every: is missing"),
+        (
+            ("centre = [2.5, 2.6], radius = 0.4", "centre = [2.5, 2.6], radius = 0.4, motion = [{ at = 0, by = [0, 0] }]"),
+            "region[4].motion",
+        ),
+    ],
+)
+def test_what_does_not_fit_together_is_one_message(change: tuple[str, str], told: str) -> None:
+    with pytest.raises(BadInput, match=re.escape(told)):
+        parse_task(COURIER.replace(*change))
+
+
+def test_a_capsule_can_be_kept_off_alone() -> None:
+    text = COURIER.replace("centre = [2.5, 2.6]", "segment = [[2, 2], [2.8, 2.8]]")
+    assert built(parse_task(text)).certificate.holds
+    with pytest.raises(BadInput, match=r"mission\[0\].visit: lab can only be avoided"):
+        parse_task(text.replace('visit = "dock"', 'visit = "lab"'))
+
+
+@given(data=st.data())
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_what_the_tool_certifies_the_checker_confirms(data: Any, tmp_path: Path) -> None:
+    """Random formulas about the courier's regions, of its tube: boxes, a ball, a choice, nested as it comes."""
+    courier = the_courier()
+    names = {"a": "exit", "b": "dock", "c": "lab"}
+    formula = re.sub(r"\b[abc]\b", lambda m: names[m.group()], str(data.draw(formulas(4))))
+    text = COURIER[: COURIER.index("mission = [")] + f'mission = [{{ formula = "{formula}" }}]\n'
+    controller = build_task(parse_task(text), True, courier.design)
+    answer = checked(controller, text, tmp_path)
+    assert (answer == 0) == controller.certificate.holds, formula
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        'formula = "eventually[3, 6] (home or dock or lab)"', 'formula = "eventually[3, 9] (lab or (left and eventually[0, 4] right) or right or left)"',
+        'visit = "exit", between = [3, 5.3999999999999995]', 'formula = "dock or not dock"', 'formula = "eventually[3, 5] not lab"',
+        'visit = "home", between = [0, 3]', 'formula = "always[0, 5] home"', 'formula = "always not lab"', 'visit = "dock", between = [24, 24]',
+        'visit = "dock", between = [22, 24], stay = 2', 'formula = "always[23.98, 24] dock"', 'formula = "always (not lab until[0, 14] dock)"',
+        'formula = "eventually[2, 9] always[0.005, 3] dock"', 'formula = "always[0, 4] eventually[5, 5] dock"', 'formula = "eventually always dock"',
+        'formula = "always[3, 5] dock or always[10, 12] left"', 'formula = "not (dock until[1, 4] left)"', 'patrol = ["dock", "left"], every = 12',
+    ],
+)  # fmt: skip
+def test_windows_at_their_ends_and_formulas_of_many_kinds_have_a_tube(entry: str, tmp_path: Path) -> None:
+    text = COURIER[: COURIER.index("mission = [")].replace(
+        "region = [", 'region = [ { name = "home", lower = [0, 0], upper = [1, 1] },'
+    )
+    text = "\n".join(line for line in text.splitlines() if not line.startswith("target_set")) + f"\nmission = [{{ {entry} }}]\n"
+    assert checked(built(parse_task(text)), text, tmp_path) == 0
+
+
+def test_a_start_that_breaks_what_must_hold_from_the_start_is_told() -> None:
+    near = COURIER.replace("centre = [2.5, 2.6], radius = 0.4", "lower = [0.91, 0], upper = [1.5, 1]")
+    with pytest.raises(NotCertified, match="at t = 0: the initial set is nearer to lab than the clearance"):
+        built(parse_task(near))
+
+
+def test_who_may_start_late_is_where_it_should_be_so_much_longer() -> None:
+    certificate = built(parse_task(COURIER.replace("prescribed_time", "start_delay = 0.1\nprescribed_time"))).certificate
+    (in_time,) = (f for f in certificate.findings if f.in_time)
+    assert certificate.holds
+    assert in_time.margin >= in_time.required >= Fraction(1, 10)
+
+
+def test_without_a_mission_a_target_is_needed_and_regions_are_for_missions() -> None:
+    bare = COURIER[: COURIER.index("mission = [")]
+    with pytest.raises(BadInput, match="region: is only read by a mission"):
+        parse_task(bare)
+    bare = bare[: bare.index("region = [")]
+    with pytest.raises(BadInput, match="target_set: is missing"):
+        parse_task("\n".join(line for line in bare.splitlines() if not line.startswith("target_set")))
+
+
+def test_a_mission_may_have_no_target_and_is_not_for_other_designs() -> None:
+    text = "\n".join(line for line in COURIER.splitlines() if not line.startswith("target_set"))
+    certificate = built(parse_task(text)).certificate
+    assert certificate.holds
+    assert not [f for f in certificate.findings if f.code == "P5"]
+    with pytest.raises(BadInput, match="mission: is for the refined design"):
+        parse_task(COURIER + '[tube]\ndesign = "adaptive"\n')
+
+
+# --------------------------------------------------------------------------------------------------- the checker
+
+
+def claimed(document: dict[str, Any], state: str) -> dict[str, Any]:
+    return next(c for c in document["claims"] if c["property"] == "P10" and c["set"] == state)
+
+
+def put(state: str, key: str, value: Any) -> Any:
+    """Another value, or what a function makes of it, in a claim of P10."""
+
+    def change(d: dict[str, Any]) -> None:
+        claim = claimed(d, state)
+        claim[key] = value(claim[key], d["grid"]["cuts"]) if callable(value) else value
+
+    return change
+
+
+CHANGES = {  # how a certificate of the courier is changed; each must be found
+    "longer": put("dock", "on", lambda on, cuts: [on[0], on[1] + cuts]),
+    "earlier": put("dock", "on", lambda on, cuts: [on[0] - 4 * cuts, on[1]]),
+    "wider": put("dock", "margin", lambda margin, _: 50 * margin),
+    "another set": put("dock", "set", "lab"),
+    "late": lambda d: d["mission"].update(time_margin=4 * d["mission"]["time_margin"]),
+    "timeless": lambda d: d["mission"].update(time_margin=0),
+    "another formula": lambda d: d["mission"].update(formula="not lab"),
+    "one claim fewer": lambda d: d["claims"].remove(claimed(d, "not lab")),
+    "no hints": lambda d: claimed(d, "not lab").pop("hints"),
+    "a wrong normal": put("not lab", "hints", lambda hints, _: [[hints[0][0], hints[0][1], [1, 0]], *hints[1:]]),
+    "a gap": put("not lab", "hints", lambda hints, _: hints[:-1]),
+}
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_the_checker_finds_what_is_changed(name: str, tmp_path: Path, capsys: Any) -> None:
+    controller = the_courier()
+    document = json.loads(controller.files["courier.certificate.json"])
+    CHANGES[name](document)
+    files = controller.files | {"courier.certificate.json": json.dumps(document).encode()}
+    assert checked(dataclasses.replace(controller, files=files), COURIER, tmp_path) == 1
+    assert "NO" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        ("between = [4, 9]", "between = [4, 5]"), ("stay = 2", "stay = 6"), ('then = "exit"', 'then = "dock"'), ("within = 8", "within = 1"),
+        ('before = "dock"', 'before = "exit"'), ("lower = [1, 4.5]", "lower = [1, 5]"), ("radius = 0.4", "radius = 1.4"),
+    ],
+)  # fmt: skip
+def test_the_checker_and_the_tool_agree_on_another_mission(change: tuple[str, str], tmp_path: Path, capsys: Any) -> None:
+    """The same tube for another mission, with a certificate that claims what the tool finds of its states, or what it found of the
+    first: what the tool certifies the checker confirms, what it does not the checker refuses by P10."""
+    controller = the_courier()
+    design = controller.design
+    assert isinstance(design, RefinedDesign)
+    other = COURIER.replace(*change)
+    task = parse_task(other)
+    certified = certify(task, design, controller.program)
+    files = render_files(
+        task, design, controller.program, dataclasses.replace(certified, findings=controller.certificate.findings)
+    )
+    if not certified.holds:
+        document = json.loads(files["courier.certificate.json"])
+        first = json.loads(controller.files["courier.certificate.json"])
+        document["claims"], document["grid"] = first["claims"], first["grid"]
+        document["mission"] = {"formula": str(task.formula), "time_margin": first["mission"]["time_margin"]}
+        files["courier.certificate.json"] = json.dumps(document).encode()
+    answer = checked(dataclasses.replace(controller, files=files), other, tmp_path)
+    told = capsys.readouterr().out
+    assert (answer == 0) == certified.holds, told
+    assert answer == 0 or "P10" in told or "phase" in told or "hashes" in told, told
+
+
+# --------------------------------------------------------------------------------------------------- runs
+
+
+def as_rtamt(formula: Formula, end: float) -> str:
+    """A formula in the language of rtamt (Nickovic and Yamaguchi, 2020), each region a signal that is 0 or more inside."""
+    match formula:
+        case State(inner):
+            return as_rtamt(inner, end)
+        case In(region, kept):
+            return f"({region} < 0)" if kept else f"({region} >= 0)"
+        case And(parts):
+            return f"({' and '.join(as_rtamt(p, end) for p in parts)})"
+        case Or(parts):
+            return f"({' or '.join(as_rtamt(p, end) for p in parts)})"
+    assert isinstance(formula, Always | Eventually | Until)
+    over = formula.over
+    window = f"[{float(over.begin)}:{end if over.end is None else float(over.end)}]"
+    if isinstance(formula, Until):
+        return f"({as_rtamt(formula.first, end)} until{window} {as_rtamt(formula.last, end)})"
+    word = "always" if isinstance(formula, Always) else "eventually"
+    return f"({word}{window} {as_rtamt(formula.part, end)})"
+
+
+@pytest.mark.parametrize("gain", ["1/2", "1/50", "1/100000"])
+@pytest.mark.parametrize("name", ["courier", "either", "waypoints"])
+def test_another_monitor_says_the_same_of_every_run(name: str, gain: str) -> None:
+    """rtamt in dense time, on the emitted C driving a plant; with a small gain the tube is left and entries are missed."""
+    needs("rtamt", "gcc")
+    import rtamt
+
+    controller = build(ROOT / "tasks" / f"{name}.toml")
+    controller = with_gain(controller, [float(Fraction(gain))] * 2)
+    task, end = controller.task, float(controller.task.prescribed_time)
+    run = Loop(controller, plant_of("integrator", 2, 1)).run(Scenario(rate=200.0), trace=True)
+    assert run.trace is not None
+    t, x = run.trace[:, 0], run.trace[:, 1:3]
+    told = []
+    for k, formula in enumerate(task.formulas, 1):
+        spec = rtamt.StlDenseTimeSpecification()
+        signals_ = []
+        for region in [r for r, shape in task.regions.items() if not hasattr(shape, "any_of")]:
+            spec.declare_var(region, "float")
+            inside = np.array([1.0 if kept_by(controller, 0.0, p)[region] else -1.0 for p in x])
+            later = [[end * (1 + s / 8), float(inside[-1])] for s in range(1, 17)]  # the state stands after the last sample
+            signals_.append([region, [[float(a), float(b)] for a, b in zip(t, inside, strict=True)] + later])
+        spec.spec = as_rtamt(formula, end)
+        spec.parse()
+        told += [] if spec.evaluate(*signals_)[0][1] > 0 else [k]
+    assert tuple(told) == run.missed
+    assert (gain == "1/100000") <= bool(told)
+
+
+def test_an_oracle_of_trajectories_finds_a_certificate_that_is_false(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of mutants none that is certified is broken; where the tool forgets to monitor, some are."""
+    numbers = range(80)
+    assert not [n for n in numbers if (found := judged(n)) and found[1] and found[2]]
+    monkeypatch.setattr(sys.modules["stt_codegen.certify.missions.proof"], "holds", lambda *_: True)
+    monkeypatch.setattr(sys.modules["stt_codegen.certify.missions.proof"], "witnesses", lambda *_: ())
+    assert [n for n in numbers if (found := judged(n)) and found[1] and found[2]]
+
+
+def test_a_step_with_eight_visits_is_that_of_one_target() -> None:
+    """The C but for names, numbers and the length of the table: not one instruction more."""
+
+    def plain(controller: Controller) -> str:
+        name = controller.task.name
+        text = (
+            re.sub(r"/\*.*?\*/", "", controller.files[f"{name}.c"].decode(), flags=re.S)
+            .replace(name, "p")
+            .replace(name.upper(), "P")
+        )
+        text = re.sub(r"(?<=coefficients\[)\d+|\{[-\d., F\n{}e]*\};", "N", text)
+        return re.sub(r"-?\b\d+\.?\d*(e-?\d+)?F?\b", "N", text)
+
+    (visits,) = (s for s in FAMILIES["own"]() if s.name == "eight visits, four windows")
+    controller = built(parse_task(visits.text))
+    one = built(parse_task(visits.text[: visits.text.index("[[region]]")] + "[target_set]\nlower = [8.5, 8]\nupper = [9.5, 9]\n"))
+    assert plain(controller) == plain(one)

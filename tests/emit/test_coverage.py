@@ -1,0 +1,126 @@
+"""Every branch of every emitted C file is taken by the vectors of the tests: those of `compare`, and what is no number."""
+
+from __future__ import annotations
+
+import ctypes
+import gzip
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stt_codegen.compare.comparison import compare_backend
+from stt_codegen.pipeline import Controller
+from stt_codegen.program.targets.c.runner import CompiledC
+from stt_codegen.record.manifest import read_manifest
+from stt_codegen.task import load_task
+from tests.emit.test_runtime_errors import FOLDERS
+from tests.support.controllers import ROOT, built
+
+ENDS = (-(2**31), 2**31 - 1)
+ODD = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e30, -1e30)
+
+# Integers hold some values within a range that they do not leave here, so that the proof of 32 bits need not know why:
+CRANE, GANTRY = "crane/refined/fixed", "gantry/refined/fixed"
+NEVER = {
+    "crane_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (CRANE,),  # of a width that is certified to be larger
+    "gantry_leading: if (rest < 0x8000U) { rest <<= 16; places = 16; }": (GANTRY,),
+    "crane_rates: const int32_t less_most = less_most_under ? less_held : 67108864;": (CRANE,),  # s - s^2 is 1/4 at no tick
+    "crane_control: const int32_t e_width = e_width_over ? room : 65536;": (CRANE,),  # certified to be wider, here and below
+    "crane_control: const int32_t y = y_under ? y_near : 1073741823;": (CRANE,),  # y is 1 at no rounded width
+    "gantry_control: const int32_t e_width = e_width_over ? room : 131072;": (GANTRY,),
+    "gantry_control: const int32_t down = down_over ? down_all : 0;": (GANTRY,),  # u is small beside what narrow tubes make of it
+    "crane_margin: const int32_t share_width = share_width_over ? share_room : 65536;": (CRANE,),
+    "crane_margin: const int32_t place_width = place_width_over ? place_room : 131072;": (CRANE,),
+    "gantry_margin: const int32_t share_width = share_width_over ? share_room : 131072;": (GANTRY,),
+    "crane_margins: const int32_t share_width = share_width_over ? share_room : 65536;": (CRANE,),
+    "crane_margins: const int32_t place_width = place_width_over ? place_room : 131072;": (CRANE,),
+    "gantry_margins: const int32_t share_width = share_width_over ? share_room : 131072;": (GANTRY,),
+}
+
+
+def controller_in(folder: str) -> Controller:
+    entry = next(e for e in read_manifest(ROOT / "generated") if e.folder == folder)
+    return built(load_task(ROOT / "generated" / entry.task).with_options(entry.design, entry.scalar), entry.uncertified)
+
+
+def drive(controller: Controller, c: CompiledC) -> None:
+    """All the vectors: the comparison's, then odd numbers in every argument, and tubes that are narrow or inside out."""
+    probe = "probe"
+
+    def make(given: Controller) -> CompiledC:
+        return CompiledC(given) if given.program.functions[0].name == probe else c
+
+    compare_backend(controller, make, 2000)
+    random = np.random.default_rng(1)
+    t_c = float(controller.task.prescribed_time)
+    for f in controller.program.functions:
+        if f.name == "alpha_init":
+            continue
+        inputs: list[Any] = []
+        for p in f.inputs:
+            shape = (3000,) if p.length is None else (3000, p.length)
+            if p.type.value == "tick":
+                inputs.append(random.integers(0, 20_000, 3000))
+                continue
+            if controller.task.emit.scalar == "fixed":
+                values = np.where(random.random(shape) < 0.5, random.choice(ENDS, shape), random.integers(*ENDS, shape))
+                inputs.append(values)
+                continue
+            values = random.uniform(-0.2, 1.2, shape) * (t_c if p.length is None else 5.0)
+            values = np.where(random.random(shape) < 0.2, random.choice(ODD, shape), values)
+            inputs.append(values)
+        if f.name == "transform":
+            inputs[1] = inputs[0] + random.choice([1e-8, 1e-3, 1.0, -1.0, np.nan], inputs[0].shape)
+            inputs[2] = np.where(random.random(inputs[0].shape) < 0.9, random.uniform(-1.0, 6.0, inputs[0].shape), np.nan)
+        if f.name == "alpha_step":  # so short that the implicit step's cube root underflows
+            inputs[1][::3] = 5e-324 if c.scalar == "double" else 1e-45
+            inputs[2][::2] = 0.0
+        c.call(f.name, *inputs)
+
+
+def branches_left(controller: Controller, folder: Path, compiler: str, gcov: str) -> list[str]:
+    """Lines with a branch that no vector takes, and functions that none calls."""
+    name = controller.task.name
+    for file, data in controller.files.items():
+        (folder / file).write_bytes(data)
+    (folder / "flush.c").write_text("void __gcov_dump(void);\nvoid flush(void);\nvoid flush(void) { __gcov_dump(); }\n")
+    flags = ["-std=c99", "-O0", "--coverage", "-shared", "-fPIC"]
+    subprocess.run([compiler, *flags, f"{name}.c", "flush.c", "-o", "covered.so", "-lm"], cwd=folder, check=True)
+    c = CompiledC(controller, library=folder / "covered.so")
+    if any(f.name == "alpha_init" for f in controller.program.functions):
+        alpha = np.zeros((1, 2 * controller.program.dimension), c.number)
+        c.library[f"{name}_alpha_init"](alpha.ctypes.data_as(ctypes.c_void_p))
+    drive(controller, c)
+    c.library.flush()
+    data = f"covered.so-{name}.gcda"
+    subprocess.run([gcov, "--json-format", "--branch-probabilities", data], cwd=folder, check=True, capture_output=True)
+    report = json.loads(gzip.decompress(next(folder.glob(f"*{name}*.gcov.json.gz")).read_bytes()))
+    (file_report,) = (f for f in report["files"] if f["file"] == f"{name}.c")
+    text = controller.files[f"{name}.c"].decode().splitlines()
+    left = [f["name"] for f in file_report["functions"] if f["execution_count"] == 0]
+    for line in file_report["lines"]:
+        if any(b["count"] == 0 for b in line["branches"]):
+            left.append(f"{line['function_name']}: {text[line['line_number'] - 1].strip()}")
+    return left
+
+
+@pytest.mark.parametrize("folder", FOLDERS)
+def test_every_branch_is_taken(folder: str, tool, tmp_path) -> None:
+    left = branches_left(controller_in(folder), tmp_path, tool("gcc"), tool("gcov"))
+    assert left == [line for line, folders in NEVER.items() if folder in folders]
+
+
+def test_a_branch_that_no_vector_takes_is_found(tool, tmp_path) -> None:
+    controller = controller_in("omni_s2/refined/float")
+    text = controller.files["omni_s2.c"].decode()
+    old = "const omni_s2_real started = positive ? t : 0.0F;"
+    assert old in text
+    bent = text.replace(old, "const omni_s2_real started = (positive ? t : 0.0F) + ((t < 4.5F) && (t > 4.5F) ? 1.0F : 0.0F);")
+    controller.files["omni_s2.c"] = bent.encode()
+    left = branches_left(controller, tmp_path, tool("gcc"), tool("gcov"))
+    assert len(left) == 1
+    assert "started" in left[0]

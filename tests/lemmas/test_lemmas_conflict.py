@@ -1,0 +1,203 @@
+"""Windows, dimension and side: what is proved and refuted, that the data are the case study's, and that no wrong rule is proved."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from stt_codegen.design.paper_tubes import conflict_windows as shipped
+from stt_codegen.design.paper_tubes.literal import literal
+from stt_codegen.lemmas.lemma import Outcome, Verdict
+from stt_codegen.lemmas.paper import conflict
+from stt_codegen.task.load import load_task
+from tests.support.controllers import ROOT
+
+PROVED = {"inverse", "interval", "disjoint", "admissible", "room"}
+REFUTED = {
+    "printed_defined", "printed_order", "one_dimension", "from_rho", "shortest", "printed_wall", "random_side",
+}  # fmt: skip
+Interval = tuple[Fraction, Fraction] | None
+TASKS = {s: load_task(ROOT / "tasks" / f"omni_{s.lower()}.toml") for s in conflict.STARTS}
+
+
+def run(name: str) -> Outcome:
+    return next(v for v in conflict.LEMMAS if v.name == f"windows.{name}").run()
+
+
+def test_verdicts() -> None:
+    found = {lemma.name.removeprefix("windows."): lemma.run() for lemma in conflict.LEMMAS}
+    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.PROVED} == PROVED
+    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
+    assert all(outcome.evidence for outcome in found.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [
+        ("printed_defined", ["39 of 96", "16 divide by 0", "6 are atanh of 1 or -1", "17 of what lies beyond"]),
+        ("printed_order", ["0.4931 t_c", "[0.5, 1]"]),
+        ("one_dimension", ["x1 of T within that of O4", "x2 of T within that of O1"]),
+        ("from_rho", ["beta_L = 6.2", "in x2 for none"]),
+        ("shortest", ["S1 with O1", "x1 is picked", "S3 with O4", "x2 is picked"]),
+        ("printed_wall", ["beta_U = -0.1"]),
+        ("random_side", ["beta_L = 5.2, beta_U = 5"]),
+    ],
+)
+def test_the_evidence_shows_the_numbers(name: str, numbers: list[str]) -> None:
+    (line,) = run(name).evidence
+    assert [n for n in numbers if n not in line] == []
+
+
+def test_the_data_are_those_of_the_example_tasks() -> None:
+    for name, task in TASKS.items():
+        sets = {"X": task.state_space, "X0": task.initial_set, "T": task.target_set, **{u.name: u for u in task.unsafe}}
+        found = {key: tuple(zip(box.lower, box.upper, strict=True)) for key, box in sets.items()}
+        assert found == {"X": conflict.ROOM, "X0": conflict.STARTS[name], "T": conflict.TARGET, **conflict.UNSAFE}
+
+
+@pytest.mark.parametrize(("start", "unsafe"), [("S1", "O1"), ("S3", "O4")])
+def test_the_literal_design_picks_the_dimension_that_the_lemma_refutes(start: str, unsafe: str) -> None:
+    picked = [b.dimension + 1 for b in literal(TASKS[start]).bumps if b.unsafe == unsafe]
+    assert len(picked) == 1
+    assert f"x{picked[0]} is picked" in next(p for p in run("shortest").evidence[0].split("; S") if f" with {unsafe}" in p)
+
+
+# ---- sabotage: the shipped functions made wrong
+
+right = shipped.conflict_in_sigma
+
+
+def wrong_sign(start: Any, target: Any, unsafe: Any) -> Interval:
+    """rho_L >= upper(U) in the place of rho_L <= upper(U)."""
+    above, below = shipped._at_least(start[1], target[1], unsafe[0]), shipped._at_least(start[0], target[0], unsafe[1])
+    if above is None or below is None:
+        return None
+    low, high = max(above[0], below[0]), min(above[1], below[1])
+    return (low, high) if low <= high else None
+
+
+def one_sided(start: Any, target: Any, unsafe: Any) -> Interval:
+    """Only the first inequality."""
+    return shipped._at_least(start[1], target[1], unsafe[0])
+
+
+def hull(start: Any, target: Any, unsafe: Any) -> Interval:
+    """The join of both half lines where it should be their meet."""
+    above, below = shipped._at_least(start[1], target[1], unsafe[0]), shipped._at_least(-start[0], -target[0], -unsafe[1])
+    if above is None or below is None:
+        return None
+    return min(above[0], below[0]), max(above[1], below[1])
+
+
+def without_touching(start: Any, target: Any, unsafe: Any) -> Interval:
+    """A single sigma is no window."""
+    found = right(start, target, unsafe)
+    return None if found is not None and found[0] == found[1] else found
+
+
+def wider(start: Any, target: Any, unsafe: Any) -> Interval:
+    """To the end wherever the window is open at the start: right for most data."""
+    found = right(start, target, unsafe)
+    return (found[0], Fraction(1)) if found is not None and found[0] == 0 else found
+
+
+def in_part(start: Any, target: Any, unsafe: Any) -> Interval:
+    """A window that ends a hair early, between two of the points that are looked at."""
+    found = right(start, target, unsafe)
+    return (found[0], found[1] - (found[1] - found[0]) / 1000) if found is not None else None
+
+
+def by_edges(start: Any, target: Any, unsafe: Any) -> Interval:
+    """As (5): where the target's edge equals the start's there is nothing to divide by."""
+    return None if start[1] == target[1] or start[0] == target[0] else right(start, target, unsafe)
+
+
+@pytest.mark.parametrize("wrong", [wrong_sign, one_sided, hull, without_touching, wider, in_part, by_edges])
+def test_a_wrong_window_is_not_proved(wrong: Callable[..., Interval], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("interval").verdict is Verdict.PROVED
+    monkeypatch.setattr(shipped, "conflict_in_sigma", wrong)
+    outcome = run("interval")
+    assert outcome.verdict is Verdict.OPEN
+    assert " 0 wrong" not in outcome.evidence[0]
+
+
+def wrong_inverse(sigma: Fraction, t_c: Fraction) -> float:
+    if sigma >= 1:
+        return float(t_c)
+    a = math.atanh(float(sigma))
+    return float(t_c) * a / (1 - a)
+
+
+def without_atanh(sigma: Fraction, t_c: Fraction) -> float:
+    return float(t_c) * float(sigma) / (1 + float(sigma)) if sigma < 1 else float(t_c)
+
+
+def wrong_end(sigma: Fraction, t_c: Fraction) -> float:
+    a = math.atanh(float(sigma)) if sigma < 1 else 1.0
+    return float(t_c) * a / (1 + a)
+
+
+@pytest.mark.parametrize("wrong", [wrong_inverse, without_atanh, wrong_end])
+def test_a_wrong_inverse_is_not_proved(wrong: Callable[..., float], monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run("inverse").verdict is Verdict.PROVED
+    monkeypatch.setattr(shipped, "time_of_sigma", wrong)
+    outcome = run("inverse")
+    assert outcome.verdict is Verdict.OPEN
+    assert outcome.evidence
+
+
+def touching_is_apart(a: Any, b: Any) -> bool:
+    return bool(a[1] <= b[0] or a[0] >= b[1])
+
+
+def test_boxes_that_touch_are_not_disjoint(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conflict, "_apart", touching_is_apart)
+    assert run("disjoint").verdict is Verdict.OPEN
+
+
+# ---- no counterexample where there is none: the data repaired, one after the other
+
+box = conflict._box
+FAR = {"O1": box("1 2", "2 3"), "O2": box("3 4", "2 3"), "O3": box("1 2", "1 1.5"), "O4": box("1 1.5", "1.5 2.5")}
+
+
+@pytest.mark.parametrize(
+    ("name", "attribute", "repaired"),
+    [
+        ("printed_order", "WIDENING", (box("0 1", "4 5"), box("2 2.5", "2.5 3"))),  # both edges rise: (5) is right
+        ("one_dimension", "TARGET", box("4.5 5", "3.6 3.9")),
+        ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("4 6", "6.3 8"))),
+        ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("7 9", "6.1 8"))),
+        ("from_rho", "DETOUR", (*conflict.DETOUR[:3], box("4 6", "5.2 8"))),  # rho meets this one
+        ("shortest", "UNSAFE", {**conflict.UNSAFE, "O1": box("1 2", "1 2")}),  # x2 never overlaps it, and is picked
+        ("printed_wall", "WALL", box("0 10", "0 1.5")),
+        ("printed_wall", "WALL", box("0 10", "0.2 1.5")),
+        ("random_side", "SQUEEZE", (conflict.SQUEEZE[0], box("4 6", "5.5 7"))),
+        ("random_side", "SQUEEZE", (conflict.SQUEEZE[0], box("7 8", "5.2 7"))),
+    ],
+)
+def test_repaired_data_are_no_counterexample(name: str, attribute: str, repaired: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert run(name).verdict is Verdict.REFUTED
+    monkeypatch.setattr(conflict, attribute, repaired)
+    outcome = run(name)
+    assert outcome.verdict is Verdict.OPEN
+    assert " holds at " in outcome.evidence[0]  # not open for want of a method
+
+
+def test_terms_that_are_all_defined_are_no_counterexample(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conflict, "STARTS", {"S": box("0 0.5", "0 0.5")})
+    monkeypatch.setattr(conflict, "UNSAFE", FAR)
+    outcome = run("printed_defined")
+    assert outcome.verdict is Verdict.OPEN
+    assert "0 of 32" in outcome.evidence[0]
+
+
+def test_a_set_with_no_room_beside_it_cannot_be_passed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(conflict, "UNSAFE", {**conflict.UNSAFE, "O1": box("1 2", "0.1 4.9")})
+    outcome = run("admissible")
+    assert outcome.verdict is Verdict.OPEN
+    assert "S1 with O1: none" in outcome.evidence[0]

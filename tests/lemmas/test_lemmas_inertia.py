@@ -1,0 +1,160 @@
+"""Order 2 without bounds, coupled inputs, differences, feed-forward: what is proved and refuted, and no wrong law is proved."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import pytest
+import sympy as sp
+from flint import arb
+
+from stt_codegen.lemmas.book import FAMILIES
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict
+from stt_codegen.lemmas.sampling import saturated
+from stt_codegen.lemmas.tube import inertial_inputs as inertia
+
+PROVED = {
+    "limits.scaled", "limits.scaled_size", "limits.scaled_stays", "limits.near_nominal", "filtered.vdot", "filtered.bounded",
+    "filtered.gain", "filtered.forever", "filtered.saturated", "filtered.scaled", "filtered.differences", "filtered.stamped", "filtered.forward",
+}  # fmt: skip
+REFUTED = {
+    "limits.clipped", "limits.clipped_leaves", "limits.nominal", "filtered.nominal_period", "filtered.stamps_alone",
+    "filtered.forward_held",
+}  # fmt: skip
+
+
+def lemma(name: str) -> Lemma:
+    return next(v for v in (*saturated.LEMMAS, *inertia.LEMMAS) if v.name == name)
+
+
+def run(name: str) -> Outcome:
+    return lemma(name).run()
+
+
+def test_verdicts() -> None:
+    found = {v.name: v.run() for v in (*saturated.LEMMAS, *inertia.LEMMAS)}
+    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.PROVED} == PROVED
+    assert {name for name, outcome in found.items() if outcome.verdict is Verdict.REFUTED} == REFUTED
+    assert all(outcome.evidence for outcome in found.values())
+
+
+def test_they_stand_in_the_book() -> None:
+    names = {v.name for _, lemmas in FAMILIES.values() for v in lemmas}
+    assert names >= PROVED | REFUTED
+
+
+def by_component(v: Any, factor: Any) -> Any:
+    """A gain of its own for every component: not scaled."""
+    return -saturated.k * factor * sp.Matrix([(i + 1) * value for i, value in enumerate(v)])
+
+
+def stamps_wrong_by_half(speed: Any, noise: Any, late: Any, measured: Any, true: Any) -> Any:
+    return inertia.A * true**2 / (2 * measured) + speed * late / measured + 2 * noise / measured
+
+
+def time_as_measured(speed: Any, noise: Any, late: Any, measured: Any, true: Any) -> Any:
+    return inertia.A * measured / 2 + 2 * speed * late / measured + 2 * noise / measured
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "wrong", "falls"),
+    [
+        (saturated, "scaled", by_component, "limits.scaled"),
+        (saturated, "scaled", lambda v, factor: saturated.k * factor * v, "limits.scaled"),
+        (saturated, "FACTOR", saturated.u_max / saturated.m, "limits.scaled_size"),
+        (saturated, "FACTOR", 2 * saturated.FACTOR, "limits.scaled_size"),
+        (saturated, "vdot", lambda v, u: v * (2 * saturated.P - saturated.g_min * u), "limits.scaled_stays"),
+        (saturated, "vdot", lambda v, u: v * (saturated.P - saturated.g_min * u / 2), "filtered.scaled"),
+        (saturated, "PULLED", 4 * saturated.Q * saturated.W, "limits.scaled_stays"),
+        (saturated, "nominal_error", lambda inverse, m, nominal: inverse * (nominal - m), "limits.near_nominal"),
+        (inertia, "REST", inertia.REST - 2 * inertia.lam * inertia.v, "filtered.vdot"),
+        (inertia, "REST", inertia.REST.subs(inertia.L, inertia.R), "filtered.vdot"),
+        (inertia, "FASTEST", sp.diff(inertia.R, inertia.t), "filtered.bounded"),
+        (inertia, "SLOWEST", sp.diff(inertia.L, inertia.t), "filtered.bounded"),
+        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e) ** 2 / width, "filtered.saturated"),
+        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e / 2) ** 2 * width, "filtered.saturated"),
+        (inertia, "PULL", 2 * inertia.PULL, "filtered.gain"),
+        (inertia, "STAYS", inertia.STAYS / 2, "filtered.forever"),
+        (inertia, "WEIGHT", inertia.t - inertia.s, "filtered.differences"),
+        (inertia, "WEIGHT", 2 * inertia.WEIGHT, "filtered.differences"),
+        (inertia, "stamped_bound", stamps_wrong_by_half, "filtered.stamped"),
+        (inertia, "stamped_bound", time_as_measured, "filtered.stamped"),
+        (inertia, "FORWARD", -inertia.FORWARD, "filtered.forward"),
+        (inertia, "FORWARD", sp.diff(inertia.C, inertia.t, 2), "filtered.forward"),
+    ],
+)
+def test_a_wrong_law_leaves_its_lemma_open(module: Any, name: str, wrong: Any, falls: str, monkeypatch: Any) -> None:
+    assert run(falls).verdict is Verdict.PROVED
+    monkeypatch.setattr(module, name, wrong)
+    outcome = run(falls)
+    assert outcome.verdict is Verdict.OPEN
+    assert outcome.evidence
+    assert outcome.method != "none"  # by what was found, not because something cannot be run
+
+
+ONE, HALF = sp.Integer(1), sp.Rational(1, 2)
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "harmless", "stands"),
+    [
+        (saturated, "COUPLED", ((ONE, HALF), (HALF, 4 * ONE)), "limits.clipped"),  # row sums say that clipped u points inward
+        (saturated, "COUPLED", ((ONE, 3 * HALF), (3 * HALF, 2 * ONE)), "limits.clipped"),  # not definite: outside the statement
+        (saturated, "RISES_AT", (HALF / 1000, -HALF / 1000), "limits.clipped"),  # where nothing is clipped
+        (saturated, "COUPLED", ((ONE, HALF), (HALF, 4 * ONE)), "limits.clipped_leaves"),
+        (saturated, "COUPLED", ((ONE, 3 * HALF), (3 * HALF, 2 * ONE)), "limits.clipped_leaves"),
+        (saturated, "LEAVES_FROM", (HALF / 1000, -HALF / 1000), "limits.clipped_leaves"),
+        (saturated, "NOMINAL", saturated.INERTIA, "limits.nominal"),
+        (saturated, "INERTIA", saturated.NOMINAL, "limits.nominal"),
+        (inertia, "PERIODS", (Fraction(1, 100), Fraction(1, 100)), "filtered.nominal_period"),
+        (inertia, "LATE", Fraction(0), "filtered.stamps_alone"),
+        (inertia, "JERK", sp.Integer(0), "filtered.forward_held"),
+        (inertia, "SPAN", sp.Rational(1, 1000), "filtered.forward_held"),
+    ],
+)
+def test_what_is_refuted_is_so_by_its_example(module: Any, name: str, harmless: Any, stands: str, monkeypatch: Any) -> None:
+    """Where the statement holds, or its assumptions do not, nothing is refuted."""
+    monkeypatch.setattr(module, name, harmless)
+    assert run(stands).verdict is Verdict.OPEN
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers"),
+    [
+        ("limits.clipped", ["12.10", "-27.15"]),
+        ("limits.clipped_leaves", ["(1, -47/100) at t = 1/5", "-2.619"]),
+        ("limits.nominal", ["-26/7", "-143/7"]),
+        ("filtered.nominal_period", ["1/10, and 11/2000"]),
+        ("filtered.stamps_alone", ["1/45, and 1/50"]),
+        ("filtered.forward_held", ["by 1 at most without, by 2 with it", "3/2 and 11/5"]),
+    ],
+)
+def test_the_evidence_shows_the_numbers(name: str, numbers: list[str]) -> None:
+    (line,) = run(name).evidence
+    assert [n for n in numbers if n not in line] == []
+
+
+def driven(clip: bool, start: tuple[float, float], steps: int = 4000) -> list[tuple[float, float]]:
+    """The coupled plant in the tube (-1, 1)^2 under u_max = k = 1, by small steps, until it leaves."""
+    x, path = [arb(v) for v in start], [start]
+    for _ in range(steps):
+        v = [(1 / (1 + c) + 1 / (1 - c)) * ((1 + c) / (1 - c)).log() for c in x]
+        most = max(map(abs, v))
+        u = [-c / max(abs(c), arb(1)) if clip else -c / max(most, arb(1)) for c in v]
+        x = [
+            arb((c + arb(1) / 4000 * (float(row[0]) * u[0] + float(row[1]) * u[1])).mid())
+            for c, row in zip(x, saturated.COUPLED, strict=True)
+        ]
+        path.append((float(x[0]), float(x[1])))
+        if max(map(abs, path[-1])) >= 1:
+            break
+    return path
+
+
+def test_driven_the_clipped_loop_leaves_and_the_scaled_one_does_not() -> None:
+    start = (0.9, -0.97)
+    clipped, scaled = driven(True, start), driven(False, start)
+    assert clipped[-1][0] >= 1
+    assert len(clipped) / 4000 == pytest.approx(0.2, abs=0.001)
+    assert max(abs(c) for state in scaled for c in state) <= 0.97

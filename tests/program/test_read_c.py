@@ -1,0 +1,104 @@
+"""C read back is the Program that was printed, literals bit for bit; any other C is found."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stt_codegen.pipeline import Controller
+from stt_codegen.program.nodes import Program
+from stt_codegen.program.read.c import differences
+from stt_codegen.program.targets.c.printer import CPrinter
+from stt_codegen.task import load_task
+from tests.program.test_program import BANK
+from tests.support.bank import kernel_of, one_function_program
+from tests.support.controllers import ADAPTABLE, NAMES, ROOT, built
+
+
+@cache
+def made(name: str, design: str, scalar: str) -> Controller:
+    return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar), uncertified=True)
+
+
+PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if d == "refined" or n in ADAPTABLE]
+
+
+def texts(controller: Controller) -> tuple[str, str]:
+    prefix = controller.task.name
+    return controller.files[f"{prefix}.h"].decode(), controller.files[f"{prefix}.c"].decode()
+
+
+@pytest.mark.parametrize("scalar", ["float", "double"])
+@pytest.mark.parametrize(("name", "design"), PAIRS)
+def test_every_emitted_file_reads_back_as_its_program(name: str, design: str, scalar: str) -> None:
+    controller = made(name, design, scalar)
+    assert differences(controller.program, *texts(controller)) == []
+
+
+def bank_texts(program: Program) -> tuple[str, str]:
+    printer = CPrinter(program)
+    parts = [*map(printer.kernel, program.kernels), *map(printer.function, program.functions)]
+    header = f"#define BANK_N 1\ntypedef {program.scalar} bank_real;\n"
+    return header, "\n".join(line for part in parts for line in part)
+
+
+@pytest.mark.parametrize("scalar", ["float", "double"])
+@pytest.mark.parametrize("name", BANK)
+def test_every_operation_reads_back(name: str, scalar: str) -> None:
+    build_, _, _ = BANK[name]
+    program = one_function_program(kernel_of(name, build_, build_.__code__.co_argcount)[0], scalar)
+    assert differences(program, *bank_texts(program)) == []
+
+
+TOKEN = re.compile(r"\d+\.\d*(?:e-?\d+)?F?|\b\d+\b|\b[a-zA-Z_]\w*\b|<=|&&|\|\||[-+*/<?!]")
+
+
+def mutate(code: str, place: float, data: st.DataObject) -> str:
+    """One token changed into another of its kind: a digit, an operator, an identifier of the file."""
+    begin = code.index("static")
+    tokens = list(TOKEN.finditer(code, begin))
+    token = tokens[int(place * (len(tokens) - 1))]
+    text = token.group()
+    if text[0].isdigit():
+        spots = [k for k, c in enumerate(text) if c.isdigit()]
+        k = data.draw(st.sampled_from(spots))
+        new = text[:k] + str((int(text[k]) + data.draw(st.integers(1, 9))) % 10) + text[k + 1 :]
+    elif text[0].isalpha() or text[0] == "_":
+        new = data.draw(st.sampled_from(sorted({t.group() for t in tokens if t.group()[0].isalpha()} - {text})))
+    else:
+        new = data.draw(st.sampled_from([v for v in ("+", "-", "*", "/", "<", "<=", "&&", "||", "!", "") if v != text]))
+    return code[: token.start()] + new + code[token.end() :]
+
+
+@settings(max_examples=150, deadline=None)
+@given(
+    which=st.sampled_from(
+        [("omni_s2", "refined", "float"), ("omni_board", "refined", "float"), ("omni_s1", "adaptive", "double")]
+    ),
+    place=st.floats(0, 1),
+    data=st.data(),
+)
+def test_a_changed_token_is_found(which: tuple[str, str, str], place: float, data: st.DataObject) -> None:
+    controller = made(*which)
+    header, source = texts(controller)
+    plain = re.sub(r"/\*.*?\*/", " ", source, flags=re.S)
+    changed = mutate(plain, place, data)
+    if value_of(changed) == value_of(plain):
+        return  # 0.50 for 0.5, or another digit that rounds to the same number: the same C
+    assert differences(controller.program, header, changed), changed_line(plain, changed)
+
+
+def value_of(code: str) -> str:
+    """The text with every literal as its number in the file's precision, so that equal C is equal text."""
+    import numpy as np
+
+    kind = np.float32 if re.search(r"\d\.\d*F", code) else np.float64
+    return re.sub(r"\d+\.\d*(?:e-?\d+)?F?", lambda m: repr(float(kind(m.group().rstrip("F")))), code)
+
+
+def changed_line(before: str, after: str) -> list[str]:
+    return [f"{a} -> {b}" for a, b in zip(before.splitlines(), after.splitlines(), strict=True) if a != b]

@@ -1,0 +1,329 @@
+"""The recipes of CONTRIBUTING.md, each followed by a sample in a copy of the repository: the places that a recipe names are those that
+the sample needs, no more and no fewer, and what was added works from end to end."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.support.controllers import ROOT
+from tests.support.recipes import (
+    PAGE,
+    Sample,
+    astray,
+    copy_of_the_repository,
+    follow,
+    in_copy,
+    places,
+    pytest_in_copy,
+    section,
+    touched,
+)
+
+TARGETS = "stt_codegen/program/targets"
+SET = Sample(
+    "A set",
+    files="set",
+    edits={
+        "stt_codegen/task/sets/shapes.py": [
+            (
+                "from stt_codegen.task.sets.polytopes import",
+                "from stt_codegen.task.sets.diamonds import Diamond\nfrom stt_codegen.task.sets.polytopes import",
+            ),
+            (
+                "@cache\ndef corners_left",
+                '''class UnsafeDiamond(Unsafe):
+    """All points whose distances from a middle, by dimension, sum up to no more than a reach."""
+
+    point_fields = ("middle",)
+    middle: Vector
+    reach: Positive
+
+    def vectors(self) -> list[tuple[str, Vector]]:
+        return [("middle", self.middle)]
+
+    def problem(self) -> str | None:
+        return None
+
+    def half_spaces(self) -> Sequence[HalfSpace]:
+        return Diamond(self.middle, self.reach).faces
+
+    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+        return Diamond(self.middle, self.reach, self.name)
+
+
+@cache
+def corners_left''',
+            ),
+            (
+                '    "radius": UnsafeBall,\n',
+                '    "radius": UnsafeBall,\n    "middle": UnsafeDiamond,\n    "reach": UnsafeDiamond,\n',
+            ),
+        ],
+        "stt_codegen/certify/checker.py": [
+            (
+                '"unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius"',
+                '"unsafe": "name axes motion during timing spread lower upper vertices normals offsets centre segment radius middle reach"',
+            ),
+            (
+                '"region": "name any_of axes lower upper vertices normals offsets centre segment radius"',
+                '"region": "name any_of axes lower upper vertices normals offsets centre segment radius middle reach"',
+            ),
+            ('"segment radius")  # of an unsafe set', '"segment radius", "middle reach")  # of an unsafe set'),
+            (
+                '    elif form == "vertices":\n        points = _vectors(table["vertices"], d)\n    else:\n',
+                """    elif form == "vertices":
+        points = _vectors(table["vertices"], d)
+    elif form == "middle reach":
+        middle_, reach = _each(table["middle"], d), _number(table["reach"])
+        points = [[v + s * reach * (k == i) for k, v in enumerate(middle_)] for i in range(d) for s in (-1, 1)]
+    else:
+""",
+            ),
+        ],
+        "stt_codegen/theorem/controller_theorem.py": [
+            ('"unsafe": "motion during timing spread",', '"unsafe": "motion during timing spread middle reach",')
+        ],
+        "docs/task.md": [
+            ("| `centre`, `radius` | | a ball |", "| `middle`, `reach` | | a diamond |\n| `centre`, `radius` | | a ball |")
+        ],
+        "tests/task/test_shapes.py": [
+            ('    "ball": (SPACE,', '    "diamond": (FLAT, ("middle = [2.5, 2.4]\\nreach = 1.5",)),\n    "ball": (SPACE,'),
+            (
+                "    own, d = task.own_axes(unsafe), len(lower)\n",
+                """    own, d = task.own_axes(unsafe), len(lower)
+    if hasattr(unsafe, "reach"):  # the hull of its corners
+        (x, y), r = unsafe.middle, unsafe.reach
+        unsafe = UnsafePolytope(vertices=[(x - r, y), (x + r, y), (x, y - r), (x, y + r)])
+""",
+            ),
+        ],
+    },
+)
+OPERATION = Sample(
+    "An operation",
+    edits={
+        "stt_codegen/program/operations.py": [
+            (
+                '    "neg": _exact(',
+                """    "hypot": Operation(
+        (REAL, REAL), REAL, "math", math.hypot, call="hypot", casadi=("OP_HYPOT",), ball="({0} * {0} + {1} * {1}).sqrt()",
+        ulps=LIBRARY_ULPS, formula=lambda sp, a, b: sp.sqrt(a**2 + b**2), commutes=True,
+        spread=lambda np, a, b: (np.hypot(a.value, b.value), np.hypot(a.error, b.error)),
+    ),
+    "neg": _exact(""",
+            )
+        ],
+        "tests/program/test_program.py": [
+            ('    "constpow": (', '    "hypot": (lambda a, b: ca.hypot(a, b), POINTS, 1),\n    "constpow": (')
+        ],
+    },
+)
+LANGUAGE = Sample(
+    "A target language",
+    files="language",
+    edits={
+        f"{TARGETS}/registry.py": [
+            ("import c, python, rust", "import c, javascript, python, rust"),
+            ("python.TARGET, rust.TARGET)", "python.TARGET, rust.TARGET, javascript.TARGET)"),
+        ],
+        "stt_codegen/certify/checker.py": [
+            ("tick_period selftest rust", "tick_period selftest rust javascript"),
+            ('UNREAD = (".rs",)', 'UNREAD = (".rs", ".js")'),
+        ],
+        "stt_codegen/theorem/controller_theorem.py": [('    "emit": "",', '    "emit": "javascript",')],
+        "docs/task.md": [("| `rust` | false |", "| `javascript` | false | adds `<p>.js` |\n| `rust` | false |")],
+    },
+)
+COMMAND = Sample(
+    "A command",
+    files="command",
+    edits={
+        "stt_codegen/cli/check_commands/__init__.py": [
+            (
+                "from stt_codegen.cli.check_commands.pil",
+                "from stt_codegen.cli.check_commands.count import count\nfrom stt_codegen.cli.check_commands.pil",
+            ),
+            ("(check, certify,", "(check, certify, count,"),
+        ],
+        "README.md": [
+            (
+                "    stt-codegen theorem cart.toml",
+                "    stt-codegen count cart.toml        # how many sets are unsafe\n    stt-codegen theorem cart.toml",
+            )
+        ],
+    },
+)
+BOARD = Sample(
+    "A board",
+    edits={
+        "stt_codegen/board/boards.py": [
+            (
+                '        _arm("m4f",',
+                '        _arm("m4", "Cortex-M4, no FPU", "cortex-m4", "mps2-an386", "thumbv7em-none-eabi"),\n        _arm("m4f",',
+            )
+        ],
+        "docs/board.md": [("| rv32 | RISC-V", "| m4 | Cortex-M4, no FPU | qemu-system-arm | |\n| rv32 | RISC-V")],
+    },
+)
+SAMPLES = {sample.title: sample for sample in (SET, OPERATION, LANGUAGE, COMMAND, BOARD)}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """The copy in which a sample has been made by its recipe, by the recipe's title."""
+    copies: dict[str, Path] = {}
+
+    def make(title: str) -> Path:
+        if title not in copies:
+            copies[title] = copy_of_the_repository(tmp_path_factory.mktemp("recipe"))
+            follow(SAMPLES[title], copies[title])
+        return copies[title]
+
+    return make
+
+
+@pytest.mark.parametrize("title", SAMPLES)
+def test_a_recipe_names_the_places_that_its_sample_changes_and_no_others(title: str, made) -> None:
+    assert astray(places(SAMPLES[title].recipe), touched(made(title))) == []
+
+
+def test_every_link_of_the_page_leads_somewhere() -> None:
+    links = [path for path in re.findall(r"\]\(([^)#]+)\)", PAGE) if "://" not in path]
+    assert len(links) > 50
+    assert [path for path in links if not (ROOT / path).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("named", "changed", "message"),
+    [
+        ({"README.md", "docs"}, {"README.md"}, "docs: is named, and nothing is changed there"),
+        ({"README.md"}, {"README.md", "Makefile"}, "Makefile: is changed, and is not named"),
+        ({"docs"}, {"docs/task.md"}, "docs/task.md: is changed, and is not named"),
+        ({"docs/nowhere.md"}, {"docs/nowhere.md"}, "docs/nowhere.md: is named, and is not there"),
+        ({"docs"}, {"tests/new.py"}, "tests/new.py: is changed, and is not named"),
+    ],
+)
+def test_a_recipe_that_leads_astray_is_seen(named: set[str], changed: set[str], message: str) -> None:
+    assert message in astray(named, changed)
+
+
+def test_new_files_of_a_folder_that_is_named_are_no_surprise() -> None:
+    assert astray({"docs", "README.md"}, {"docs/new/page.md", "README.md"}) == []
+
+
+def test_places_are_the_links_in_bold() -> None:
+    page = "## One\n1. **[a](x/a.py)** as [b](x/b.py), **bold**, **[c](x/c/)**\n## Two\n**[d](d)**\n"
+    assert places(section("One", page)) == {"x/a.py", "x/c"}
+
+
+# ------------------------------------------------------------------------------------------------ from end to end
+
+
+@pytest.mark.parametrize("title", ["A set", "A target language", "A command"])
+def test_the_house_stands_with_the_sample(title: str, made) -> None:
+    pytest_in_copy(made(title), "tests/test_faces.py", "tests/test_layers.py", "-k", "through_faces or lists_what or one_way")
+
+
+def test_a_set_is_designed_certified_and_checked(made) -> None:
+    copy = made("A set")
+    pytest_in_copy(
+        copy, "tests/task/test_keys.py", "tests/task/test_shapes.py", "-k", "key or list or know or diamond and every_shape"
+    )
+
+
+def test_a_set_is_a_region_of_a_mission_and_has_images_in_an_axis_that_closes(made, tmp_path: Path) -> None:
+    """The tool and the checker agree about both."""
+    copy = made("A set")
+    turning = (ROOT / "tasks" / "omni_heading.toml").read_text()
+    turning = turning[: turning.index("[[unsafe]]")] + '[[unsafe]]\nname = "rock"\nmiddle = [2.5, 1.5, 0.5]\nreach = 0.4\n'
+    head = "[state_space]\nlower = [0, 0]\nupper = [5, 5]\n[initial_set]\nlower = [0, 0]\nupper = [0.5, 0.5]\n[target_set]\nlower = [4.5, 4.5]\nupper = [5, 5]\n"
+    mission = 'name = "visitor"\nprescribed_time = 20\ninitial_state = [0.25, 0.25]\n' + head
+    mission += '[[region]]\nname = "dock"\nmiddle = [2, 3]\nreach = 1\n[[mission]]\nvisit = "dock"\n'
+    for name, text in {"omni_heading": turning, "visitor": mission}.items():
+        (tmp_path / f"{name}.toml").write_text(text)
+        written = in_copy(copy, "generate", str(tmp_path / f"{name}.toml"), "--out", str(tmp_path))
+        assert written.returncode == 0, written.stderr
+        files = [str(tmp_path / f"{name}{end}") for end in (".toml", ".c", ".certificate.json")]
+        checked = in_copy(copy, "certify", *files)
+        assert checked.returncode == 0, checked.stdout + checked.stderr
+
+
+def test_an_operation_is_printed_in_every_language_and_bounded(made, tool) -> None:
+    tool("gcc"), tool("clang")
+    pytest_in_copy(
+        made("An operation"),
+        "tests/program/test_program.py",
+        "-k",
+        "hypot and not hypothesis or bank_covers or printed_by_every_printer",
+    )
+    code = """
+import casadi as ca, numpy as np
+from stt_codegen.program.analyse import Runner
+from stt_codegen.program.targets import TARGETS
+from tests.support.bank import kernel_of, one_function_program
+kernel, function = kernel_of("far", lambda a, b: ca.hypot(a * 3, b / 7), 2)
+program = one_function_program(kernel, "float")
+points = np.array([[1e-3, 2.0], [0.3, -40.0], [-5.0, 1e3]], np.float32)
+found = Runner(program).run("f", {"x": points.astype(np.longdouble)})["y"]
+true = np.hypot(points[:, 0].astype(float) * 3, points[:, 1].astype(float) / 7)
+single = np.hypot(points[:, 0] * np.float32(3), points[:, 1] / np.float32(7)).astype(float)
+assert (np.abs(found.value[:, 0].astype(float) - true) <= 1e-12 * true).all()
+assert (np.abs(single - true) <= found.error[:, 0]).all() and (found.error[:, 0] < 1e-5 * true).all()
+for target in TARGETS:
+    assert any("hypot" in line for line in target.printer(program).kernel(kernel)), target.title
+"""
+    (made("An operation") / "bounded.py").write_text(code)
+    done = in_copy(made("An operation"), module="bounded")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_language_is_within_the_bounds_and_changes_no_old_task(made, tmp_path: Path, tool) -> None:
+    tool("node"), tool("cc")
+    copy = made("A target language")
+    pytest_in_copy(copy, "tests/task/test_keys.py", "tests/compare/test_targets.py", "-k", "javascript or key or list or know")
+    text = (ROOT / "tasks" / "omni_s1.toml").read_text()
+    (tmp_path / "omni_s1.toml").write_text(text)
+    assert in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path / "old")).returncode == 0
+    for path in (tmp_path / "old").iterdir():
+        assert path.read_bytes() == (ROOT / "generated" / "omni_s1" / "refined" / "float" / path.name).read_bytes()
+    (tmp_path / "omni_s1.toml").write_text(text + "[emit]\njavascript = true\n")
+    written = in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path), "--json")
+    assert "omni_s1.js" in json.loads(written.stdout)["written"][0]["files"]
+    files = [str(tmp_path / f"omni_s1{end}") for end in (".toml", ".c", ".certificate.json")]
+    assert in_copy(copy, "certify", *files).returncode == 0
+    (tmp_path / "omni_s1.toml").write_text(text.replace('name = "omni_s1"', 'name = "require"') + "[emit]\njavascript = true\n")
+    refused = in_copy(copy, "generate", str(tmp_path / "omni_s1.toml"), "--out", str(tmp_path))
+    assert "name: 'require' is a reserved word of JavaScript (emit.javascript)" in refused.stderr
+
+
+@pytest.mark.parametrize("path", ["stt_codegen/certify/checker.py", "stt_codegen/theorem/controller_theorem.py"])
+def test_a_list_that_a_language_is_left_out_of_is_noticed(path: str, tmp_path: Path) -> None:
+    copy = copy_of_the_repository(tmp_path)
+    follow(replace(LANGUAGE, edits={name: edits for name, edits in LANGUAGE.edits.items() if name != path}), copy)
+    with pytest.raises(AssertionError, match="javascript"):
+        pytest_in_copy(copy, "tests/task/test_keys.py")
+    assert f"{path}: is named, and nothing is changed there" in astray(places(LANGUAGE.recipe), touched(copy))
+
+
+def test_a_command_is_in_the_help_and_answers(made) -> None:
+    copy = made("A command")
+    assert "count" in in_copy(copy, "--help").stdout
+    assert json.loads(in_copy(copy, "count", "tasks/omni_s2.toml", "--json").stdout) == {"unsafe": 4}
+    pytest_in_copy(copy, "tests/cli/test_commands.py")
+
+
+def test_a_board_runs_the_c_and_is_counted(made, tool) -> None:
+    for name in ("arm-none-eabi-gcc", "qemu-system-arm"):
+        tool(name)
+    copy = made("A board")
+    ran = in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m4", "--points", "50", "--json")
+    document = json.loads(ran.stdout)
+    assert document["within_bounds"] is True
+    assert document["calls"]["control"]["most"] > 500  # without an FPU
+    assert "m4" in in_copy(copy, "mcu", "--help", module="benchmarks").stdout
+    assert "m4," in in_copy(copy, "pil", "tasks/omni_s1.toml", "--board", "m5").stderr

@@ -1,0 +1,363 @@
+"""Sampled control: what is proved holds against adversaries, and the bounds scale as physics does."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from benchmarks.sampled import drawn, factor, violations
+from stt_codegen.certify.adaptive.enclosure import enclosed_windows
+from stt_codegen.cli.main import app
+from stt_codegen.errors import NotCertified
+from stt_codegen.lemmas.book import FAMILIES
+from stt_codegen.lemmas.lemma import Verdict
+from stt_codegen.pipeline import build
+from stt_codegen.plants import PLANTS, plant_of
+from stt_codegen.report.analysis import Analysis
+from stt_codegen.sampling.gains import most_room
+from stt_codegen.sampling.periods import Period, holds, longest
+from stt_codegen.sampling.plant import bounds_of_task
+from stt_codegen.sampling.setting import Setting, eps_of_state, law_of, setting_of
+from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
+from stt_codegen.sampling.windows import refined_windows
+from tests.support.controllers import ROOT, built, controller_of
+
+
+def setting(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> Setting:
+    c = controller_of(name)
+    windows = refined_windows(c.design)
+    law = replace(law_of(c.task, c.certificate.edge_error, noise), gain=np.full(c.task.dimension, gain))
+    start = eps_of_state(windows, [float(v) for v in c.task.initial_state])
+    return setting_of(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, start)
+
+
+def scaled(s: Setting, length: float, time: float) -> Setting:
+    """The same loop in other units: lengths and times multiplied; then |k| by length^2/time."""
+    w, speed = s.windows, length / time
+    windows = replace(
+        w,
+        times=w.times * time,
+        narrow=w.narrow * length,
+        wide=w.wide * length,
+        speed=w.speed * speed,
+        widening=w.widening * speed,
+    )
+    law = replace(s.law, gain=s.law.gain * length**2 / time, shift=s.law.shift * length)
+    return replace(s, windows=windows, law=law, push=s.push * speed, narrow=s.narrow * length, push_norm=s.push_norm * speed)
+
+
+@pytest.mark.parametrize("statement", STATEMENTS)
+@pytest.mark.parametrize("turn", [False, True])
+def test_no_adversary_reaches_the_proved_bound(statement: str, turn: bool) -> None:
+    draw = random.Random(7)
+    proved = 0
+    for seed in range(8):
+        loop, share = drawn(draw, turn), draw.uniform(0, 0.9)
+        period = longest(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
+        if period is not None:
+            proved += 1
+            assert not violations(loop, statement, period, share, seed)
+    assert proved or (statement == "diagonal" and turn)  # which is for diagonal g alone
+
+
+def test_the_adversaries_can_fail_a_loop() -> None:
+    """Else the test above would say nothing: some period does fail."""
+    draw = random.Random(7)
+    loop = drawn(draw, False)
+    period = longest("sharp", loop.setting(2 * math.atanh(0.5)))
+    assert period is not None
+    assert 1 < factor(loop, period, 0.5, 1) < 20
+
+
+def test_the_adversaries_notice_a_bound_on_u_that_leaves_noise_out() -> None:
+    """The law sees x nearer to an edge than it is: |u| of E alone is passed, that of what is seen is not."""
+    loop = replace(
+        drawn(random.Random(7), False), noise=0.02, narrow=0.5, wide=0.5, speed=0.1, push=0.1, latency=0.0, u_max=math.inf
+    )
+    period = longest("sharp", loop.setting(2 * math.atanh(0.9)))
+    assert period is not None
+    without = (loop.gain * 4 * q(period.reach[0]) / loop.narrow,)
+    assert violations(loop, "sharp", replace(period, u=without), 0.9, 1)
+    assert not violations(loop, "sharp", period, 0.9, 1)
+
+
+@pytest.mark.parametrize("statement", STATEMENTS)
+def test_units_do_not_matter(statement: str) -> None:
+    """Periods scale with time, and nothing else changes, to the search's 2^-20 and what is backed off."""
+    s = setting()
+    one = longest(statement, s)
+    for length, time in ((8.0, 1.0), (1.0, 4.0), (0.25, 16.0)):
+        other = longest(statement, scaled(s, length, time))
+        assert one is not None
+        assert other is not None
+        assert other.seconds / time == pytest.approx(one.seconds, rel=1e-5)
+        assert other.reach == pytest.approx(one.reach, rel=1e-9)
+
+
+@pytest.mark.parametrize("statement", STATEMENTS)
+def test_what_is_proved_for_a_period_is_proved_for_shorter_ones(statement: str) -> None:
+    s = setting()
+    period = longest(statement, s)
+    assert period is not None
+    for share in (1.0, 0.9, 0.5, 0.1, 0.0):
+        assert holds(statement, s, period.reach, period.seconds * share)
+    assert not holds(statement, s, period.reach, period.seconds * 1.01)
+
+
+@pytest.mark.parametrize("change", ["push", "noise", "narrower", "faster"])
+def test_a_harder_loop_has_no_longer_period(change: str) -> None:
+    s = setting(noise=0.002 if change == "noise" else 0.0)
+    easy, w = longest("sharp", setting()), s.windows
+    if change == "push":
+        s = replace(s, push=s.push + 0.3)
+    elif change == "narrower":
+        s = replace(s, narrow=s.narrow * 0.9, windows=replace(w, narrow=w.narrow * 0.9))
+    elif change == "faster":
+        s = replace(s, push=s.push * 1.2)
+    hard = longest("sharp", s)
+    assert easy is not None
+    assert hard is None or hard.seconds < easy.seconds
+
+
+def test_the_least_pull_is_at_the_ends_of_the_widths() -> None:
+    """What `sharp` relies on (sampled.ends), on a grid."""
+    draw = random.Random(3)
+    for _ in range(300):
+        reach, narrow = draw.uniform(0.1, 4.0), draw.uniform(0.1, 1.0)
+        widths = np.linspace(narrow, narrow * draw.uniform(1.0, 5.0), 200)
+        shift = draw.uniform(0, 0.5) * narrow * math.tanh(reach / 2)
+        far, near = widths / (1 + math.exp(-reach)) - shift, widths / (1 + math.exp(reach)) + shift
+        if (far > near).all():
+            values = pull(far, near, np.log, 0.0)
+            assert values.min() >= min(values[0], values[-1]) * (1 - 1e-12)
+
+
+def test_the_input_bound_holds_for_every_place_with_smaller_eps() -> None:
+    s = setting()
+    for reach in (0.5, 2.0, 4.0):
+        bound = input_bound(s, reach)
+        for eps in np.linspace(-reach, reach, 41):
+            assert (s.law.gain * 4 * abs(q(eps)) / s.narrow <= bound).all()
+
+
+def test_windows_hold_what_the_emitted_tube_does() -> None:
+    """Widths, places and speeds at many times, of the refined tube and of an adaptive one (alpha by small steps)."""
+    refined = controller_of("omni_s1")
+    names: dict[str, Any] = {}
+    exec(refined.files["omni_s1.py"], names)
+    w = refined_windows(refined.design)
+    for k in range(len(w.times) - 1):
+        for t in np.linspace(w.times[k], w.times[k + 1], 9)[:-1]:
+            lower, upper = (np.array(v) for v in names["tube"](t))
+            rates = np.array(names["tube_rate"](t))
+            slack = 1e-6  # of the emitted arithmetic
+            assert (upper - lower >= w.narrow[k] - slack).all()
+            assert (upper - lower <= w.wide[k] + slack).all()
+            assert (lower >= w.low[k] - slack).all()
+            assert (upper <= w.high[k] + slack).all()
+            assert (np.abs(rates).max(axis=0) <= w.speed[k] + slack).all()
+    adaptive = build(ROOT / "tasks" / "omni_s1.toml", "adaptive")
+    from stt_codegen.certify.adaptive.enclosure import enclosed_tube
+
+    w = enclosed_windows(enclosed_tube(adaptive.task, adaptive.design))
+    exec(adaptive.files["omni_s1.py"], names)
+    alpha, steps = names["alpha_init"](), 9000
+    for k in range(steps):
+        t = 9.0 * k / steps
+        at = int(np.searchsorted(w.times, t, side="right")) - 1
+        lower, upper = (np.array(v) for v in names["tube"](t, alpha))
+        assert (w.narrow[at] - 1e-5 <= upper - lower).all()
+        assert (upper - lower <= w.wide[at] + 1e-5).all()
+        alpha = names["alpha_step"](t, 9.0 / steps, alpha)
+
+
+# ------------------------------------------------------------------------------------- what users see
+
+
+def test_the_robot_with_heading_is_certified_at_a_kilohertz() -> None:
+    """From initial_state at the task's gain; from all of the share at another."""
+    analysis = Analysis(controller_of("omni_heading"), PLANTS["robot"])
+    assert all(h.holds for h in analysis.hypotheses())
+    assert analysis.from_initial_state is not None
+    assert analysis.from_initial_state.seconds > 0.001
+    assert most_room(analysis.setting, 0.001) is not None
+
+
+def test_a_robot_that_may_turn_past_a_right_angle_fails_assumption_2(tmp_path: Path) -> None:
+    text = (ROOT / "tasks" / "omni_heading.toml").read_text().replace("-1.2", "-3.0").replace("1.2]", "3.0]")
+    text = text.replace("[0.0, 0.0, -0.1]", "[0.0, 0.0, -2.0]").replace("[0.5, 0.5, 0.1]", "[0.5, 0.5, 2.0]")
+    (tmp_path / "task.toml").write_text(text)
+    result = CliRunner().invoke(app, ["prove", str(tmp_path / "task.toml"), "--plant", "robot", "--out", str(tmp_path), "--json"])
+    assert result.exit_code == 1
+    document = json.loads(result.stdout)
+    failed = [h["name"] for h in document["hypotheses"] if not h["holds"]]
+    assert "Assumption 2" in failed
+
+
+@pytest.mark.parametrize("design", ["refined", "adaptive"])
+def test_prove_task_writes_bounds_that_a_second_run_confirms(design: str, tmp_path: Path) -> None:
+    task = str(ROOT / "tasks" / "omni_s3.toml")
+    arguments = ["prove", task, "--out", str(tmp_path), "--design", design]
+    assert CliRunner().invoke(app, [*arguments, "--check"]).exit_code == 1  # not there yet
+    assert CliRunner().invoke(app, arguments).exit_code == 0
+    assert CliRunner().invoke(app, [*arguments, "--check"]).exit_code == 0
+    document = json.loads((tmp_path / "omni_s3.bounds.json").read_text())
+    assert document["hypotheses"]
+    if design == "refined":
+        assert document["sampled"]["sharp"]["period"] > 0
+    assert ("update_function" in document) == (design == "adaptive")
+    if design == "adaptive":
+        numbers = document["update_function"]
+        assert numbers["s_star"] > 0
+        assert numbers["least_gap"] > numbers["ln4_over_nu"]
+
+
+@pytest.mark.parametrize("name", ["omni_s1", "omni_board", "omni_heading", "spacecraft", "trolley"])
+def test_the_committed_bounds_are_what_prove_says(name: str) -> None:
+    folder = ROOT / "generated" / name / "refined" / "float"
+    task = str(ROOT / "tasks" / f"{name}.toml")
+    result = CliRunner().invoke(app, ["prove", task, "--out", str(folder), "--check", "--json"])
+    assert not json.loads(result.stdout)["file_differs"]
+    assert result.exit_code == 0, result.output
+
+
+def test_options_of_a_task_are_refused_without_one() -> None:
+    assert CliRunner().invoke(app, ["prove", "--plant", "robot"]).exit_code != 0
+
+
+def test_a_gain_that_is_too_small_is_told(tmp_path: Path) -> None:
+    c = controller_of("omni_s2")
+    weak = Analysis(build_with_gain(c.task, "0.0001"))
+    assert weak.period is None
+    assert not next(h for h in weak.hypotheses() if h.name == "Theorem 4.1").holds
+    assert weak.gains.longest is not None
+    assert Analysis(build_with_gain(c.task, str(weak.gains.longest[0][0]))).period is not None
+
+
+def build_with_gain(task: Any, gain: str) -> Any:
+    from fractions import Fraction
+
+    return built(task.model_copy(update={"control": task.control.model_copy(update={"gain": Fraction(gain)})}))
+
+
+def test_a_negative_gain_needs_a_negative_plant() -> None:
+    c = build_with_gain(controller_of("omni_s2").task, "-0.5")
+    wrong = Analysis(c, PLANTS["integrator"])
+    assert not next(h for h in wrong.hypotheses() if h.name == "Assumption 2").holds
+    assert wrong.period is None
+
+
+def test_a_period_says_where_it_is_tight() -> None:
+    period = longest("sharp", setting())
+    assert isinstance(period, Period)
+    assert 0 <= period.tight[0] <= period.tight[1] <= 9
+    assert period.tight[2] in (1, 2)
+
+
+def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
+    text = (ROOT / "tasks" / "omni_board.toml").read_text()
+    assert "tick_period = 0.001" in text
+    for gain, period, told in (("0.5", "0.001", False), ("2.0", "0.001", True), ("0.5", "0.02", True)):
+        changed = text.replace("tick_period = 0.001", f"tick_period = {period}").replace("gain = 0.5", f"gain = {gain}")
+        (tmp_path / "task.toml").write_text(changed)
+        result = CliRunner().invoke(app, ["generate", str(tmp_path / "task.toml"), "--out", str(tmp_path)])
+        assert result.exit_code == 0, result.output
+        assert ("proved short enough" in result.output) == told
+
+
+@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.5, 0.98])
+def test_eps_at_the_start_is_that_of_gamma_0(share: float) -> None:
+    """Not of the first window's hull: x(0) anywhere in gamma(0), and outside of it."""
+    names: dict[str, Any] = {}
+    exec(controller_of("omni_s2", "double").files["omni_s2.py"], names)
+    lower, upper = (np.array(v) for v in names["tube"](0.0))
+    x = lower + share * (upper - lower)
+    exact = np.abs(np.log((x - lower) / (upper - x)))
+    found, outside = (Analysis(controller_of("omni_s2"), start=at.tolist()).setting.start for at in (x, upper + 0.001))
+    assert found == pytest.approx(exact, rel=1e-6, abs=1e-6)
+    assert np.isinf(outside).all()
+
+
+def test_a_start_near_an_edge_is_not_called_proved() -> None:
+    from fractions import Fraction
+
+    task = controller_of("omni_s2").task.model_copy(update={"initial_state": (Fraction("0.498"),) * 2})
+    found = Analysis(built(task))
+    assert found.from_initial_state is None
+    assert Analysis(built(task), start=[0.498, 0.498]).period is None
+
+
+@pytest.mark.parametrize(("noise", "latency"), [(0.6, 1e-5), (10.0, 0.0)])
+def test_noise_wider_than_the_tube_proves_nothing(noise: float, latency: float) -> None:
+    s = setting(noise=noise)
+    s = replace(s, law=replace(s.law, latency=latency))
+    for reach in (0.5, 2.0, 5.0):
+        assert not any(holds(statement, s, np.full(2, reach), latency) for statement in STATEMENTS)
+
+
+def test_with_latency_a_sample_is_at_most_half_a_window_old() -> None:
+    s = setting()
+    late = replace(s, law=replace(s.law, latency=1e-6), push=s.push * 1e-3)
+    assert not any(holds("sharp", late, np.full(2, reach), 0.6 * s.windows.shortest) for reach in (0.7, 1.0, 2.0, 4.0))
+
+
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_errors_that_are_no_numbers_are_refused(value: str) -> None:
+    task = str(ROOT / "tasks" / "omni_s2.toml")
+    for option in ("--noise", "--latency"):
+        result = CliRunner().invoke(app, ["prove", task, option, value, "--out", "/nonexistent"])
+        assert result.exit_code != 0
+        assert option in str(result.exception) or option in result.output
+
+
+def test_every_condition_names_a_lemma_that_is_proved() -> None:
+    """And every evaluated statement is compared with the lemmas by one of its own."""
+    lemmas = {lemma.name: lemma for _, family in FAMILIES.values() for lemma in family}
+    s = Analysis(controller_of("omni_s2")).setting
+    for name, statement in STATEMENTS.items():
+        for condition in statement.conditions(s, 1.0, 1e-4):
+            assert lemmas[condition.lemma].run().verdict is Verdict.PROVED
+        assert lemmas[f"sampled.{name}_evaluated"].run().verdict is Verdict.PROVED
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("f", "g"),
+    [
+        ("[5 + x[0], 1e9]", "[[x[0] - 1, 100], [0, 1e-300]]"),  # what is needed against it is beyond the doubles
+        ("[0, 0]", "[[1, 0], [0, -1]]"),
+        ("[1e300, 0]", "[[1, 0], [0, 1]]"),
+        ("[0, 0]", "[[1e-300, 0], [0, 1e300]]"),
+        ("[0, 0]", "[[0, 1], [1, 0]]"),
+    ],
+)
+def test_no_warning_of_a_library_reaches_a_person(f: str, g: str, tmp_path: Path) -> None:
+    """Of plants that no gain holds against, and gains at both ends of what a task takes."""
+    (tmp_path / "odd.py").write_text(f"def f(x): return {f}\ndef g(x): return {g}\n")
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text()
+    for gain in ("0.5", "1e18"):
+        path = tmp_path / "task.toml"
+        path.write_text(text.replace("gain = 0.5", f"gain = {gain}"))
+        analysis = Analysis(build(path), plant_of(str(tmp_path / "odd.py"), 2))
+        assert analysis.report().sampling.at_this_gain is None
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("bounds", ["g_min = 1e-9", "f_max = 1e9", "g_cross = 1e9", "g_max = 1e9", "w_max = 1e-9\nnoise = 1e9"])
+@pytest.mark.parametrize("command", ["design", "generate"])
+def test_no_warning_of_a_library_stands_beside_a_refusal(bounds: str, command: str, tmp_path: Path) -> None:
+    """Of tasks whose period no gain holds."""
+    text = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("gain = 0.5", 'gain = "auto"\nperiod = 0.001\nu_max = 1e-9')
+    (tmp_path / "task.toml").write_text(f"{text}\n[plant]\n{bounds}\n")
+    result = CliRunner().invoke(
+        app, [command, str(tmp_path / "task.toml"), *(["--out", str(tmp_path)] * (command == "generate"))]
+    )
+    assert isinstance(result.exception, NotCertified | SystemExit), repr(result.exception)

@@ -1,0 +1,645 @@
+"""Unsafe sets of every shape, from a task file to the checker: hulls of points, half-spaces, balls, capsules, boxes, all of them
+also in some of the dimensions alone. The truth is told by linear programs and by distances that are sought, nothing of ours."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+import time
+from collections.abc import Sequence
+from fractions import Fraction
+from itertools import combinations, product
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from stt_codegen.certify import checker
+from stt_codegen.emit.render import render
+from stt_codegen.errors import BadInput, SttError
+from stt_codegen.loop.compiled import Judged, Setting, driver
+from stt_codegen.loop.simulate import Loop, Scenario, _Field, doubtful
+from stt_codegen.pipeline import build_program, certify
+from stt_codegen.plants import PLANTS
+from stt_codegen.program.analyse.cost import cost_of
+from stt_codegen.report.notes import task_notes
+from stt_codegen.report.outlines import outline
+from stt_codegen.report.pictures.tube_pictures import draw
+from stt_codegen.task.load import parse_task
+from stt_codegen.task.sets.convex_sets import BoxSet, Prism, low_of
+from stt_codegen.task.sets.polytopes import Hull, Polytope, bends_of, cut_box, spanned
+from stt_codegen.task.sets.round_sets import Round, fan, size
+from stt_codegen.task.sets.shapes import Unsafe, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet
+from stt_codegen.task.task import Task
+from tests.support.controllers import built
+from tests.task.test_sets import PLAIN, Points, clipped, hull
+
+SPACE = """name = "space"
+axes = ["x", "y", "z"]
+prescribed_time = 9
+initial_state = [0.25, 0.25, 0.25]
+state_space = { lower = [-0.2, -0.2, -0.2], upper = [5.2, 5.2, 5.2] }
+initial_set = { lower = [0, 0, 0], upper = [0.5, 0.5, 0.5] }
+target_set = { lower = [4.5, 4.5, 4.5], upper = [5, 5, 5] }
+"""
+FLAT = PLAIN.replace("lower = [0, 0], upper = [5, 5]", "lower = [-0.2, -0.2], upper = [5.2, 5.2]")
+BODY = {2: "body = [0.1, 0.05]\n", 3: "body = [0.1, 0.05, 0.1]\n"}
+# Two triangles with a slanted corridor between them; their bounding boxes overlap and close it.
+CORRIDOR = ("vertices = [[1.2, 0], [5, 0], [5, 3.8]]", "vertices = [[0, 1.2], [3.8, 5], [0, 5]]")
+SHAPES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "triangles": (FLAT, CORRIDOR),
+    "quadrangle": (FLAT, ("vertices = [[1, 2], [3, 1], [3.5, 3], [2, 2], [2.1, 3.4]]",)),
+    "disc": (FLAT, ("centre = [2.5, 2.4]\nradius = 1.2",)),
+    "capsule": (FLAT, ("segment = [[1, 3], [3, 1]]\nradius = 0.3",)),
+    "half-spaces": (FLAT, ("normals = [[1, 1], [-1, 0.25], [0, -1]]\noffsets = [4.5, -1.2, -1]",)),
+    "wall with an end": (FLAT, ("normals = [[0, 1], [0, -1], [1, 0.5]]\noffsets = [3, -2, 4.5]",)),
+    "ball": (SPACE, ("centre = [2.5, 2.5, 2.4]\nradius = 1.5",)),
+    "cylinder": (SPACE, ('centre = [2.5, 2.5]\nradius = 1\naxes = ["x", "z"]',)),
+    "slanted rod": (SPACE, ("segment = [[1, 3, 1], [3, 1, 4]]\nradius = 0.4",)),
+    "fin": (SPACE, ('segment = [[1, 3], [3, 1]]\nradius = 0.2\naxes = ["x", "y"]',)),
+    "tetrahedron": (SPACE, ("vertices = [[1, 1, 1], [4, 1, 1], [1, 4, 1], [2, 2, 4]]",)),
+    "corner": (SPACE, ("normals = [[1, 1, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]\noffsets = [7, -1, -1, -1]",)),
+    "prisms": (SPACE, tuple(f'{text}\naxes = ["{a}", "{b}"]' for text, (a, b) in zip(CORRIDOR, ("xy", "xy"), strict=True))),
+    "pillars": (SPACE, ('lower = [1, 1]\nupper = [2, 3]\naxes = ["x", "z"]', 'centre = [3, 3]\nradius = 0.5\naxes = ["y", "x"]')),
+}
+SHAPES["one axis"] = (FLAT, ('lower = [1.2]\nupper = [3]\naxes = ["x2"]\nname = "strip"',))
+CLOSED = {"one axis"}  # a strip across the plane: refused, and rightly
+
+
+def text_of(name: str, body: bool = False) -> str:
+    head, tables = SHAPES[name]
+    return head + (BODY[3 if head is SPACE else 2] if body else "") + "".join(f"\n[[unsafe]]\n{t}\n" for t in tables)
+
+
+def checked(text: str, files: dict[str, bytes], folder: Path) -> int:
+    name = next(n for n in files if n.endswith(".c"))[:-2]
+    for file, data in {**files, "task.toml": text.encode()}.items():
+        (folder / file).write_bytes(data)
+    return checker.main([str(folder / n) for n in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
+
+
+# ------------------------------------------------------------------------------------------------------------- the oracle
+
+
+def least_gap(task: Task, unsafe: Unsafe, low: np.ndarray, high: np.ndarray) -> float:
+    """The least over boxes (T, n) of `gap`."""
+    own, body = list(task.own_axes(unsafe)), np.array([float(v) for v in task.half_extents])
+    lower, upper = (low - body)[:, own], (high + body)[:, own]
+    if not isinstance(unsafe, UnsafeBall | UnsafeCapsule):
+        return min(gap(task, unsafe, a, b) for a, b in zip(lower, upper, strict=True))
+    ends = np.array((unsafe.segment if isinstance(unsafe, UnsafeCapsule) else (unsafe.centre,) * 2), dtype=float)
+    under, over = np.full(len(lower), -1.0), np.full(len(lower), 10.0)
+    for _ in range(50):
+        middle = (under + over) / 2
+        apart = nearest(ends, lower - middle[:, None], upper + middle[:, None]) > float(unsafe.radius)
+        under, over = np.where(apart, middle, under), np.where(apart, over, middle)
+    return float(under.min())
+
+
+def nearest(ends: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """The distances from a segment to boxes (T, n), sought along the segment by thirds."""
+
+    def at(s: np.ndarray) -> np.ndarray:
+        p = ends[0] + s[:, None] * (ends[1] - ends[0])
+        return np.linalg.norm(np.maximum(np.maximum(lower - p, p - upper), 0), axis=1)
+
+    a, b = np.zeros(len(lower)), np.ones(len(lower))
+    for _ in range(0 if (ends[0] == ends[1]).all() else 70):
+        c, d = a + (b - a) / 3, b - (b - a) / 3
+        left = at(c) < at(d)
+        a, b = np.where(left, a, c), np.where(left, d, b)
+    return np.minimum(at((a + b) / 2), np.minimum(at(np.zeros_like(a)), at(np.ones_like(a))))
+
+
+def gap(task: Task, unsafe: Unsafe, lower: np.ndarray, upper: np.ndarray) -> float:
+    """How much a box may grow, in the largest component, until it meets an unsafe set in its own dimensions, negative where it
+    does: by what the table says of it, as a linear program."""
+    own, d = task.own_axes(unsafe), len(lower)
+    if isinstance(unsafe, UnsafePolytope):  # x = sum of weights times points
+        points = np.array(unsafe.vertices, dtype=float)
+        count = len(points)
+        equal = (np.ones((1, count + 1)), [1.0])
+        equal[0][0, -1] = 0.0
+        rows = [*(np.append(points[:, i], -1.0) for i in range(d)), *(np.append(-points[:, i], -1.0) for i in range(d))]
+        bounds = [(0, None)] * count + [(None, None)]
+        found = linprog([0.0] * count + [1.0], np.array(rows), [*upper, *-lower], *equal, bounds=bounds)
+    else:
+        if isinstance(unsafe, UnsafeHalfSpaces):
+            normals, offsets = np.array(unsafe.normals, dtype=float), [float(v) for v in unsafe.offsets]
+            space = [(float(task.state_space.lower[i]), float(task.state_space.upper[i])) for i in own]
+        else:
+            assert isinstance(unsafe, UnsafeSet)
+            normals, offsets = np.empty((0, d)), []
+            space = [(float(a), float(b)) for a, b in zip(unsafe.lower, unsafe.upper, strict=True)]
+        rows = [*(np.append(n, 0.0) for n in normals)]
+        rows += [np.append(s * np.eye(d)[i], -1.0) for s in (1, -1) for i in range(d)]
+        found = linprog([0.0] * d + [1.0], np.array(rows), [*offsets, *upper, *-lower], bounds=[*space, (None, None)])
+    assert found.status == 0
+    return float(found.fun)
+
+
+# ------------------------------------------------------------------------------------------------------------- end to end
+
+
+@pytest.mark.parametrize("body", [False, True], ids=["point", "body"])
+@pytest.mark.parametrize("name", [n for n in SHAPES if n not in CLOSED])
+def test_every_shape_is_avoided_proved_checked_and_drawn(name: str, body: bool, tmp_path: Path) -> None:
+    text = text_of(name, body)
+    task = parse_task(text)
+    made = built(task)
+    assert made.certificate.holds
+    assert checked(text, made.files, tmp_path) == 0
+    keep = float(task.tube.clearance)
+    low, high = made.design.edges_at(np.linspace(0, 9, 301))
+    assert min(least_gap(task, s, low, high) for s in task.unsafe) > keep - 1e-7  # what the oracle's solver allows itself
+    bare = parse_task(text.split("\n[[unsafe]]", maxsplit=1)[0])
+    assert cost_of(made.program, "control") == cost_of(built(bare).program, "control")
+    draw(made, tmp_path / "drawn.png")
+    assert (tmp_path / "drawn.png").stat().st_size > 5000
+
+
+def test_a_strip_from_wall_to_wall_closes_the_way() -> None:
+    with pytest.raises(SttError, match="strip"):
+        built(parse_task(text_of("one axis")))
+
+
+MOVES = {
+    "triangles": lambda s, by: {"vertices": [[x - by, y + by] for x, y in s["vertices"]]},
+    "disc": lambda s, by: {"radius": s["radius"] + by},
+    "capsule": lambda s, by: {"radius": s["radius"] + by},
+    "half-spaces": lambda s, by: {"offsets": [v + by for v in s["offsets"]]},
+    "tetrahedron": lambda s, by: {"vertices": [[round(v + by * (v - 2), 4) for v in p] for p in s["vertices"]]},
+    "slanted rod": lambda s, by: {"segment": [[x, y + by, z] for x, y, z in s["segment"]]},
+    "cylinder": lambda s, by: {"radius": s["radius"] + by},
+}
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow) if n == "slanted rod" else n for n in MOVES])
+def test_a_set_that_comes_nearer_is_refused_by_certificate_and_checker_where_the_truth_is(name: str, tmp_path: Path) -> None:
+    """The first set is changed step by step for one tube. Both verdicts are one, it falls once, and it is that of the oracle, but for
+    the room that is asked for the arithmetic and for normals that are not tried."""
+    head, tables = SHAPES[name]
+    made = built(parse_task(text_of(name)))
+    low, high = made.design.edges_at(np.linspace(0, 9, 8 * made.design.segments + 1))
+    given_set = {k: v for line in tables[0].splitlines() for k, v in [line.split(" = ", 1)]}
+    values = {k: eval(v) for k, v in given_set.items()}  # this file's own lists and numbers
+    spare = {"disc": 0.01, "capsule": 0.01, "slanted rod": 0.03, "cylinder": 0.01}.get(name, 1e-4)
+    verdicts = []
+    for k in range(-2, 24, 4):
+        changed = {**values, **MOVES[name](values, 0.04 * k)}
+        table = "\n".join(f"{key} = {value!r}".replace("'", '"') for key, value in changed.items())
+        text = head + "".join(f"\n[[unsafe]]\n{t}\n" for t in (table, *tables[1:]))
+        try:
+            task = parse_task(text)
+        except BadInput:
+            continue  # it has come to the start
+        found = certify(task, made.design, build_program(task, made.design))
+        verdicts.append(found.tube_holds)
+        assert (checked(text, render(task, made.design, made.program, found), tmp_path) == 0) == found.holds
+        truth = least_gap(task, task.unsafe[0], low, high)
+        keep = float(task.tube.clearance)
+        assert truth > keep - 1e-7 if found.holds else truth < keep + spare
+    assert verdicts == sorted(verdicts, reverse=True)
+    assert len(set(verdicts)) == 2
+
+
+@pytest.mark.slow
+def test_arenas_of_polygons_discs_and_capsules_are_certified_and_the_checker_agrees(tmp_path: Path) -> None:
+    dice, certified = Random(7), 0
+    for _ in range(10):
+        sets = []
+        for _ in range(6):
+            x, y = dice.uniform(0.9, 4.1), dice.uniform(0.9, 4.1)
+            near = [[round(x + dice.uniform(-0.6, 0.6), 3), round(y + dice.uniform(-0.6, 0.6), 3)] for _ in range(5)]
+            radius = round(dice.uniform(0.1, 0.5), 3)
+            sets.append(
+                dice.choice(
+                    (
+                        f"vertices = {near}",
+                        f"centre = {near[0]}\nradius = {radius}",
+                        f"segment = {near[:2]}\nradius = {radius / 2}",
+                    )
+                )
+            )
+        text = FLAT + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)
+        try:
+            made = built(parse_task(text))
+        except SttError as refusal:
+            assert str(refusal)
+            continue
+        certified += 1
+        assert checked(text, made.files, tmp_path) == 0
+        low, high = made.design.edges_at(np.linspace(0, 9, 121))
+        assert min(least_gap(made.task, s, low, high) for s in made.task.unsafe) > 0.03 - 1e-7
+    assert certified >= 7
+
+
+def test_the_loop_judges_by_the_true_shape() -> None:
+    """In the ball, in what a body adds to it, and just outside of both though within every tangent plane that is tried."""
+    made = built(parse_task(text_of("disc", body=True)))
+    loop = Loop(made, PLANTS["integrator"])
+    corner = np.array([2.5 + 0.1, 2.4 + 0.05])  # of the body's box about the centre; from there the disc's arc
+    angle = math.radians(67.5 / 4)  # between two normals of the fan
+    for scale, hit in ((0.999, True), (1.001, False)):
+        at = corner + 1.2 * scale * np.array([math.cos(angle), math.sin(angle)])
+        assert hits_at_once(loop, at) == hit
+    rod = Loop(built(parse_task(text_of("slanted rod"))), PLANTS["integrator"])
+    middle = np.array([2, 2, 2.5])
+    across = np.cross([2, -2, 3], [0.0, 0, 1])
+    for scale, hit in ((0.999, True), (1.001, False)):
+        at = middle + 0.4 * scale * across / np.linalg.norm(across)
+        assert hits_at_once(rod, at) == hit
+
+
+def hits_at_once(loop: Loop, at: np.ndarray) -> bool:
+    run = loop.run(Scenario(start=tuple(at.tolist())))
+    return run.hit is not None and run.hit_at == 0
+
+
+def test_wind_toward_a_ball_blows_to_its_centre() -> None:
+    run = Loop(built(parse_task(text_of("ball"))), PLANTS["integrator"]).run(
+        Scenario(disturbance="nearest", strength=0.1, start=(0.9, 1.3, 1.1)), trace=True
+    )
+    way = np.array([2.5, 2.5, 2.4]) - [0.9, 1.3, 1.1]
+    assert run.trace[0, 13:16] == pytest.approx(0.1 * way / np.linalg.norm(way), rel=1e-6)
+
+
+# ------------------------------------------------------------------------------------------------------------- the shapes
+
+numbers = st.integers(-32, 32).map(lambda k: Fraction(k, 8))  # decimals, so that a task may hold them
+
+
+def vectors(n: int) -> st.SearchStrategy[tuple[Fraction, ...]]:
+    return st.tuples(*[numbers] * n)
+
+
+def boxes(n: int) -> st.SearchStrategy[BoxSet]:
+    sizes = st.fractions(min_value=Fraction(1, 8), max_value=3, max_denominator=8)
+    return st.tuples(vectors(n), st.tuples(*[sizes] * n)).map(
+        lambda p: BoxSet(p[0], tuple(a + s for a, s in zip(*p, strict=True)))
+    )
+
+
+def clouds(n: int) -> st.SearchStrategy[list[tuple[Fraction, ...]]]:
+    return st.lists(vectors(n), min_size=n + 1, max_size=n + 6, unique=True)
+
+
+@given(clouds(2))
+@settings(max_examples=200)
+def test_a_hull_in_the_plane_is_that_of_turns_to_the_left(points: Points) -> None:
+    corners = hull(points)
+    assert (spanned(points) == 2) == (len(corners) > 2)
+    assume(len(corners) > 2)
+    made = Hull.of(tuple(points))
+    assert {v.point for v in made.corners} == set(corners)
+    assert len(made.faces) == len(corners)
+
+
+@pytest.mark.parametrize("n", [1, 3, 4])
+@given(data=st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_hull_and_its_faces_say_the_same(n: int, data: st.DataObject) -> None:
+    points = data.draw(clouds(n))
+    assume(spanned(points) == n)
+    made = Hull.of(tuple(points))
+    for normal, offset in made.faces:
+        values = [sum(c * v for c, v in zip(normal, p, strict=True)) for p in points]
+        assert max(values) == offset
+        assert math.gcd(*normal) == 1
+        assert spanned([p for p, v in zip(points, values, strict=True) if v == offset]) == n - 1  # all of a face is on it
+    space = (Fraction(-5),) * n, (Fraction(5),) * n
+    assert {v.point for v in cut_box(*space, made.faces)} == {v.point for v in made.corners}
+    for v in made.corners:  # no corner is in the hull of the others
+        rest = [p for p in points if p != v.point]
+        weights = linprog(
+            [0.0] * len(rest),
+            A_eq=[*np.array(rest, dtype=float).T.tolist(), [1.0] * len(rest)],
+            b_eq=[*map(float, v.point), 1.0],
+            bounds=(0, None),
+        )
+        assert weights.status == 2
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+@given(data=st.data())
+@settings(max_examples=80, deadline=None)
+def test_a_polytope_is_apart_from_a_box_just_where_no_point_is_shared(n: int, data: st.DataObject) -> None:
+    points, box = data.draw(clouds(n)), data.draw(boxes(n))
+    assume(spanned(points) == n)
+    task = parse_task(PLAIN).model_copy(update={"axes": tuple("abcd"[:n])})
+    table = UnsafePolytope(vertices=points, axes=list("abcd"[:n]))
+    truth = gap(task.model_copy(update={"state_space": box_table(n)}), table, *as_floats(box))
+    assume(abs(truth) > 1e-7)
+    polytope = Polytope(points)
+    assert polytope.apart(box.lower, box.upper) == (truth > 0)
+    if n <= 3:  # one of the normals shows it
+        assert any(low_of(m, box.lower, box.upper) > h for m, h in polytope.faces) == (truth > 0)
+    half = tuple(Fraction(k + 1, 8) for k in range(n))
+    about = tuple(a - h for a, h in zip(box.lower, half, strict=True)), tuple(b + h for b, h in zip(box.upper, half, strict=True))
+    assert polytope.grown(half).apart(box.lower, box.upper) == polytope.apart(*about)
+    inside = all(polytope.apart(c, c) is False for c in product(*zip(box.lower, box.upper, strict=True)))
+    assert polytope.covers(box.lower, box.upper) == inside
+
+
+def box_table(n: int):
+    return parse_task(PLAIN).state_space.model_copy(update={"lower": (Fraction(-9),) * n, "upper": (Fraction(9),) * n})
+
+
+def as_floats(box: BoxSet) -> tuple[np.ndarray, np.ndarray]:
+    return np.array(box.lower, dtype=float), np.array(box.upper, dtype=float)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 5])
+@given(data=st.data())
+@settings(max_examples=80, deadline=None)
+def test_a_round_set_is_apart_where_its_distance_says(n: int, data: st.DataObject) -> None:
+    ends, box = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True)), data.draw(boxes(n))
+    radius = data.draw(st.fractions(min_value=Fraction(1, 8), max_value=3, max_denominator=8))
+    one = Round(tuple(ends), radius)
+    line, (lower, upper) = np.array([ends[0], ends[-1]], dtype=float), as_floats(box)
+    distance = float(nearest(line, lower[None], upper[None])[0])
+    assert float(one.core.square_to(box.lower, box.upper)) == pytest.approx(distance**2, abs=1e-9)
+    assume(abs(distance - float(radius)) > 1e-6)
+    assert one.apart(box.lower, box.upper) == (distance > radius)
+    corners = np.array(list(product(*zip(box.lower, box.upper, strict=True))), dtype=float)
+    farthest = float(nearest(line, corners, corners).max())
+    assume(abs(farthest - float(radius)) > 1e-6)
+    assert one.covers(box.lower, box.upper) == (farthest <= radius)
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+@given(data=st.data())
+@settings(max_examples=60)
+def test_the_support_of_a_round_set_is_never_too_small_and_hardly_too_large(n: int, data: st.DataObject) -> None:
+    ends = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True))
+    normal = data.draw(st.tuples(*[st.integers(-9, 9)] * n).filter(any))
+    one, square = Round(tuple(ends), Fraction(3, 2)), sum(c * c for c in normal)
+    assert square <= size(normal) ** 2 < (Fraction(1, 1 << 32) + math.isqrt(square) + 1) ** 2
+    assert (size(normal) - Fraction(1, 1 << 32)) ** 2 < square
+    most = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in ends)
+    assert one.support(normal) == most + Fraction(3, 2) * size(normal)
+
+
+@pytest.mark.parametrize(("n", "most"), [(2, 0.006), (3, 0.05)])
+def test_what_the_fan_loses_of_a_ball(n: int, most: float) -> None:
+    """The farthest corner of what all tangent planes of the fan leave, about the unit ball."""
+    corner = (Fraction(2),) * n
+    left = cut_box(tuple(-c for c in corner), corner, [(m, size(m)) for m in fan(n)])
+    assert max(math.sqrt(sum(float(v) ** 2 for v in p.point)) for p in left) < 1 + most
+
+
+@pytest.mark.parametrize("way", [(7, 3, 0), (0, 2, 9), (1, 2, 7), (1, 1, 1), (1, 0, 0), (-5, 11, 13)])
+def test_what_the_fans_lose_of_a_long_capsule_in_space(way: tuple[int, int, int]) -> None:
+    """Across the segment: the farthest point of a plane at right angles to it that is behind all normals at right angles."""
+    one = Round(((Fraction(0),) * 3, tuple(Fraction(100 * v) for v in way)), Fraction(1))
+    across = [np.array(n) / np.linalg.norm(n) for n in one.normals if sum(a * b for a, b in zip(n, way, strict=True)) == 0]
+    base = across[0]
+    other = np.cross(np.array(way) / np.linalg.norm(way), base)
+    angles = sorted(math.atan2(float(n @ other), float(n @ base)) for n in across)
+    gaps = [b - a for a, b in zip(angles, [*angles[1:], angles[0] + 2 * math.pi], strict=True)]
+    assert 1 / math.cos(max(gaps) / 2) < 1.006
+
+
+@given(clouds(2), vectors(2).map(lambda v: tuple(map(abs, v))))
+@settings(max_examples=100)
+def test_the_bends_in_the_plane_are_the_corners_of_the_grown_set(points: Points, half: tuple[Fraction, ...]) -> None:
+    assume(spanned(points) == 2)
+    grown = [
+        tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)) for p in points for signs in product((-1, 1), repeat=2)
+    ]
+    bends = [tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)) for p, signs in bends_of(Polytope(points))]
+    assert set(hull(grown)) <= set(bends) <= set(grown)
+
+
+@given(clouds(2), st.tuples(*[st.integers(-5, 5)] * 3))
+@settings(max_examples=100)
+def test_the_support_of_a_prism_is_the_greatest_over_its_vertices(points: Points, normal: tuple[int, int, int]) -> None:
+    assume(spanned(points) == 2)
+    prism = Prism(Polytope(points), (2, 0), (Fraction(0), Fraction(-1), Fraction(0)), (Fraction(0), Fraction(3), Fraction(0)))
+    assert prism.support(normal) == max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in prism.vertices)
+    for n, offset in prism.faces:
+        assert max(sum(c * v for c, v in zip(n, p, strict=True)) for p in prism.vertices) == offset
+    for a, b in combinations(range(3), 2):
+        shadow = {tuple(p) for p in outline(prism, (a, b)).tolist()}
+        assert shadow <= {(float(p[a]), float(p[b])) for p in prism.vertices}
+
+
+# ------------------------------------------------------------------------------------------------------------- bad input
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ("vertices = [[1, 1], [2, 2]]", ["unsafe[0]", "vertices", "3 points"]),
+        ("vertices = [[1, 1], [2, 2], [3, 3]]", ["vertices", "one line"]),
+        ("vertices = [[1, 1], [2, 2], [3, 3, 3]]", ["vertices[2]", "3 entries"]),
+        ("vertices = []", ["vertices", "list of points"]),
+        ("vertices = 3", ["vertices", "list of points"]),
+        ("vertices = [[1, 1], [2, 'a'], [3, 3]]", ["vertices[1][1]", "number"]),
+        (f"vertices = {[[k, k * k] for k in range(65)]}", ["vertices", "65 points", "64"]),
+        ('vertices = [[1, 1], [2, 1], [2, 2]]\naxes = ["x1"]', ["vertices[0]", "2 entries", "x1"]),
+        ('vertices = [[1, 1], [2, 1], [2, 2]]\naxes = ["x1", "x3"]', ["axes", "x1, x2"]),
+        ('vertices = [[1, 1], [2, 1], [2, 2]]\naxes = ["x1", "x1"]', ["axes", "different"]),
+        ("centre = [1, 1]\nradius = 1\naxes = []", ["axes", "none"]),
+        ("vertices = [[1, 1], [2, 1], [2, 2]]\nlower = [1, 1]", ["lower"]),
+        ("vertices = [[0, 0], [2, 1], [2, 2]]", ["initial_set", "meets unsafe[0]"]),
+        ("vertices = [[4, 4], [6, 4], [6, 6], [4, 6]]", ["target_set", "inside unsafe[0]"]),
+        ("centre = [2, 2]", ["unsafe[0].radius", "missing"]),
+        ("radius = 2", ["unsafe[0].centre", "missing"]),
+        ("centre = [2, 2]\nradius = 0", ["unsafe[0].radius", "greater than 0"]),
+        ("centre = [2, 2]\nradius = -1", ["unsafe[0].radius", "greater than 0"]),
+        ("centre = [2]\nradius = 1", ["unsafe[0].centre", "1 entries", "axes"]),
+        ("centre = [1, 1]\nradius = 0.8", ["initial_set", "meets unsafe[0]"]),
+        ("centre = [4.75, 4.75]\nradius = 0.5", ["target_set", "inside unsafe[0]"]),
+        ("segment = [[1, 1], [2, 2], [3, 3]]\nradius = 1", ["segment", "two are needed"]),
+        ("segment = [[1, 1], [1, 1]]\nradius = 1", ["segment", "use centre"]),
+        ("segment = [[1, 1], [2, 2]]", ["radius", "missing"]),
+        ("normals = [[1, 1]]\noffsets = [1, 2]", ["offsets", "2 entries", "normals has 1"]),
+        ("normals = [[0, 0]]\noffsets = [1]", ["normals[0]", "is 0"]),
+        ("normals = [[1, 0], [-1, 0]]\noffsets = [1, -2]", ["normals", "nothing of the state space"]),
+        ("normals = [[1, 0], [-1, 0]]\noffsets = [2, -2]", ["normals", "no interior"]),
+        ("normals = [[1, 1]]", ["offsets", "missing"]),
+        ("normals = [[1, 1]]\noffsets = [3]", ["initial_set", "meets unsafe[0]"]),
+        ("centre = [2, 2]\nradius = 1\ncolour = 3", ["colour", "unknown key"]),
+    ],
+)
+def test_what_is_no_set_is_refused(table: str, words: list[str]) -> None:
+    with pytest.raises(BadInput) as caught:
+        parse_task(PLAIN + f"\n[[unsafe]]\n{table}\n")
+    assert all(word in str(caught.value) for word in words), caught.value
+
+
+def test_a_disc_whose_bounding_box_meets_the_start_is_no_error() -> None:
+    assert parse_task(PLAIN + "\n[[unsafe]]\ncentre = [1, 1]\nradius = 0.7\n").dimension == 2
+
+
+@pytest.mark.parametrize("design", ["adaptive", "literal"])
+def test_the_papers_designs_know_boxes_alone(design: str) -> None:
+    with pytest.raises(BadInput, match=r"unsafe\[0\].*refined"):
+        parse_task(PLAIN + f'\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.4\n[tube]\ndesign = "{design}"\n')
+
+
+def test_a_set_of_fewer_numbers_names_its_axes() -> None:
+    with pytest.raises(BadInput, match="unless axes names those of x, y, z"):
+        parse_task(text_of("cylinder").replace('axes = ["x", "z"]\n', ""))
+
+
+def test_points_inside_the_hull_change_nothing_but_a_note() -> None:
+    more = (CORRIDOR[0].replace("[5, 3.8]]", "[5, 3.8], [4, 1]]"), CORRIDOR[1])
+    plain, other = (parse_task(PLAIN + "".join(f"\n[[unsafe]]\n{t}\n" for t in sets)) for sets in (CORRIDOR, more))
+    assert plain.obstacles == other.obstacles
+    assert task_notes(plain) == ()
+    told = "its hull is 3.42 larger than its outline; list convex parts if that space is needed"
+    assert task_notes(other) == (f"unsafe U1: {told}",)
+
+
+def test_a_box_with_all_of_its_axes_is_that_box() -> None:
+    plain, named = (
+        parse_task(PLAIN + f"\n[[unsafe]]\nlower = [2, 2]\nupper = [3, 3]\n{more}") for more in ("", 'axes = ["x1", "x2"]\n')
+    )
+    turned = parse_task(PLAIN + '\n[[unsafe]]\nlower = [2, 1]\nupper = [3, 4]\naxes = ["x2", "x1"]\n')
+    assert plain.obstacles == named.obstacles
+    assert [turned.obstacles[0].span(i) for i in (0, 1)] == [(1, 4), (2, 3)]
+    assert not clipped(list(outline(turned.obstacles[0]).tolist()), BoxSet((Fraction(5),) * 2, (Fraction(6),) * 2))
+
+
+# ----------------------------------------------------------------------------------------------- found by who tried to break it
+
+
+def judged(task: Task, place: Sequence[float]) -> bool:
+    """Whether the loop's judge calls a place a collision: a run of no samples."""
+    field, n, x = _Field(task), task.dimension, np.array(place, dtype=float)
+    box = np.array([[s * float(i == k) for k in range(n)] + [1e6] for i in range(n) for s in (-1, 1)])
+    setting = Setting(
+        n=n, sets=len(field.names), order=1, samples=0, parts=1, period=1.0, end=1.0, start=x.ctypes.data, walls=2 * n, goals=2 * n,
+        space=box.ctypes.data, target=box.ctypes.data, first=field.first.ctypes.data, faces=field.faces.ctypes.data,
+        radius=field.radius.ctypes.data, ends=field.ends.ctypes.data,
+    )  # fmt: skip
+    found = Judged()
+    driver(PLANTS["integrator"], n)(ctypes.byref(setting), None, None, None, ctypes.byref(found), None)
+    return bool(found.hit >= 0)
+
+
+def room(n: int, table: str, body: str = "") -> Task:
+    """A task in n dimensions with one unsafe set far from start and target."""
+
+    def box(low: float, high: float) -> str:
+        return f"{{ lower = {[low] * n}, upper = {[high] * n} }}"
+
+    names = [f"a{i}" for i in range(n)]
+    return parse_task(
+        f'name = "room"\naxes = {names}\nprescribed_time = 4\ninitial_state = {[-8.0] * n}\n{body}\n'
+        f"state_space = {box(-9, 9)}\ninitial_set = {box(-8.2, -7.8)}\ntarget_set = {box(7.8, 8.2)}\n[[unsafe]]\n{table}\n"
+    )
+
+
+@pytest.mark.parametrize("n", [2, 3, 5])
+def test_the_judge_of_round_sets_is_exact_to_rounding(n: int) -> None:
+    """Also of short and oblique segments, with a body, where projections converge slowly: within 1e-12 of the radius on both sides."""
+    dice = Random(n)
+    for _ in range(60):
+        a = [Fraction(dice.randint(-200, 200), 100) for _ in range(n)]
+        reach = dice.choice((1, 100, 10000))
+        b = [v + Fraction(dice.randint(-200, 200), 100 * reach) for v in a]
+        half = [Fraction(dice.randint(0, 50), 100) for _ in range(n)]
+        if a == b:
+            continue
+        segment = Round((tuple(a), tuple(b)), Fraction(1)).core
+        x = [Fraction(dice.randint(-500, 500), 100) for _ in range(n)]
+        box = tuple(v - h for v, h in zip(x, half, strict=True)), tuple(v + h for v, h in zip(x, half, strict=True))
+        distance = math.sqrt(segment.square_to(*box))
+        if not 0.01 < distance < 5:
+            continue
+        texts = [[f"{float(v):.8f}" for v in end] for end in (a, b)]
+        ends = ", ".join(f"[{', '.join(e)}]" for e in texts)
+        body = f"body = [{', '.join(f'{float(h):.2f}' for h in half)}]"
+        for more, hit in ((1e-12, True), (-1e-12, False)):
+            task = room(n, f"segment = [{ends}]\nradius = {distance + more * 8:.15f}", body)
+            assert judged(task, [float(v) for v in x]) == hit
+
+
+def test_the_judge_knows_polytopes_of_many_digits() -> None:
+    dice = Random(1)
+    digits = ", ".join(f"[{', '.join(f'{1 + (k == i)}.{dice.randrange(10**39):039d}' for k in range(5))}]" for i in range(6))
+    task = room(5, f"vertices = [{digits}]")
+    corners = np.array([[float(v) for v in p] for p in task.unsafe[0].vertices])
+    assert judged(task, corners.mean(axis=0).tolist())
+    assert not judged(task, (corners[0] + 1).tolist())
+
+
+def test_what_the_judge_cannot_tell_exactly_is_said() -> None:
+    simplex = "vertices = [" + ", ".join(str([float(k == i) for k in range(4)]) for i in range(5)) + "]"
+    assert doubtful(room(4, simplex)) == []
+    assert doubtful(room(4, simplex, "body = [0.1, 0.1, 0.1, 0.1]")) == ["U1"]
+    assert doubtful(room(4, "centre = [0, 0, 0, 0]\nradius = 1", "body = [0.1, 0.1, 0.1, 0.1]")) == []
+    assert doubtful(room(4, 'vertices = [[0, 0], [1, 0], [0, 1]]\naxes = ["a0", "a2"]', "body = [0.1, 0.1, 0.1, 0.1]")) == []
+
+
+def test_a_set_in_some_axes_has_no_end_in_the_others() -> None:
+    for table in ("lower = [1]\nupper = [2]", "centre = [1.5]\nradius = 0.5"):
+        assert judged(room(2, f'{table}\naxes = ["a0"]'), (1.5, 20.0))
+
+
+def test_between_round_sets_no_way_is_only_not_found() -> None:
+    """A fan of tangent planes may close a gap that the balls leave."""
+    gap = 0.02
+    away = [math.cos(math.radians(95.65)), math.sin(math.radians(95.65))]
+    sets = "".join(
+        f"\n[[unsafe]]\ncentre = [{2.5 + s * (2 + gap / 2) * away[0]:.6f}, {2.5 + s * (2 + gap / 2) * away[1]:.6f}]\nradius = 2\n"
+        for s in (1, -1)
+    )
+    walls = "".join(f"\n[[unsafe]]\nlower = [2.4, {a}]\nupper = [2.6, {b}]\n" for a, b in ((-0.2, 0.6), (4.4, 5.2)))
+    text = FLAT.replace("[0.25, 0.25]", "[0.1, 2.5]").replace(
+        "lower = [0, 0], upper = [0.5, 0.5]", "lower = [0, 2.4], upper = [0.2, 2.6]"
+    )
+    text = text.replace("lower = [4.5, 4.5], upper = [5, 5]", "lower = [4.8, 2.4], upper = [5, 2.6]")
+    with pytest.raises(SttError, match="no way was found"):
+        built(parse_task(text + sets + walls))
+
+
+def test_the_start_of_a_robot_at_a_balls_corner_is_judged_by_the_ball() -> None:
+    """The corner of a target that is not in a ball grown by the body, though within all of its tangent planes."""
+    task = room(2, "centre = [0, 0]\nradius = 2", "body = [0.05, 0.05]")
+    (grown,) = task.obstacles
+    angle = math.radians(5.65)
+    for reach, inside in ((2.001, False), (1.999, True)):
+        corner = tuple(Fraction(str(round(reach * v + 0.05, 6))) for v in (math.cos(angle), math.sin(angle)))
+        assert grown.covers(corner, corner) == inside
+
+
+@pytest.mark.parametrize("n", [9, 12, 64])
+def test_balls_in_many_dimensions_are_read_at_once(n: int) -> None:
+    begin = time.process_time()
+    task = room(n, f"centre = {[0] * n}\nradius = 1", f"body = {[0.1] * n}")
+    assert len(task.obstacles[0].bends) == 2 * n
+    assert len(task.obstacles[0].normals) <= 2 * n * n
+    assert time.process_time() - begin < 20  # it took hours
+
+
+def test_polytopes_in_many_dimensions_name_fewer() -> None:
+    points = [[float(k == i) for k in range(8)] for i in range(9)]
+    with pytest.raises(BadInput, match="at most 6 are taken, name them in axes"):
+        room(8, f"vertices = {points}")
+
+
+def test_names_that_nobody_gave_follow_the_order() -> None:
+    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
+    last = made.changed(unsafe=made.unsafe[1:])
+    plain = parse_task(PLAIN + "\n[[unsafe]]\nlower = [3, 1]\nupper = [4, 2]\n")
+    assert (last.digest, [s.name for s in last.unsafe]) == (plain.digest, ["U1"])
+    assert [s.name for s in made.changed(unsafe=made.unsafe[::-1]).unsafe] == ["U1", "U2"]
+    more = made.changed(unsafe=(made.unsafe[1], {"centre": [2.5, 4], "radius": 0.1}))
+    assert [s.name for s in more.unsafe] == ["U1", "U2"]
+
+
+@pytest.mark.parametrize(("radius", "words"), [(-1, "greater than 0"), ("a", "number")])
+def test_a_set_that_was_copied_with_other_values_is_checked_again(radius: object, words: str) -> None:
+    made = parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.3\n")
+    with pytest.raises(BadInput, match=words):
+        made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": radius})])
+    other = made.changed(unsafe=[made.unsafe[0].model_copy(update={"radius": 0.25})])
+    assert other.digest == parse_task(PLAIN + "\n[[unsafe]]\ncentre = [2, 2]\nradius = 0.25\n").digest

@@ -1,0 +1,108 @@
+"""The ten properties stand in one place: nobody else spells a code, and a message has the word with it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from fractions import Fraction
+
+import pytest
+
+from stt_codegen.certify.certificate import Certificate, Finding
+from stt_codegen.properties import OF_THE_EDGES, SECONDS, Property
+from tests.support.controllers import ROOT
+
+PACKAGE = ROOT / "stt_codegen"
+SPELLED = ("properties.py", "certify/checker.py")  # the enum, and the stand-alone checker, which imports nothing of the package
+PROSE = "lemmas/"  # statements of the lemma book, whose bytes are emitted
+CODE = re.compile(r"\bP(10|[1-9])\b")
+ALONE = re.compile(rf"^{CODE.pattern}$")
+
+
+def strings(text: str) -> Iterator[tuple[int, str]]:
+    """Every string of a source that is no docstring, with its line."""
+    tree = ast.parse(text)
+    bodies = [n.body for n in ast.walk(tree) if isinstance(n, ast.Module | ast.ClassDef | ast.FunctionDef)]
+    docstrings = {id(body[0].value) for body in bodies if body and isinstance(body[0], ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings:
+            yield node.lineno, node.value
+
+
+def spelled_codes(path: str, text: str) -> list[str]:
+    """Where a source spells a code: as a string of its own, or, where it is no prose of the lemma book, within one."""
+    pattern = ALONE if path.startswith(PROSE) else CODE
+    return [f"{path}, line {line}: {value}" for line, value in strings(text) if pattern.search(value)]
+
+
+def test_no_source_spells_a_code() -> None:
+    sources = {str(p.relative_to(PACKAGE)): p.read_text() for p in sorted(PACKAGE.rglob("*.py"))}
+    assert [v for path, text in sources.items() if path not in SPELLED for v in spelled_codes(path, text)] == []
+
+
+@pytest.mark.parametrize(
+    ("path", "text", "count"),
+    [
+        ("certify/exact.py", 'finding.code == "P9"', 1),
+        ("design/arena.py", 'f"P4 avoid: {name}"', 1),
+        ("design/arena.py", 'def f():\n    """P4, said of it."""', 0),
+        ("lemmas/tube.py", 'Lemma("a", "The rows of P8 are these.")', 0),
+        ("lemmas/tube.py", '{"P8": 1}', 1),
+        ("report/page.py", '"P11" + "PWM" + "P1x"', 0),
+    ],
+)
+def test_a_spelled_code_is_named(path: str, text: str, count: int) -> None:
+    assert len(spelled_codes(path, text)) == count
+
+
+def test_codes_are_p1_to_p10_and_words_are_the_glossary_s() -> None:
+    assert [p.code for p in Property] == [f"P{k}" for k in range(1, 11)]
+    words = "width start stay avoid reach smooth arithmetic limits period mission".split()
+    assert [p.word for p in Property] == words
+    assert Property.PERIOD.label == "period (P9)"
+    for p in Property:
+        assert p.sentence.endswith(".")
+        assert len(p.sentence.split()) >= 5
+        assert p.advice
+        assert not p.advice.endswith(".")
+
+
+def test_the_checker_knows_the_same_codes() -> None:
+    """It shares no code with the package, so that both spell the same codes is a law of its own."""
+    checker = (PACKAGE / "certify" / "checker.py").read_text()
+    alone = {value for _, value in strings(checker) if ALONE.search(value)}
+    assert alone == {p.code for p in Property}
+
+
+def failing(subject: Property, margin: int = -1, required: int = 0, **changes: object) -> Finding:
+    return Finding(subject, "a statement", Fraction(margin), Fraction(required), **changes)  # type: ignore[arg-type]
+
+
+def certificate(*findings: Finding) -> Certificate:
+    return Certificate(findings, (Fraction(0),), (Fraction(0),), Fraction(1), (), True)
+
+
+@pytest.mark.parametrize("subject", Property)
+def test_a_refusal_has_word_and_code_and_what_to_do(subject: Property) -> None:
+    """What a finding advises; where it has nothing of its own, what the property does. A time has its unit."""
+    told = certificate(failing(subject)).refusal()
+    if subject is Property.ARITHMETIC:  # is named where nothing else fails
+        told = certificate(failing(subject, 0, 1)).refusal()
+    assert told == f"{subject.label}: fails by 1{' s' if subject.unit == SECONDS else ''}; {subject.advice}"
+    assert certificate(failing(subject, 0, 1, advice="do that")).refusal().endswith("; do that")
+
+
+def test_what_only_the_arithmetic_takes_is_mended_by_more_room() -> None:
+    """Of properties of the edges alone: what their exact tube keeps is advised as the arithmetic's finding says."""
+    for subject in Property:
+        if subject is Property.ARITHMETIC:
+            continue
+        one = certificate(failing(subject, 0, 1), failing(Property.ARITHMETIC, 0, advice="more bits"))
+        assert one.refusal().endswith("; more bits") == (subject in OF_THE_EDGES)
+        assert one.lacks_rounding == (subject in OF_THE_EDGES)
+
+
+def test_limits_and_period_are_no_part_of_the_tube() -> None:
+    for subject in Property:
+        assert certificate(failing(subject)).tube_holds == (subject in (Property.LIMITS, Property.PERIOD))

@@ -1,0 +1,348 @@
+"""The theorem of the whole text: Coq reads task, header and C by itself, and accepts what is shipped; what is changed it does not."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from stt_codegen.errors import BadInput
+from stt_codegen.theorem import asking
+from stt_codegen.theorem.controller_theorem import deep, quoted
+from stt_codegen.theorem.text import theorem_text
+from tests.certify.test_checker import COMPILED, HEADERS, MEANINGS, ROUNDED, placed
+from tests.support.command_line import run_command
+from tests.support.controllers import ROOT
+
+pytestmark = [pytest.mark.xdist_group("coq"), pytest.mark.slow]
+
+LOGF = "omni_s1_real logf(omni_s1_real x)\n{\n    const omni_s1_real y = -x;\n    return y;\n}\n\n"
+SHAPES = """name = "hall"
+axes = ["x", "y", "height"]
+prescribed_time = 12.0
+initial_state = [0.5, 0.5, 1.0]
+body = [0.1, 0.1, 0.05]
+
+[state_space]
+lower = [0.0, 0.0, 0.0]
+upper = [5.0, 5.0, 2.0]
+axes = ["x", "y"]
+normals = [[1, 0.75], [-1, -2]]
+offsets = [8.5, -0.5]
+
+[initial_set]
+lower = [0.3, 0.3, 0.8]
+upper = [0.7, 0.7, 1.2]
+
+[target_set]
+lower = [4.2, 4.2, 0.8]
+upper = [4.8, 4.8, 1.2]
+normals = [[1, 1, 0.5]]
+offsets = [9.9]
+
+[[unsafe]]
+name = "beam"
+segment = [[0.0, 2.0, 1.0], [2.5, 2.2, 1.1]]
+radius = 0.2
+
+[[unsafe]]
+name = "pillar"
+centre = [2.0, 3.5] # in the order of its own axes
+radius = 0.3
+axes = ["y", "x"]
+
+[[unsafe]]
+name = "ramp"
+axes = ["y", "height"]
+normals = [[1, 1], [-1.0, 0.5], [0, -1]]
+offsets = [4.0, -2.9, -0.1]
+
+[[unsafe]]
+name = "shelf"
+axes = ["height"]
+lower = [1.7]
+upper = [1.9]
+
+[[unsafe]]
+name = "rock"
+vertices = [
+    [1.0, 3.5, 0.0], [2.0, 3.5, 0.0],
+    [1.5, 4.5, 0.0], [1.5, 3.9, 0.9],
+]
+"""
+
+HALL = (  # what is replaced everywhere by what, and the lemma that fails
+    ("([0; 1; 1]%Z, [(1 # 1)", "([0; 1; 1]%Z, [(-1 # 1)", "tube_checked"),
+    ("[4.0, -2.9, -0.1]", "[4.1, -2.9, -0.1]", "task_read"),
+    ('axes = [""y"", ""x""]', 'axes = [""x"", ""y""]', "task_read"),
+    ('axes = [""height""]', 'axes = [""z""]', "task_read"),
+    ("offsets = [8.5, -0.5]", "offsets = [8.4, -0.5]", "task_read"),
+    ("(333 # 40)", "(293 # 40)", "tube_checked"),
+    ("(99 # 10)", "(96 # 10)", "tube_checked"),
+)
+
+MUTANTS = (
+    ("omni_s1", "u - base", "base - u", "text_read"),
+    ("omni_s1", "logf(v0)", "logf(v3)", "text_read"),
+    ("omni_s1", "(-0.5F) : 0.5F", "0.5F : (-0.5F)", "constants_checked"),
+    ("omni_s1", "0.23894978F", "0.23894979F", "tube_checked"),
+    ("omni_s1", "#include <math.h>", "#include <tgmath.h>", "text_read"),
+    ("omni_s1", "0.5F;", "0.5;", "text_read"),
+    ("omni_s1", "typedef float", "typedef double", "header_read"),
+    # what a compiler reads otherwise than token by token: a comment to the end of its line, spliced lines, trigraphs, split signs
+    ("omni_s1", "b / a;", "b //**/ a; /*\n    + a; /* */", "text_read"),
+    ("omni_s1", "v1 = logf(v0);", "v1 = /* *\\\n/ -v0; /* */ logf(v0);", "text_read"),
+    ("omni_s1", "v1 = logf(v0);", "v1 = logf(v0); /* ??/ */", "text_read"),
+    ("omni_s1", "j < 2; ++j", "j < 2; + +j", "text_read"),
+    # and what it finds elsewhere: code after a directive, a library's name, the task's name in the other case, another header
+    ("omni_s1", "static inline omni_s1_real omni_s1_law(", "#define k 1\nstatic inline omni_s1_real omni_s1_law(", "text_read"),
+    ("omni_s1", "static inline omni_s1_real omni_s1_law(", "static inline omni_s1_real OMNI_S1_law(", "text_read"),
+    ("omni_s1", "static inline omni_s1_real omni_s1_law(", f"{LOGF}static inline omni_s1_real omni_s1_law(", "text_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 1", "header_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 /*/", "header_read"),
+    ("omni_s1", "} omni_s1_status;", "} omni_s1_status; /* *\\\n/\n#define OMNI_S1_OUTSIDE_TUBE OMNI_S1_OK /* */", "header_read"),
+    ("omni_s1", "upper = [2.0, 5.0]", "upper = [2.1, 5.0]", "task_read"),
+    ("omni_s1", "the_error : Q := (1 # 131072)", "the_error : Q := (1 # 1048576)", "rounding_checked"),
+    # signs that a comment parts, and a size that does something
+    ("omni_s1", "j < 2; ++j", "j < 2; +/**/+j", "text_read"),
+    ("omni_s1", "j < 2; ++j", "j < 2; + /* */ +j", "text_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 + (int)(t = 0)", "header_read"),
+    ("omni_s1", "#define OMNI_S1_N 2", "#define OMNI_S1_N 2 /* two */", "header_read"),
+    # what the task states of u, samples and plant
+    ("trolley", "u_max = [2.0, 2.0]", "u_max = [2.0, 1.99]", "limits_checked"),
+    ("trolley", "u_max = [2.0, 2.0]", "# u_max", "limits_checked"),
+    ("trolley", "period = 0.02 ", "period = 0.021 ", "conditions_read"),
+    ("trolley", "latency = 0.002", "latency = 0.0021", "conditions_read"),
+    ("trolley", "share = 0.9 ", "share = 0.91 ", "conditions_read"),
+    ("trolley", "f_max = 0.05", "f_max = 0.051", "conditions_read"),
+    ("trolley", "w_max = 0.1\n", "w_max = [0.1, 0.11]\n", "conditions_read"),
+    ("trolley", "g_min = 0.9\n", "", "conditions_read"),
+    ("trolley", "g_max = 1.1", "g_max = 1.2", "conditions_read"),
+    ("trolley", "g_cross = 0.05", "g_cross = 0.06", "conditions_read"),
+    ("trolley", "noise = 0.002", "noise = 0.003", "conditions_read"),
+    ("trolley", "the_shifts : list Q := [(", "the_shifts : list Q := [(1 # 1000); (", "sensors_checked"),
+    ("trolley", "the_rhos : list Q := [(", "the_rhos : list Q := [(9 # 1); (", "period_checked"),
+    # gains by component: a table, and where it is read
+    ("trolley", "0.178F, 0.168F", "0.001F, 0.168F", "period_checked"),
+    ("trolley", "0.178F, 0.168F", "-0.178F, 0.168F", "constants_checked"),
+    ("trolley", "trolley_gain[2] = {\n    0.178F, 0.168F", "trolley_gain[1] = {\n    0.178F", "constants_checked"),
+    ("trolley", "= trolley_gain[i]", "= trolley_u_max[i]", "text_read"),
+    ("trolley", "= trolley_gain[i]", "= trolley_gain[at]", "text_read"),
+    ("trolley", "= -gain_i", "= gain_i", "text_read"),
+    ("trolley", "upper_nearer ? gain_minus : gain_i", "upper_nearer ? gain_i : gain_minus", "text_read"),
+    # limits: a table, and the statements that hold u within them
+    ("trolley", "2.0F, 2.0F", "0.3F, 2.0F", "period_checked"),
+    ("trolley", "2.0F, 2.0F", "2.0F, -2.0F", "constants_checked"),
+    ("trolley", "trolley_u_max[2] = {\n    2.0F, 2.0F", "trolley_u_max[1] = {\n    2.0F", "constants_checked"),
+    ("trolley", "= trolley_u_max[i]", "= trolley_gain[i]", "text_read"),
+    ("trolley", "= -u_limit", "= u_limit", "text_read"),
+    ("trolley", "u_min < push", "push < u_min", "text_read"),
+    ("trolley", "u_held_above ? push : u_min", "u_held_above ? u_min : push", "text_read"),
+    ("trolley", "u_limit < u_held_raised", "u_held_raised < u_limit", "text_read"),
+    ("trolley", "u_held_over ? u_limit : u_held_raised", "u_held_over ? u_held_raised : u_limit", "text_read"),
+    ("trolley", "u[i] = u_held;", "u[i] = push;", "text_read"),
+    ("trolley", "u[i] = u_held;", "u[i] = u_held_raised;", "text_read"),
+    # sets that are no boxes: what the task says of them, what is read in it, and the normals, which nothing rests on
+    ("rover", "radius = 0.5", "radius = 0.501", "task_read"),
+    ("rover", "[4.6, 2.8]", "[4.6, 2.79]", "task_read"),
+    ("rover", "centre = [2.6, 1.2]", 'axes = [""y"", ""x""]\ncentre = [2.6, 1.2]', "task_read"),
+    ("rover", "radius = 0.5", "radius = 0.5\nmotion = 1", "task_read"),
+    ("rover", "[0; 1]%nat (1 # 2)", "[0; 1]%nat (1 # 4)", "task_read"),
+    ("rover", "[0; 1]%nat (1 # 2)", "[0]%nat (1 # 2)", "task_read"),
+    ("rover", "[(-1); (-5)]%Z", "[0; 0]%Z", "tube_checked"),
+    ("rover", "[(-1); (-5)]%Z", "[1; 5]%Z", "tube_checked"),
+    ("rover", "[(-1); (-5)]%Z", "[]%Z", "tube_checked"),
+    # the logarithm written out: the bits of a float, and the statements
+    ("omni_board", "real) == 4U", "real) == 8U", "text_read"),
+    ("omni_board", ">> 23", ">> 22", "text_read"),
+    ("omni_board", ">> 23", "> > 23", "text_read"),
+    ("omni_board", ">> 23", "<< 23", "text_read"),
+    ("omni_board", "0x7fffffU", "0x3fffffU", "text_read"),
+    ("omni_board", "return (int32_t)((bits - 0x3f3504f3U)", "return (int32_t)((bits - 0x3f3504f2U)", "text_read"),
+    ("omni_board", "bits = ((bits - 0x3f3504f3U)", "bits = ((bits - 0x3f3504f2U)", "text_read"),
+    ("omni_board", "+ 0x3f3504f3U", "+ 0x3f3504f2U", "text_read"),
+    ("omni_board", "uint32_t bits", "uint64_t bits", "text_read"),
+    ("omni_board", "memcpy(&bits, &y, sizeof bits)", "memcpy(&y, &bits, sizeof bits)", "text_read"),
+    ("omni_board", "memcpy(&m, &bits, sizeof m)", "memcpy(&m, &y, sizeof m)", "text_read"),
+    ("omni_board", "sizeof m)", "sizeof y)", "text_read"),
+    ("omni_board", "return m;", "return y;", "text_read"),
+    ("omni_board", "#include <string.h>", "#include <strings.h>", "text_read"),
+    ("omni_board", "exponent = omni_board_exponent(v0)", "exponent = omni_board_mantissa(v0)", "text_read"),
+    ("omni_board", "mantissa = omni_board_mantissa(v0)", "mantissa = omni_board_exponent(v0)", "text_read"),
+    ("omni_board", "mantissa = omni_board_mantissa(v0)", "mantissa = omni_board_mantissa(a)", "text_read"),
+    ("omni_board", "mantissa - 1.0F", "mantissa + 1.0F", "text_read"),
+    ("omni_board", "mantissa + 1.0F", "mantissa - 1.0F", "text_read"),
+    ("omni_board", "below / above", "above / below", "text_read"),
+    ("omni_board", "0.6766044F", "0.6766045F", "text_read"),
+    ("omni_board", "bent + 2.0F", "bent + 2.1F", "text_read"),
+    ("omni_board", "s * around", "z * around", "text_read"),
+    ("omni_board", "0.6931472F", "0.6931473F", "text_read"),
+    ("omni_board", "whole + part", "whole - part", "text_read"),
+    # a count of ticks is no time, and has no arithmetic; a header has ticks, and a selftest
+    ("omni_board", "int32_t segment = (int32_t)u", "uint32_t segment = (uint32_t)u", "text_read"),
+    ("omni_board", "segment * 4;", "segment * 4U;", "text_read"),
+    ("omni_board", "omni_board_segment(t, &row, &s)", "omni_board_segment_at_tick(t, &row, &s)", "text_read"),
+    ("omni_board", "omni_board_segment_at_tick(tick, &row, &s)", "omni_board_segment(tick, &row, &s)", "text_read"),
+    # the place of a tick: how many ticks there are, how many parts one is, of how many in a segment, and what is held where
+    ("omni_board", "running = tick < 9000U", "running = tick < 8999U", "text_read"),
+    ("omni_board", "running ? tick : 9000U", "running ? tick : 8999U", "text_read"),
+    ("omni_board", "running ? tick : 9000U", "running ? 9000U : tick", "text_read"),
+    ("omni_board", "tick < 9000U", "tick < 9000", "text_read"),
+    ("omni_board", "count * 4", "count * 3", "ticks_checked"),
+    ("omni_board", "passed < 36000", "passed < 35999", "text_read"),
+    ("omni_board", "early ? passed : 36000", "early ? 36000 : passed", "text_read"),
+    ("omni_board", "place / 1125", "place / 1124", "text_read"),
+    ("omni_board", "whole < 31", "whole < 30", "text_read"),
+    ("omni_board", "before_last ? whole : 31", "before_last ? whole : 30", "text_read"),
+    ("omni_board", "segment * 1125", "segment * 1124", "text_read"),
+    ("omni_board", "place - base;\n    const omni_board_real part", "base - place;\n    const omni_board_real part", "text_read"),
+    ("omni_board", "part / 1125.0F", "part / 1124.0F", "ticks_checked"),
+    ("omni_board", "tick_period = 0.001", "tick_period = 0.002", "tick_period_read"),
+    ("omni_board", "the_tick_period : Q := (1 # 1000)", "the_tick_period : Q := (1 # 500)", "tick_period_read"),
+    ("omni_board", "#include <stdint.h>", "#include <tgmath.h>", "header_read"),
+    ("omni_board", "_SELFTEST_23e458e2bad7f4ef", "_SELFTEST_(x) x", "header_read"),
+    ("omni_board", "_TICKS 9000U", "_TICKS 9000U\n#define v0 1.0F", "header_read"),
+)
+MUTANTS_DOUBLE = (
+    ("omni_board", "real) == 8U", "real) == 4U", "text_read"),
+    ("omni_board", ">> 52", ">> 23", "text_read"),
+    ("omni_board", "0xfffffffffffffU", "0x7fffffU", "text_read"),
+    ("omni_board", "0x3fe6a09e667f3bcdU", "0x3f3504f3U", "text_read"),
+    ("omni_board", "0.6766043901443481", "0.6766044901443481", "text_read"),
+    ("omni_board", "0.6931471805599453", "0.6931481805599453", "text_read"),
+)
+
+
+def deep_of(task: Path, folder: Path) -> str:
+    parts = (folder / f"{task.stem}{end}" for end in (".h", ".c", ".certificate.json"))
+    return deep(task.read_bytes(), *(path.read_bytes() for path in parts))
+
+
+def made(task: str, folder: Path) -> str:
+    path = folder / "hall.toml"
+    path.write_text(task)
+    done = run_command("generate", str(path), "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    return deep_of(path, folder)
+
+
+def text(name: str, scalar: str) -> str:
+    return deep_of(ROOT / "tasks" / f"{name}.toml", ROOT / "generated" / name / "refined" / scalar)
+
+
+@pytest.mark.parametrize("name", ["omni_s1", "trolley", "rover", "omni_board", "crawler"])
+@pytest.mark.parametrize("scalar", ["float", "double"])
+def test_shipped_controllers_have_it(name: str, scalar: str) -> None:
+    told = text(name, scalar)
+    about = told.partition("*)")[0]
+    assert ("library" in about) == (name not in ("omni_board", "crawler"))  # its logarithm is assumed where it is called
+    answer = asking.ask_coq(told.encode(), name)
+    assert answer.holds, answer.what
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("omni_s1", "gain = 0.5", "gain = [0.5, 0.7]"),  # gains alone, without a period
+        ("omni_s1", "gain = 0.5", "gain = 0.5\nu_max = [3.1, 40.0]"),  # limits alone
+        ("omni_s1", "gain = 0.5", "gain = 0.5\ne_max = [0.99, 0.98]"),  # clamps alone
+        ("trolley", 'gain = "auto"', 'gain = "auto"\ne_max = [0.99, 0.98]'),  # all three
+        ("crawler", r"\[emit\].*", ""),  # gains alone, with a period: a crawler in seconds, on a machine with a library
+        ("omni_s1", r"\Z", "\n[emit]\ntick_period = 0.001\n"),  # ticks, and the library's logarithm
+        ("omni_s1", r"gain = 0.5(.*)", r'gain = [0.5, 0.7]\nu_max = [3.1, 40.0]\1\n[emit]\nmath = "inline"\n'),
+    ],
+)
+def test_parts_have_it_one_without_the_other(name: str, old: str, new: str, tmp_path: Path) -> None:
+    task = tmp_path / f"{name}.toml"
+    before = (ROOT / "tasks" / f"{name}.toml").read_text()
+    task.write_text(re.sub(old, new, before, flags=re.S))
+    assert task.read_text() != before
+    done = run_command("generate", str(task), "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    answer = asking.ask_coq(deep_of(task, tmp_path).encode(), name)
+    assert answer.holds, answer.what
+
+
+def test_sets_of_every_kind_have_it(tmp_path: Path) -> None:
+    """A capsule, a cylinder, half-spaces and a box in some dimensions, a polytope; a state space and a target that are cut; a body."""
+    whole = made(SHAPES, tmp_path)
+    answer = asking.ask_coq(whole.encode(), "hall")
+    assert answer.holds, answer.what
+    assert set(answer.axioms) == asking.AXIOMS
+    for old, new, lemma in HALL:
+        assert old in whole
+        answer = asking.ask_coq(whole.replace(old, new).encode(), "hall")
+        assert answer.what.startswith(lemma), answer.what
+
+
+def test_a_ball_as_target_has_the_theorem_about_the_tube(tmp_path: Path) -> None:
+    ball = re.sub(r"(\[target_set\]\n).*?\n\n", r"\1centre = [4.5, 4.5, 1.0]\nradius = 0.3\n\n", SHAPES, flags=re.S)
+    with pytest.raises(BadInput, match="target_set.centre"):
+        made(ball, tmp_path)
+    data = [(tmp_path / f"hall{end}").read_bytes() for end in (".toml", ".h", ".c", ".certificate.json")]
+    answer = asking.ask_coq(theorem_text(*data), "hall")
+    assert answer.holds, answer.what
+    assert "emitted_tube" in answer.what
+
+
+@pytest.mark.parametrize(
+    ("name", "scalar", "old", "new", "lemma"),
+    [(name, "float", *rest) for name, *rest in MUTANTS] + [(name, "double", *rest) for name, *rest in MUTANTS_DOUBLE],
+)
+def test_changed_texts_have_none(name: str, scalar: str, old: str, new: str, lemma: str) -> None:
+    whole = text(name, scalar)
+    assert old in whole
+    answer = asking.ask_coq(whole.replace(old, new, 1).encode(), name)
+    assert not answer.holds
+    assert answer.what.startswith(lemma), answer.what
+
+
+TICKS = {"9000": "8999", "count * 4": "count * 3", "36000": "35968", "1125": "1124"}
+
+
+def test_the_place_of_a_tick_is_that_of_the_task() -> None:
+    """Changed throughout, the C agrees with itself; then it is the task's seconds that it does not agree with."""
+    whole = text("omni_board", "float")
+    kernel = re.search(r"static inline void omni_board_segment_at_tick.*?\n}", whole, flags=re.S)
+    assert kernel
+    for parts in (["9000"], ["count * 4"], ["1125", "36000"]):
+        changed = kernel[0]
+        for old in parts:
+            assert old in changed
+            changed = changed.replace(old, TICKS[old])
+        answer = asking.ask_coq(whole.replace(kernel[0], changed).encode(), "omni_board")
+        assert not answer.holds
+        assert answer.what.startswith("ticks_checked"), answer.what
+
+
+def test_ticks_have_theorems_of_their_own() -> None:
+    for name in ("omni_board", "omni_s1"):
+        assert ("Theorem closed_loop_tick" in text(name, "float")) == (name == "omni_board")
+
+
+ATTACKS = (
+    *(("trolley", ".c", *pair) for pair in (*MEANINGS, *ROUNDED)),
+    *((name, ".c", old, new) for name, old, new in COMPILED),
+    *(("trolley", ".h", *pair) for pair in HEADERS),
+)
+OTHERS = r"(?:margin|transform|normalized_error|basis_rate|tube_rate)"
+
+
+def about(text: str, name: str) -> str:
+    """What the theorem is about: a text without the functions and the numbers that are the stand-alone checker's word."""
+    without = re.sub(rf"^(?:static inline )?\w+ {name}_{OTHERS}\(.*?^\}}", "", text, flags=re.S | re.M)
+    return re.sub(rf"^#define {name.upper()}_(?:T_C|PERIOD_PROVED|DESIGN_HASH) .*", "", without, flags=re.M)
+
+
+@pytest.mark.parametrize(("name", "end", "old", "new"), ATTACKS)
+def test_the_checkers_attacks_have_none(name: str, end: str, old: str, new: str) -> None:
+    """Coq alone is asked: no checker, no hash. It says no to all that its theorem is about, and reads past the rest."""
+    folder = ROOT / "generated" / name / "refined" / "float"
+    source = folder / f"{name}.c"
+    old, new = (placed(part, name, source) for part in (old, new))
+    before = (folder / f"{name}{end}").read_text()
+    after = before.replace(old, new)
+    assert after != before
+    answer = asking.ask_coq(text(name, "float").replace(quoted(before), quoted(after)).encode(), name)
+    assert answer.holds == (about(before, name) == about(after, name)), answer.what

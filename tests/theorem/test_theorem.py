@@ -1,0 +1,340 @@
+"""Theorems for Coq: the library rests on nothing of ours, shipped controllers have theirs, what is changed has none."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+import operator
+import re
+import shutil
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stt_codegen.certify import checker
+from stt_codegen.errors import BadInput
+from stt_codegen.theorem import asking
+from stt_codegen.theorem.controller_theorem import quoted
+from stt_codegen.theorem.reading import Facts, Unread, facts
+from stt_codegen.theorem.text import theorem_text
+from stt_codegen.theorem.tube_theorem import listed, rational, written
+from stt_codegen.theorem.unsafe_sets import multipliers, sets, solid
+from tests.support.command_line import run_command
+from tests.support.controllers import ROOT
+from tests.theorem.test_controller_theorem import SHAPES
+
+pytestmark = pytest.mark.xdist_group("coq")  # the library is compiled once
+
+
+def files_of(name: str, scalar: str) -> tuple[bytes, bytes, bytes]:
+    """Task, C and certificate as they are shipped."""
+    folder = ROOT / "generated" / name / "refined" / scalar
+    return (
+        (ROOT / "tasks" / f"{name}.toml").read_bytes(),
+        (folder / f"{name}.c").read_bytes(),
+        (folder / f"{name}.certificate.json").read_bytes(),
+    )
+
+
+def read(name: str, scalar: str) -> Facts:
+    return facts(*files_of(name, scalar))
+
+
+def shipped() -> list[tuple[str, str]]:
+    """Refined controllers that theorems are written about, of all that are shipped."""
+    found = []
+    for path in sorted((ROOT / "generated").glob("*/refined/*/*.certificate.json")):
+        name, scalar = path.parents[2].name, path.parent.name
+        try:
+            read(name, scalar)
+        except BadInput:
+            continue
+        found.append((name, scalar))
+    return found
+
+
+# ------------------------------------------------------------------------------------------------ what is written
+
+
+def test_the_library_takes_nothing_for_granted() -> None:
+    listed = asking.names()
+    assert sorted(p.stem for p in (ROOT / "proof").glob("*.v")) == sorted(listed)
+    for name in listed:
+        text = re.sub(r"\(\*.*?\*\)", "", (ROOT / "proof" / f"{name}.v").read_text(), flags=re.S)
+        assert not re.search(r"\b(Admitted|admit|Axioms?|Parameters?|Conjecture|Abort|give_up|bypass_check)\b", text), name
+        assert not re.search(r"^(Variables?|Hypothes[ie]s)\b", text, re.M), f"{name}: outside of a section it is an axiom"
+
+
+def test_most_example_tasks_of_order_1_have_theorems() -> None:
+    names = {name for name, _ in shipped()}
+    assert {"omni_s1", "omni_s2", "omni_s3", "omni_heading", "trolley", "crawler", "spacecraft", "rover", "empty"} <= names
+    assert {(name, scalar) for name in names for scalar in ("float", "double")} == set(shipped())
+
+
+@pytest.mark.parametrize(
+    ("name", "scalar", "told"),
+    [
+        ("courier", "float", "missions"),
+        ("crane", "fixed", "controllers in integers"),
+    ],
+)
+def test_what_no_theorem_is_written_about_is_said(name: str, scalar: str, told: str) -> None:
+    with pytest.raises(BadInput, match=told):
+        read(name, scalar)
+
+
+@pytest.mark.parametrize("name", ["arm", "attitude", "base", "drone"])
+def test_with_inertia_the_theorem_is_about_the_tube_alone(name: str) -> None:
+    told = text_of(name)
+    assert b"There is no theorem yet about the closed loop with plant.order 2." in told
+    assert re.findall(rb"^Theorem (\w+)", told, re.M) == [b"emitted_tube"]
+
+
+def test_generate_writes_what_the_command_asks(tmp_path: Path) -> None:
+    """The text follows from the shipped files alone."""
+    done = run_command("generate", "tasks/trolley.toml", "--theorem", "--out", str(tmp_path))
+    assert done.returncode == 0, done.stderr
+    data = [ROOT / "tasks/trolley.toml", *(tmp_path / f"trolley{end}" for end in (".h", ".c", ".certificate.json"))]
+    assert (tmp_path / "trolley.v").read_bytes() == theorem_text(*(p.read_bytes() for p in data))
+
+
+def text_of(name: str, task: bytes | None = None) -> bytes:
+    """What is written about a shipped controller in float, or about one of another text of its task."""
+    own, source, certificate = files_of(name, "float")
+    header = (ROOT / "generated" / name / "refined" / "float" / f"{name}.h").read_bytes()
+    return theorem_text(own if task is None else task, header, source, certificate)
+
+
+def test_the_example_is_the_one_that_is_written() -> None:
+    assert (ROOT / "proof" / "examples" / "omni_s1.v").read_bytes() == text_of("omni_s1")
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"[tube]", "# 5 \u00b5m\n[tube]".encode()),  # beyond ASCII
+        (b'name = "omni_s1"', b"name = 'omni_s1'"),
+        (b"prescribed_time = 9.0", b"prescribed_time = +9.0"),
+        (b"prescribed_time = 9.0", b"prescribed_time = 9.0\nstart_delay = 0.0"),
+        (b"[tube]", b"[plant]\norder = 1\n\n[tube]"),
+        (b"clearance = 0.03", b'"clearance" = 0.03'),
+        (b"prescribed_time = 9.0", b'prescribed_time = 9.0\nemit.math = "libm"'),
+        (b"gain = 0.5", b"gain = 0.5\ne_max = 0.4"),
+        (b'name = "O1"', b'name = "O1"\ntiming = 0.1'),
+    ],
+)
+def test_a_task_that_coq_does_not_read_has_the_theorem_about_the_tube(old: bytes, new: bytes) -> None:
+    task = files_of("omni_s1", "float")[0]
+    assert old in task
+    assert text_of("omni_s1").startswith(b"(* omni_s1.v: theorems about the controller")
+    about = text_of("omni_s1", task.replace(old, new, 1))
+    assert about.startswith(b"(* omni_s1.v: theorems about the tube")
+    assert b"there is no theorem yet about the whole C with" in b" ".join(about.split())
+
+
+def test_generate_says_where_there_is_no_theorem(tmp_path: Path) -> None:
+    done = run_command("generate", "tasks/courier.toml", "--theorem", "--out", str(tmp_path))
+    assert done.returncode == 2
+    assert "missions" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_sets_reach_as_far_as_those_of_the_checker() -> None:
+    """Two readings of the task's text; the bound that the multipliers of half-spaces give is the reach itself."""
+    task = checker.Task(SHAPES.encode())
+    found = sets(SHAPES.encode(), task)
+    assert [bool(s.points) + 2 * bool(s.faces) + 4 * solid(s) for s in found.unsafe] == [1, 1, 2, 4, 1]
+    for (_, (points, half, own, radius)), shape in zip(task.unsafe, found.unsafe, strict=True):
+        assert (shape.radius, *(shape.own if radius else ())) == (radius, *(own if radius else ()))
+        for normal in itertools.product((-3, -1, 0, 2), repeat=3):
+            theirs = max(map(partial(dot, normal), points)) + dot(map(abs, normal), half)
+            ours = dot(normal, [shape.extent[c > 0][i] for i, c in enumerate(normal)])
+            if shape.faces:
+                shares = multipliers(shape, normal)
+                rest = [c - dot(shares, [face[i] for face, _ in shape.faces]) for i, c in enumerate(normal)]
+                ours += dot(shares, [o for _, o in shape.faces]) + dot(rest, [shape.room[c > 0][i] for i, c in enumerate(rest)])
+                assert min(shares) >= 0
+            elif shape.points:
+                ours += max(map(partial(dot, normal), shape.points))
+            assert ours == theirs
+    for ours, theirs in ((found.walls, task.walls), (found.goals, task.goals)):
+        assert len(ours) == len(theirs) > 0
+        for (face, offset), (normal, far) in zip(ours, theirs, strict=True):
+            lead = next(i for i, c in enumerate(normal) if c)
+            assert [c * normal[lead] / face[lead] for c in (*face, offset)] == [*normal, far]
+
+
+def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
+    return sum(map(operator.mul, a, b))
+
+
+def test_what_stands_in_a_text_is_no_theorem() -> None:
+    text = text_of("omni_s1").decode().replace("/* omni_s1.h:", "/* \nTheorem of_all_plants\nomni_s1.h:", 1)
+    assert "\nTheorem of_all_plants" in text
+    named = re.findall(r"^Theorem (\w+)", asking._without_strings(text), re.M)
+    assert named == ["controller", "closed_loop_example"]
+    assert asking._without_strings(text).count("\n") == text.count("\n")
+
+
+def test_names_of_sets_cannot_end_the_comment() -> None:
+    task, source, certificate = files_of("trolley", "float")
+    text = written(facts(task.replace(b'"pillar"', b'"p *) Axiom a : False. (*"'), source, certificate)).decode()
+    assert text.count("(*") == text.count("*)")
+    assert "p __ Axiom a _ False. __" in text
+
+
+def test_without_coq_the_command_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    done = run_command("theorem", "tasks/omni_s1.toml", "generated/omni_s1/refined/float/omni_s1.c", "--json")
+    assert done.returncode == 4
+    assert "libcoq-coquelicot" in json.loads(done.stdout)["error"]
+
+
+# ------------------------------------------------------------------------------------------------ what Coq says
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "scalar"), shipped())
+def test_coq_accepts_every_shipped_controller(name: str, scalar: str, tool: Callable[[str], str]) -> None:
+    tool("coqc")
+    source = ROOT / "generated" / name / "refined" / scalar / name
+    parts = (source.with_suffix(end).read_bytes() for end in (".h", ".c", ".certificate.json"))
+    answer = asking.ask_coq(theorem_text((ROOT / "tasks" / f"{name}.toml").read_bytes(), *parts), name)
+    assert answer.holds, answer.what
+    assert set(answer.axioms) == asking.AXIOMS
+
+
+@pytest.mark.slow
+def test_the_sampled_theorem_reaches_the_longest_period_of_p9(tmp_path: Path, tool: Callable[[str], str]) -> None:
+    """docs/theorem.md has it: a hair longer, and the tool refuses."""
+    tool("coqc")
+    text = (ROOT / "tasks/omni_s1.toml").read_text().replace("[target_set]", "share = 0.5\n\n[target_set]")
+    text = text.replace("gain = 0.5", 'gain = "auto"\nperiod = {}\n\n[plant]\nw_max = 0.05')
+    for period, code in (("0.069", 3), ("0.068", 0)):
+        (tmp_path / "task.toml").write_text(text.format(period))
+        done = run_command("generate", str(tmp_path / "task.toml"), "--out", str(tmp_path))
+        assert done.returncode == code, done.stderr
+    done = run_command("theorem", str(tmp_path / "task.toml"), str(tmp_path / "omni_s1.c"))
+    assert done.returncode == 0, done.stdout
+    assert "closed_loop" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_command_says_yes_and_names_the_theorems(tool: Callable[[str], str]) -> None:
+    tool("coqc")
+    done = run_command("theorem", "tasks/omni_s2.toml", "generated/omni_s2/refined/float/omni_s2.c")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.startswith("theorem: yes: omni_s2: Coq accepts controller, closed_loop_example")
+
+
+PLANTS = (
+    "",
+    "[plant]\ng_min = 0.5",
+    "[plant]\ng_min = 2.5",
+    "[plant]\ng_max = 0.5",
+    "[plant]\ng_max = [3, 0.25]\nf_max = 1e-2",
+    "[plant]\ng_min = [0.5, 3.0]\ng_max = 4\nnoise = 2.5e-4",
+    "[plant]\nf_max = [0.1, 0.2]\nw_max = [0.03, 0]\ng_cross = [0, 0.125]",
+    "[plant]\nw_max = 0.1 # gusts\ng_cross = 1E-1",
+)
+CONTROLS = ("period = 0.02", "period = 2E-2\nlatency = 3.0e-3", "latency = 1\nperiod = 0.5e+1")
+
+
+@pytest.mark.slow
+def test_coq_takes_the_conditions_of_a_task_as_the_checker_does(tool: Callable[[str], str]) -> None:
+    """Bounds that are missing, for all components, or by component: one lemma for each text."""
+    tool("coqc")
+    before = (ROOT / "tasks/trolley.toml").read_text().partition("[control]")[0]
+    lemmas = []
+    for plant, control, share in itertools.product(PLANTS, CONTROLS, ("share = 0.8", "")):
+        text = f"{before.replace('share = 0.9 ', f'{share} ')}[control]\n{control}\n{plant}\n"
+        task = checker.Task(text.encode())
+        force, low, high, cross = zip(*(checker.bounds(task, i) for i in range(task.n)), strict=True)
+        assert task.period is not None
+        numbers = (task.period, task.latency, task.share, (task.plant["noise"] or [Fraction(0)])[0])
+        expected = " ".join([*map(rational, numbers), *map(listed, (force, low, high, cross))])
+        lemmas.append(
+            f"Lemma conditions_{len(lemmas)} : conditions_in {quoted(text)} = Some (Conditions {expected})%Q.\nProof. vm_compute. reflexivity. Qed."
+        )
+    head = "From Coq Require Import QArith String List.\nFrom Stt Require Import Sound Toml.\nImport ListNotations.\nOpen Scope string_scope."
+    answer = asking.ask_coq(
+        "\n".join([head, *lemmas, "Print Assumptions ClassicalDedekindReals.sig_forall_dec."]).encode(), "conditions"
+    )
+    assert answer.holds, answer.what
+
+
+# ------------------------------------------------------------------------------------------------ what is changed
+
+MUTANTS = [  # controller, file (0 task, 1 C, 2 certificate), what is replaced by what, where the no comes from
+    ("omni_s1", 1, rb"(_coefficients\[\d+\] = \{\s+)-?[\d.]+F", rb"\g<1>0.5F", "tube_checked"),
+    ("omni_s1", 1, rb"started \* 3\.5555556F", b"started * 3.5555F", "rounding_checked"),
+    ("omni_s1", 1, rb"31\.999998F", b"31.99F", "rounding_checked"),
+    ("omni_s1", 1, rb"scaled < 31\.999998F", b"scaled < 32.0F", "holds time at another number"),
+    ("omni_s1", 1, rb"= 1\.0F - s;", b"= s - 1.0F;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 2.0F * v4;", "statements"),
+    ("omni_s1", 1, rb"= 3\.0F \* v4;", b"= 3.5F * v4;", "which is not whole"),
+    ("omni_s1", 1, rb"= v2 \+ v5;", b"= v2 - v5;", "statements"),
+    ("omni_s1", 1, rb"\*w1 = v7;", b"*w1 = v9;", "statements"),
+    ("omni_s1", 0, rb"prescribed_time = 9\.0", b"prescribed_time = 9.1", "rounding_checked"),
+    ("omni_s1", 0, rb"clearance = 0\.03", b"clearance = 0.04", "tube_checked"),
+    ("omni_s1", 0, rb"min_width = 0\.05", b"min_width = 0.5", "tube_checked"),
+    ("omni_s1", 0, rb"initial_state = \[0\.25, 4\.75\]", b"initial_state = [0.55, 4.75]", "tube_checked"),
+    ("omni_s1", 0, rb"lower = \[2\.0, 2\.5\]", b"lower = [1.5, 2.5]", "tube_checked"),
+    ("omni_s1", 0, rb"(target_set\]\s+lower = )\[4\.5, 4\.5\]", rb"\g<1>[4.6, 4.5]", "tube_checked"),
+    ("trolley", 0, rb"period = 0\.02 ", b"period = 0.06 ", "period_checked"),
+    ("trolley", 0, rb"w_max = 0\.1\n", b"w_max = 1.75\n", "period_checked"),
+    ("trolley", 0, rb"share = 0\.9 ", b"share = 0.91 ", "period_checked"),
+    ("trolley", 2, rb'"gain": \["89/500"', b'"gain": ["89/5000"', "another gain"),
+    ("rover", 0, rb"radius = 0\.5", b"radius = 0.501", "tube_checked"),
+    ("rover", 0, rb"centre = \[2\.6, 1\.2\]", b"centre = [2.6, 1.3]", "tube_checked"),
+    ("rover", 0, rb"centre = \[2\.6, 1\.2\]\nradius", b'axes = ["x"]\ncentre = [2.6]\nradius', "tube_checked"),
+    ("rover", 0, rb"\[4\.6, 2\.8\]", b"[4.6, 2.79]", "tube_checked"),
+    ("rover", 0, rb"\[4\.9, 3\.8\]", b"[4.9, 3.8], [6.1, 4.1]", "tube_checked"),
+    ("rover", 0, rb"\[control\]", b"[tube]\nclearance = 0.031\n\n[control]", "tube_checked"),
+    ("rover", 0, rb"body = \[0\.45, 0\.45\]", b"body = [0.45, 0.451]", "tube_checked"),
+    ("rover", 2, rb"\[-1, -5\]", b"[0, 0]", "tube_checked"),
+    ("rover", 2, rb"\[-1, -5\]", b"[1, 5]", "tube_checked"),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "file", "old", "new", "told"), MUTANTS)
+def test_what_is_changed_has_no_theorem(
+    name: str, file: int, old: bytes, new: bytes, told: str, tool: Callable[[str], str]
+) -> None:
+    """By what is read and by Coq alone: no hash and no checker is asked."""
+    tool("coqc")
+    data = list(files_of(name, "float"))
+    changed = re.sub(old, new, data[file])
+    assert changed != data[file]
+    data[file] = changed
+    try:
+        answer = asking.ask_coq(written(facts(*data)), name)
+    except Unread as problem:
+        assert told in str(problem)
+        return
+    assert not answer.holds
+    assert told in answer.what
+
+
+@pytest.mark.slow
+def test_the_command_asks_the_checker_for_what_coq_does_not_read(tmp_path: Path, tool: Callable[[str], str]) -> None:
+    """A law of the wrong sign: table, constants and kernels of the tube are as they were."""
+    tool("coqc")
+    shutil.copytree(ROOT / "generated/omni_s1/refined/float", tmp_path / "c")
+    source, proof = tmp_path / "c/omni_s1.c", tmp_path / "c/omni_s1.certificate.json"
+    text = source.read_text().replace("upper_nearer ? gain_minus : gain_i", "upper_nearer ? gain_i : gain_minus")
+    text = text.replace("upper_nearer ? (-0.5F) : 0.5F", "upper_nearer ? 0.5F : (-0.5F)")
+    assert text != source.read_text()
+    source.write_text(text)
+    document = json.loads(proof.read_text())
+    document["sha256"]["omni_s1.c"] = hashlib.sha256(source.read_bytes()).hexdigest()
+    proof.write_text(json.dumps(document))
+    done = run_command("theorem", "tasks/omni_s1.toml", str(source), "--json")
+    assert done.returncode == 1
+    assert "checker: NO" in json.loads(done.stdout)["what"]
