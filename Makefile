@@ -55,40 +55,40 @@ generate: $(STAMP)
 check: $(STAMP)
 	@$(BIN)/stt-codegen check generated
 
-$(STAMP): requirements.lock pyproject.toml
+$(STAMP): locks/requirements.lock pyproject.toml
 	@.ci/tools python
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	@$(BIN)/python .ci/install requirements.lock
+	@$(BIN)/python .ci/install locks/requirements.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
 # What the arenas benchmark compares with (planners, reachability, a solver); its tests are skipped where it is missing.
 peers: $(PEERS)
 
-$(PEERS): peers.lock $(STAMP)
-	@$(BIN)/python .ci/install peers.lock
+$(PEERS): locks/peers.lock $(STAMP)
+	@$(BIN)/python .ci/install locks/peers.lock
 	@touch $@
 
 # The policies of the reinforcement learning peer, in an environment of their own: about 70 minutes on one core. Weights are not in the
 # repository; without them the rows of `python -m benchmarks arenas --peers` and `python -m benchmarks loop --peers` on policies are left out.
 policies: $(STAMP)
 	@test -x build/rl/bin/python || $(PYTHON) -m venv build/rl
-	@build/rl/bin/python .ci/install peers-rl.lock
+	@build/rl/bin/python .ci/install locks/peers-rl.lock
 	@PYTHONPATH=. OMP_NUM_THREADS=1 build/rl/bin/python -m benchmarks policy --out build/policies
 
 # MuJoCo, for benchmarks/physics.py; its test is skipped where it is missing.
 physics: $(PHYSICS)
 
-$(PHYSICS): physics.lock $(STAMP)
-	@$(BIN)/python .ci/install physics.lock
+$(PHYSICS): locks/physics.lock $(STAMP)
+	@$(BIN)/python .ci/install locks/physics.lock
 	@touch $@
 
 # ROS 2's Python client as wheels, in an environment of its own (270 MB): the node is tried in it by the slow tests and benchmarks/ros.py.
 ros: build/ros/.done
 
-build/ros/.done: ros.lock $(STAMP)
+build/ros/.done: locks/ros.lock $(STAMP)
 	@test -x build/ros/bin/python || $(PYTHON) -m venv build/ros
-	@build/ros/bin/python .ci/install ros.lock
+	@build/ros/bin/python .ci/install locks/ros.lock
 	@touch $@
 
 # The least versions that pyproject.toml admits, installed apart: generated/ must come out the same.
@@ -97,11 +97,11 @@ ends: $(STAMP)
 
 # After changing a version in pyproject.toml (needs uv): pins and hashes, without naming a registry.
 lock:
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o requirements.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers -c requirements.lock pyproject.toml -o peers.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra peers-rl pyproject.toml -o peers-rl.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra ros pyproject.toml -o ros.lock
-	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra physics -c requirements.lock pyproject.toml -o physics.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test pyproject.toml -o locks/requirements.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra peers -c locks/requirements.lock pyproject.toml -o locks/peers.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra peers-rl pyproject.toml -o locks/peers-rl.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra ros pyproject.toml -o locks/ros.lock
+	uv pip compile --universal --generate-hashes --no-header --no-annotate --extra test --extra physics -c locks/requirements.lock pyproject.toml -o locks/physics.lock
 
 clean:
 	rm -rf $(VENV) demo dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis

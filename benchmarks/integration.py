@@ -58,7 +58,7 @@ class Job:
 
     minutes: on two quiet cores. seed: replaces {seed} in the command; None where the command always draws the same. command:
     arguments of Python. inputs: files and folders, relative to the repository. tools: commands, or paths of files that `make`
-    installs. packages: Python packages that requirements.lock does not have.
+    installs. packages: Python packages that locks/requirements.lock does not have.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Job:
 # ------------------------------------------------------------------------------------------ the jobs
 
 # Inputs, from wide to narrow; the docstring says why.
-PACKAGE = ("stt_codegen", "templates", "tasks", "requirements.lock")
+PACKAGE = ("stt_codegen", "templates", "tasks", "locks/requirements.lock")
 SHARED = ("benchmarks/suites", "benchmarks/peers", "benchmarks/command_line.py")  # arenas, missions and loops to measure on
 MUTANTS = ("benchmarks/oracles", "benchmarks/mutants", "benchmarks/mutations.py", "benchmarks/fixed.py")
 SHIPPED = ("generated", "proof")
@@ -183,7 +183,7 @@ JOBS = (
     slow_tests("design/preference", "`design --pareto` writes tubes, picture and data that agree.", 1),
     slow_tests(
         "record/ros2", "The ROS 2 node carries its mission out, and stops.", 4, tools=("build/ros/bin/python",),
-        helpers=("benchmarks/ros.py", "ros.lock"),
+        helpers=("benchmarks/ros.py", "locks/ros.lock"),
     ),
     slow_tests("emit/runtime_errors", "The C in integers passes the sanitizers, for a million inputs.", 1, tools=("gcc",)),
     slow_tests(
@@ -297,7 +297,7 @@ JOBS = (
     # machines: a physics engine, boards, sketches
     script(
         "physics", "In a physics engine the bounds of [plant] hold and no run has a contact.", 3,
-        "benchmarks/physics.py --runs 100", ("benchmarks/bodies.py", "physics.lock", *PACKAGE), tools=("cc",),
+        "benchmarks/physics.py --runs 100", ("benchmarks/bodies.py", "locks/physics.lock", *PACKAGE), tools=("cc",),
         packages=("mujoco",),
     ),
     *(

@@ -201,7 +201,7 @@ def mentioned(text: str) -> set[str]:
 
 
 TOP = "pyproject.toml stt_codegen generated templates tests README.md Makefile tasks benchmarks docs proof CHANGELOG.md CONTRIBUTING.md .ci"
-TOP += " .gitignore .github .pre-commit-hooks.yaml requirements.lock peers.lock peers-rl.lock physics.lock ros.lock"
+TOP += " .gitignore .github .pre-commit-hooks.yaml locks"
 
 
 def test_nothing_else_is_at_the_top() -> None:

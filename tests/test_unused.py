@@ -228,7 +228,9 @@ def test_records_follow_the_sources(tmp_path: Path) -> None:
     record_of(tmp_path / ".mypy_cache", "sample.py").unlink()
     run_mypy(tmp_path)
     assert reads_of(tmp_path, source) == first
-    source.write_text(f"{head}    return a.c  # another length: mypy tells two texts of one second and one length apart by nothing\n")
+    source.write_text(
+        f"{head}    return a.c  # another length: mypy tells two texts of one second and one length apart by nothing\n"
+    )
     run_mypy(tmp_path)
     assert (reads_of(tmp_path, source) or {})[7, 11] == {"sample.A.c"}
 

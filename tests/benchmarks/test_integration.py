@@ -341,7 +341,7 @@ def test_jobs_are_what_they_should_be() -> None:
         assert re.fullmatch(r"[^.]*(\.(?! )[^.]*)*\.", job.law), job.law  # a sentence, and no second
         assert 0 < job.minutes <= 10, job.name
         assert (job.seed is None) == all("{seed}" not in word for word in job.command), job.name
-        assert "requirements.lock" in job.inputs, job.name
+        assert "locks/requirements.lock" in job.inputs, job.name
         missing = [path for path in job.inputs if not (ROOT / path).exists()]
         assert missing == [], job.name
 

@@ -64,12 +64,22 @@ def test_a_wheel_built_from_the_source_distribution_holds_the_same_files(wheel, 
         assert {n: one.read(n) for n in one.namelist()} == {n: other.read(n) for n in other.namelist()}
 
 
-LOCKS = {"requirements.lock": ("test",), "peers.lock": ("test", "peers"), "peers-rl.lock": ("peers-rl",), "ros.lock": ("ros",)}
+LOCKS = {
+    "requirements": ("test",),
+    "peers": ("test", "peers"),
+    "peers-rl": ("peers-rl",),
+    "physics": ("test", "physics"),
+    "ros": ("ros",),
+}
+
+
+def test_every_lock_is_checked() -> None:
+    assert {path.stem for path in (ROOT / "locks").iterdir()} == set(LOCKS)
 
 
 @pytest.mark.parametrize("lock", LOCKS)
 def test_the_lock_pins_every_package_with_a_hash_and_names_no_host(lock: str) -> None:
-    text = (ROOT / lock).read_text()
+    text = (ROOT / "locks" / f"{lock}.lock").read_text()
     assert not re.search(r"https?://|index-url|find-links", text)
     entries = re.split(r"\n(?=\S)", text.strip())
     assert all("==" in e and "--hash=sha256:" in e for e in entries)

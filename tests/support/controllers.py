@@ -32,7 +32,7 @@ def store() -> Path:
     """Return the folder of the controllers that the package as it is builds; those of other contents are removed."""
     digest = hashlib.sha256()
     read = [path for folder in ("stt_codegen", "templates") for path in (ROOT / folder).rglob("*") if path.suffix != ".pyc"]
-    for path in sorted([*filter(Path.is_file, read), ROOT / "requirements.lock"]):
+    for path in sorted([*filter(Path.is_file, read), ROOT / "locks" / "requirements.lock"]):
         digest.update(f"{path.relative_to(ROOT)}\0".encode() + path.read_bytes() + b"\0")
     folder = ROOT / "build" / "tests" / digest.hexdigest()[:16]
     folder.mkdir(parents=True, exist_ok=True)

@@ -29,7 +29,7 @@ COPIED = (
     "README.md",
     "CONTRIBUTING.md",
     "pyproject.toml",
-    "requirements.lock",
+    "locks",
 )
 SAMPLES = ROOT / "tests" / "recipes" / "samples"
 Edits = Mapping[str, Sequence[tuple[str, str]]]  # by path: a text that stands there once, and what comes in its place
