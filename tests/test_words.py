@@ -1,0 +1,247 @@
+"""Plain words: names are nouns and verbs of the field, sentences have no riddles, functions fit a screen and say what they do.
+
+CONTRIBUTING.md has the rules with examples, docs/glossary.md the words.
+"""
+
+from __future__ import annotations
+
+import ast
+import io
+import re
+import tokenize
+from collections.abc import Iterator
+
+import pytest
+
+from tests.support.controllers import ROOT
+
+# A name with one of these words says what happened to a value, or how it stands to the reader, and not what the value is.
+BANNED_WORDS = frozenset(
+    """found told given own made held seen here there asked most least whole anew weighed picked reckoned settled
+    seventh ninth tenth""".split()
+)
+BANNED_ALONE = frozenset(
+    "one other others each every place back room calm dear quick".split()
+)  # as a whole name; a part of a name may be one
+ALLOWED = frozenset("at_least at_most held_input held_inputs".split())  # terms of the field, as a part of a name or the whole
+
+# Of sentences: left the riddle or the synonym, right the word to use.
+BANNED_PHRASES = {
+    r"\bk(?:eep|eeps|ept|eeping) off\b": "stays clear of, avoids",
+    r"\bdoubts?\b": "timing uncertainty",
+    r"\bhours\b": "active interval (or the number, with its unit)",
+    r"\bto spare\b": "margin",
+    r"\bwhat pushes\b": "plant bounds",
+    r"\bhow late\b": "sampling period, input delay",
+    r"\bat the (?:most|least)\b": "at most, at least, worst case",
+    r"\bshown again\b": "computed again by",
+    r"\bas it should be\b": "the value that is right",
+    r"\bc[ao]me of it\b": "the result",
+    r"\bnone that is\b": "no",
+    r"\bof these the one\b": "the one of these",
+    r"\b(?:is|are|was|were|be) told\b": "is stated, reported, known",
+    r"\banew\b": "again",
+    r"\breckon": "compute",
+}
+LONGEST_FUNCTION = 60  # lines
+LONGEST_WITHOUT_DOCSTRING = 10  # lines
+MOST_POSITIONAL = 5
+MOST_RETURNED = 3  # values of a tuple
+
+# Folders and files that nobody has read for this yet. A path leaves the list when it is done, and none is added.
+PENDING = """
+    stt_codegen/__init__.py
+    stt_codegen/api.py
+    stt_codegen/arrays.py
+    stt_codegen/board
+    stt_codegen/certify
+    stt_codegen/cli
+    stt_codegen/compare
+    stt_codegen/constraints.py
+    stt_codegen/controller
+    stt_codegen/decimals.py
+    stt_codegen/design_kinds.py
+    stt_codegen/design/arena.py
+    stt_codegen/design/linear_programs
+    stt_codegen/design/missions
+    stt_codegen/design/paper_tubes
+    stt_codegen/design/refusals
+    stt_codegen/design/routes
+    stt_codegen/design/spacetime
+    stt_codegen/design/spline_tubes
+    stt_codegen/design
+    stt_codegen/designs
+    stt_codegen/emit
+    stt_codegen/errors.py
+    stt_codegen/lemmas/emitted
+    stt_codegen/lemmas/paper
+    stt_codegen/lemmas/sampling
+    stt_codegen/lemmas/sets
+    stt_codegen/lemmas/tube
+    stt_codegen/lemmas
+    stt_codegen/loop
+    stt_codegen/paper
+    stt_codegen/pipeline.py
+    stt_codegen/plants.py
+    stt_codegen/program
+    stt_codegen/properties.py
+    stt_codegen/record
+    stt_codegen/reference.py
+    stt_codegen/report
+    stt_codegen/sampling
+    stt_codegen/task
+    stt_codegen/theorem
+    tests
+    benchmarks
+    docs
+    README.md
+    CONTRIBUTING.md
+""".split()
+# The stand-alone checker is written again as a whole; released versions are described in the words of their time.
+EXEMPT = ("stt_codegen/certify/checker.py", "tests/test_words.py", "docs/glossary.md")
+
+
+def is_pending(path: str) -> bool:
+    return any(path == entry or path.startswith(f"{entry}/") for entry in (*PENDING, *EXEMPT))
+
+
+def python_files() -> dict[str, str]:
+    """Texts by path of the files that the laws hold for."""
+    paths = [path for folder in ("stt_codegen", "tests", "benchmarks") for path in sorted((ROOT / folder).rglob("*.py"))]
+    return {name: path.read_text() for path in paths if not is_pending(name := str(path.relative_to(ROOT)))}
+
+
+def prose_files() -> dict[str, str]:
+    paths = [*sorted((ROOT / "docs").glob("*.md")), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    return {name: path.read_text() for path in paths if not is_pending(name := str(path.relative_to(ROOT)))}
+
+
+def bound_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield line and name of everything that the file itself names: variables, parameters, fields, functions, classes."""
+    for node in ast.walk(tree):
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) | ast.Attribute(attr=name, ctx=ast.Store()) | ast.arg(arg=name):
+                yield node.lineno, name
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name):
+                if not name.startswith("test_"):  # the name of a test is a sentence
+                    yield node.lineno, name
+            case ast.ClassDef(name=name):
+                yield node.lineno, name
+            case ast.ExceptHandler(name=str(name)) | ast.MatchAs(name=str(name)) | ast.MatchStar(name=str(name)):
+                yield node.lineno, name
+
+
+def words_of(name: str) -> list[str]:
+    """Return the words of a name in lower case, written with underscores or with capitals."""
+    return [word.lower() for word in re.split(r"_+|(?<=[a-z0-9])(?=[A-Z])", name) if word]
+
+
+def is_banned(name: str) -> bool:
+    words = words_of(name)
+    rest = "_".join(words)
+    for term in ALLOWED:
+        rest = re.sub(rf"(?:^|(?<=_)){term}(?:$|(?=_))", "", rest)
+    return bool(set(rest.split("_")) & BANNED_WORDS) or (len(words) == 1 and words[0] in BANNED_ALONE)
+
+
+def sentences(text: str) -> Iterator[tuple[int, str]]:
+    """Yield line and text of every comment and every string of Python, docstrings included."""
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            yield node.lineno, node.value
+
+
+def phrases_in(text: str) -> list[str]:
+    """Return what is banned in the text, with what to write."""
+    plain = " ".join(text.split())
+    return [f'"{hit[0]}": {remedy}' for phrase, remedy in BANNED_PHRASES.items() if (hit := re.search(phrase, plain, re.I))]
+
+
+def functions(tree: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            yield node
+
+
+def problems(function: ast.FunctionDef | ast.AsyncFunctionDef) -> Iterator[str]:
+    """Yield what is wrong with the form of a function."""
+    lines = (function.end_lineno or function.lineno) - function.lineno + 1
+    if lines > LONGEST_FUNCTION:
+        yield f"{lines} lines: make it a list of named steps"
+    if lines > LONGEST_WITHOUT_DOCSTRING and not ast.get_docstring(function) and not function.name.startswith("test_"):
+        yield f"{lines} lines without a docstring: say in a sentence with a verb what it does"
+    positional = [a for a in (*function.args.posonlyargs, *function.args.args) if a.arg not in ("self", "cls")]
+    is_command = any("command" in ast.unparse(d) or "parametrize" in ast.unparse(d) for d in function.decorator_list)
+    if len(positional) > MOST_POSITIONAL and not is_command and not function.name.startswith("test_"):
+        yield f"{len(positional)} positional parameters: make them keyword-only, or a dataclass"
+    match function.returns:
+        case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=parts)) if len(parts) > MOST_RETURNED:
+            yield f"returns a tuple of {len(parts)}: make it a NamedTuple or a dataclass"
+
+
+def test_names_say_what_a_value_is() -> None:
+    bad = [
+        f"{path}:{line}: {name}"
+        for path, text in python_files().items()
+        for line, name in bound_names(ast.parse(text))
+        if is_banned(name)
+    ]
+    assert bad == []
+
+
+def test_sentences_have_no_riddles() -> None:
+    bad = [
+        f"{p}:{line}: {hit}" for p, text in python_files().items() for line, part in sentences(text) for hit in phrases_in(part)
+    ]
+    bad += [f"{path}: {hit}" for path, text in prose_files().items() for hit in phrases_in(text)]
+    assert bad == []
+
+
+def test_functions_can_be_read() -> None:
+    bad = [
+        f"{path}:{function.lineno}: {function.name}: {problem}"
+        for path, text in python_files().items()
+        for function in functions(ast.parse(text))
+        for problem in problems(function)
+    ]
+    assert bad == []
+
+
+def test_what_is_pending_exists() -> None:
+    assert [entry for entry in (*PENDING, *EXEMPT) if not (ROOT / entry).exists()] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "banned"),
+    [
+        ("found", True),
+        ("_found_tubes", True),
+        ("LeastSlack", True),
+        ("own_", True),
+        ("other", True),
+        ("other_axis", False),
+        ("at_least", False),
+        ("count_at_most", False),
+        ("held_input", False),
+        ("held", True),
+        ("placement", False),
+        ("foundation", False),
+        ("ROOM", True),
+    ],
+)
+def test_a_name_is_judged_by_its_words(name: str, banned: bool) -> None:
+    assert is_banned(name) == banned
+
+
+def test_the_laws_find_what_they_are_about() -> None:
+    text = "def f(a, b, c, d, e, g) -> tuple[int, int, int, int]:\n    '''It keeps off.'''\n    made = 1  # at the most\n    return made\n"
+    assert [name for _, name in bound_names(ast.parse(text)) if is_banned(name)] == ["made"]
+    assert len([hit for _, part in sentences(text) for hit in phrases_in(part)]) == 2
+    (function,) = functions(ast.parse(text))
+    assert len(list(problems(function))) == 2
+    body = "".join(f"    a{k} = {k}\n" for k in range(61))
+    (function,) = functions(ast.parse(f"def f():\n{body}"))
+    assert len(list(problems(function))) == 2
