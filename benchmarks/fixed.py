@@ -20,7 +20,7 @@ from benchmarks.suites.report import command, machine, record, table
 from stt_codegen.board.boards import BOARDS
 from stt_codegen.board.emulated import Emulated
 from stt_codegen.compare.integer_comparison import ticks_and_states
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import load_task
@@ -39,13 +39,13 @@ def limited(task: Task) -> Task:
     return task.model_copy(update={"control": task.control.model_copy(update=limits), "emit": task.emit.model_copy(update=tick)})
 
 
-def in_floats(task: Task, math: str) -> Controller:
+def in_floats(task: Task, math: str) -> EmittedController:
     """The same task in single precision, by seconds."""
     emit = {"scalar": "float", "math": math, "tick_period": None}
     return build_task(task.model_copy(update={"emit": task.emit.model_copy(update=emit)}))
 
 
-def cost(controller: Controller, name: str, board: Emulated) -> list[str]:
+def cost(controller: EmittedController, name: str, board: Emulated) -> list[str]:
     """Least, median and most of `control`; bytes of code, of tables in memory, and of stack."""
     seen = board.counts["control"].summary()
     code, tables, _ = sizes(controller, BOARDS[name])

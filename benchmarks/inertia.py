@@ -33,7 +33,7 @@ from stt_codegen.design.routes.shortest_route import shortest_route
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
-from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
@@ -47,7 +47,7 @@ SLOWER = (1, 1.5, 2, 3, 4, 6)  # times the proved period
 class Result:
     """One arena: seconds of processor time for design and certificate."""
 
-    made: Controller | None
+    made: EmittedController | None
     seconds: float
     reason: str = ""
 
@@ -99,7 +99,7 @@ def inertial(name: str) -> Task:
     return load_task(ROOT / "tasks" / f"{name}.toml").changed(plant={"order": 2, "w_max": PUSH})
 
 
-def periods(name: str) -> tuple[list[str], list[Controller]]:
+def periods(name: str) -> tuple[list[str], list[EmittedController]]:
     """Rows of what is proved under several limits, and the controllers with them."""
     free = build_task(inertial(name))
     push = Analysis(free).setting.push.max(axis=0)
@@ -119,7 +119,7 @@ def periods(name: str) -> tuple[list[str], list[Controller]]:
     return rows, found
 
 
-def failures(one: Controller, seconds: float) -> str:
+def failures(one: EmittedController, seconds: float) -> str:
     """The shares of loops that leave their tubes at several times the period."""
     told = []
     for factor in SLOWER:
@@ -140,7 +140,7 @@ def failures(one: Controller, seconds: float) -> str:
     return ", ".join(told)
 
 
-def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
+def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     """At the proved period and at 1 kHz in turn."""
     pairs = [(one, Loop(one, model), Analysis(one).period) for one in tubes for model in within_bounds(one.task)]
     hit = left = made = 0
@@ -193,7 +193,7 @@ def main() -> int:
         "| tube | u_max over what pushes | proved, ms | \\|u\\| | left at 1, 1.5, 2, 3, 4, 6 times that, % |",
         "|---|---|---|---|---|",
     ]
-    proved: list[Controller] = []
+    proved: list[EmittedController] = []
     for name in ("omni_s2", "spacecraft"):
         rows, tubes = periods(name)
         lines += rows

@@ -23,7 +23,7 @@ from benchmarks.fixed import ROOT, limited
 from benchmarks.suites.report import table
 from stt_codegen.board.boards import BOARDS, Board, copy_board
 from stt_codegen.board.emulated import CFLAGS, DECORATION
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.program.targets.toolchain import run_compiler
 from stt_codegen.task.load import load_task
@@ -120,12 +120,12 @@ MOVING = """            static const int32_t filter[%(P)s_N] = {%(filter)s}; /* 
             }"""
 
 
-def filter_of(controller: Controller) -> list[int]:
+def filter_of(controller: EmittedController) -> list[int]:
     """256 times lambda, rounded; empty for order 1."""
     return [round(256 * Fraction(v)) for v in controller.design.filter]
 
 
-def driver(controller: Controller, inputs: int) -> str:
+def driver(controller: EmittedController, inputs: int) -> str:
     """The C that draws the inputs and folds what comes out."""
     filter_, name = filter_of(controller), controller.program.prefix
     words = {"p": name, "P": name.upper(), "blocks": BLOCKS, "inputs": inputs // BLOCKS, "filter": ", ".join(map(str, filter_))}
@@ -180,7 +180,7 @@ def folded(text: bytes, inputs: int, filter_: list[int], block: int) -> str:
     return f"{fold:08x}"
 
 
-def on_board(controller: Controller, board: Board | None, inputs: int) -> list[str]:
+def on_board(controller: EmittedController, board: Board | None, inputs: int) -> list[str]:
     """What the C gives, on a board or on this machine, by block."""
     with tempfile.TemporaryDirectory() as folder:
         name = controller.program.prefix

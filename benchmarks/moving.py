@@ -28,7 +28,7 @@ import numpy.typing as npt
 
 from benchmarks.suites.report import command, machine, record
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_program, build_task, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, build_task, certify, design_tube
 from stt_codegen.task.task import Task
 
 Array = npt.NDArray[np.float64]
@@ -209,7 +209,7 @@ class Result:
     """What came of one arena; seconds of processor time for design and certificate."""
 
     way: bool
-    made: Controller | None
+    made: EmittedController | None
     seconds: float
     reason: str = ""
 
@@ -238,7 +238,7 @@ def row(name: str, results: list[Result]) -> str:
     return f"| {name} | {counted[0]} | {counted[1]} | {times} | {widths} | {np.median(speed):.3g} |"
 
 
-def loops(tubes: list[Controller], count: int) -> tuple[str, bool]:
+def loops(tubes: list[EmittedController], count: int) -> tuple[str, bool]:
     """Closed loops whose clock is off, pushed about: how many, what came of them, and whether no set was met and no tube left."""
     from stt_codegen.loop.simulate import KINDS, Loop, Scenario, starts
     from stt_codegen.plants import PLANTS

@@ -27,7 +27,7 @@ from stt_codegen.board.emulated import DECORATION, Emulated
 from stt_codegen.certify.missions.proof import cycle_of
 from stt_codegen.compare.integer_comparison import ticks_and_states
 from stt_codegen.errors import MissingTool
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
@@ -114,7 +114,7 @@ def core_objects(folder: Path) -> list[Path]:
     return objects
 
 
-def image(controller: Controller, steps: int, core: list[Path], folder: Path) -> Path:
+def image(controller: EmittedController, steps: int, core: list[Path], folder: Path) -> Path:
     """The sketch for an Uno, its sensors slow, what the controller is called with on the serial line."""
     p, n = controller.task.name, f"{controller.task.name.upper()}_N"
     write_files(folder, package(controller, "arduino"))
@@ -142,7 +142,7 @@ def image(controller: Controller, steps: int, core: list[Path], folder: Path) ->
     return folder / "uno.elf"
 
 
-def tube_time(controller: Controller, steps: int, core: list[Path]) -> tuple[int, Fraction, Fraction, int]:
+def tube_time(controller: EmittedController, steps: int, core: list[Path]) -> tuple[int, Fraction, Fraction, int]:
     """Samples, the farthest that tube and clock were apart (seconds), how far they may be, and late steps."""
     task = controller.task
     with tempfile.TemporaryDirectory() as name:
@@ -173,7 +173,7 @@ def tube_time(controller: Controller, steps: int, core: list[Path]) -> tuple[int
     return len(rows), worst, limit, rows[-1][2]
 
 
-def counted(controller: Controller, count: int) -> int:
+def counted(controller: EmittedController, count: int) -> int:
     """The most cycles of `control` that were seen, near the tube and in it."""
     board, task = Emulated(controller, BOARDS["avr"], ("-Os",)), controller.task
     if controller.program.tick is not None:

@@ -5,7 +5,7 @@ from pathlib import Path
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.picture import draw_figure1, draw_figure3, draw_run
 from stt_codegen.loop.simulate import Loop, Run, Scenario, of_task, starts
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.pictures.tube_pictures import draw, draw_beside, plane_named
@@ -21,7 +21,7 @@ RATE = 1000.0  # samples a second
 SHARE = 0.9  # of gamma(0): where runs begin
 
 
-def driven(name: str) -> tuple[Controller, list[Run]]:
+def driven(name: str) -> tuple[EmittedController, list[Run]]:
     """A certified tube with the gain that `--gain best` takes, and runs from all over the initial set under every disturbance."""
     controller = build(TASKS / f"{name}.toml")
     best = most_room(Analysis(controller, with_wind(INTEGRATOR, WIND)).setting, 1 / RATE)

@@ -209,7 +209,7 @@ def _samples(samples: Any) -> tuple[Any, Any, Any]:
 
 
 @dataclass(frozen=True, repr=False)
-class Controller(pipeline.Controller):
+class Controller(pipeline.EmittedController):
     """A task's controller: the emitted functions, vectorised, and what one does with them.
 
     n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then

@@ -36,7 +36,7 @@ from stt_codegen.task import Task, load_task
 
 
 @dataclass(frozen=True)
-class Controller:
+class EmittedController:
     """Everything that the pipeline makes of one task."""
 
     task: Task
@@ -52,7 +52,7 @@ def build(
     scalar: str | None = None,
     uncertified: bool = False,
     language: str | None = None,
-) -> Controller:
+) -> EmittedController:
     """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options,
     `language` is one that is printed too.
 
@@ -66,7 +66,7 @@ def build(
         return build_task(task, uncertified)
 
 
-def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> Controller:
+def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> EmittedController:
     """As `build`, for a task already loaded; `tube`: one that is there already, in place of the search."""
     require_supported(task)
     design = tube or design_tube(task)
@@ -79,7 +79,7 @@ def build_task(task: Task, uncertified: bool = False, tube: Design | None = None
         from stt_codegen.controller import covering_nothing
 
         program = covering_nothing(program)
-    return Controller(task, design, program, certificate, render_files(task, design, program, certificate))
+    return EmittedController(task, design, program, certificate, render_files(task, design, program, certificate))
 
 
 def require_supported(task: Task) -> None:

@@ -34,7 +34,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Claim Controller Difference Entry Extremes Filter Formula Frame Law Lines Loop Piece Row Sampling Search
+    Claim Difference Entry Extremes Filter Formula Frame Law Lines Loop Piece Row Sampling Search
     Setting Shape Table _Reader _Walk
 """
 

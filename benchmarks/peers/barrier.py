@@ -19,7 +19,7 @@ import numpy as np
 from benchmarks.peers.quadratic import compile_with, generated_solver
 from benchmarks.suites.families import BOX, FAMILIES, Family, arena_task, cubes
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.template_files import template_folder
 
 SPEED = 1.0  # bound of each input: the straight way (4.25) takes half of the 9 s
@@ -36,7 +36,7 @@ class Loop:
     collided: int
 
 
-def closed_loops(family: Family, seed: int, own: Controller | None = None, hertz: int = 1000) -> dict[str, Loop]:
+def closed_loops(family: Family, seed: int, own: EmittedController | None = None, hertz: int = 1000) -> dict[str, Loop]:
     """The filter ("cbf") and, where given, our controller ("own"), one after the other in a process: templates/cbf_step.c.
 
     The filter: min |u - u_nominal|^2 over u with grad h_j . u >= -CLASS_K h_j for each box j. h_j is a smooth lower bound

@@ -44,7 +44,7 @@ from stt_codegen import reference
 from stt_codegen.designs.filtered import slopes_at_start
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.template_files import template_folder
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.gains import SPARE, Gains, natural_gain, needed_input, rounded_gain
@@ -178,7 +178,7 @@ class Proved:
     reach: Array | None = None
 
 
-def cascade(controller: Controller, forward: bool, share: float) -> Proved | None:
+def cascade(controller: EmittedController, forward: bool, share: float) -> Proved | None:
     """The cascade of the longest period; None where none is found.
 
     With u limited to a fixed multiple of what pushes, P, that period is a fixed multiple of rho/P. So E1 and rho are, by
@@ -211,7 +211,7 @@ def cascade(controller: Controller, forward: bool, share: float) -> Proved | Non
     return Proved(share, own, period.seconds, period.u, setting.with_law(gain=k2), reach)
 
 
-def filtered(controller: Controller) -> Proved | None:
+def filtered(controller: EmittedController) -> Proved | None:
     """Ours, u limited to 1.1 times what pushes, at the gain of the longest proved period."""
     analysis, design = Analysis(controller), _refined(controller)
     found = analysis.gains.limited
@@ -223,7 +223,7 @@ def filtered(controller: Controller) -> Proved | None:
     return Proved(share, law, period.seconds, period.u, analysis.setting.with_law(gain=gain, u_max=u_max))
 
 
-def _refined(controller: Controller) -> RefinedDesign:
+def _refined(controller: EmittedController) -> RefinedDesign:
     assert isinstance(controller.design, RefinedDesign)
     return controller.design
 
@@ -315,7 +315,7 @@ def measured(tube: str, name: str, share: float, found: Proved | None, design: R
     return Measured(tube, name, share, found, seen, middle, corner)
 
 
-def inertial(tube: str, w_max: float) -> Controller:
+def inertial(tube: str, w_max: float) -> EmittedController:
     """One of TUBES as a double integrator. Raises `NotCertified`."""
     return build_task(load_task(folder() / f"{tube}.toml").changed(plant={"order": 2, "w_max": f"{w_max:.9g}"}))
 

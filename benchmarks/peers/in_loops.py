@@ -27,7 +27,7 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_wind
 from stt_codegen.loop.compiled import Own, own
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.plants import PLANTS
 
 FAMILY = FAMILIES["paper"]
@@ -99,7 +99,7 @@ def _tube(design: str, ground: Ground) -> Ready | None:
     return loop, [_moved(s, loop.controller) for s in ground.scenarios]
 
 
-def _moved(scenario: Scenario, controller: Controller) -> Scenario:
+def _moved(scenario: Scenario, controller: EmittedController) -> Scenario:
     if scenario.start is None:
         return scenario
     inside = [

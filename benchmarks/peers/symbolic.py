@@ -63,7 +63,7 @@ class Abstraction:
 
 
 @dataclass(frozen=True)
-class Controller:
+class GridController:
     """table: the number of the input by cell (and heading), NONE where there is none; value: periods in the worst case. seconds:
     that it took."""
 
@@ -96,7 +96,7 @@ class Controller:
         )
 
 
-def synthesize(family: Family, boxes: Array, a: Abstraction) -> Controller:
+def synthesize(family: Family, boxes: Array, a: Abstraction) -> GridController:
     """The controller of an arena, cubes (count, n, 2)."""
     begin = time.perf_counter()
     n = family.dimension
@@ -127,7 +127,7 @@ def synthesize(family: Family, boxes: Array, a: Abstraction) -> Controller:
             value[better], table[better] = after[better], number
         if (before == value).all():
             break
-    return Controller(a, family, table, value, time.perf_counter() - begin)
+    return GridController(a, family, table, value, time.perf_counter() - begin)
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Tried:
     arrived: int
 
 
-def tried(made: Controller, boxes: Array, runs: int = 1000, seed: int = 1, step: float = 1e-3) -> Tried:
+def tried(made: GridController, boxes: Array, runs: int = 1000, seed: int = 1, step: float = 1e-3) -> Tried:
     """Closed loops of the very plant that the abstraction is of. The wind is at a random corner of its box in every period, and
     states are looked at every `step` seconds."""
     a, n, random = made.abstraction, made.family.dimension, np.random.default_rng(seed)

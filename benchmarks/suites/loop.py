@@ -24,7 +24,7 @@ from benchmarks.suites.report import number
 from stt_codegen.errors import NotCertified
 from stt_codegen.loop.command import with_gain, with_wind
 from stt_codegen.loop.simulate import Loop, Run, Scenario, starts
-from stt_codegen.pipeline import Controller, build_program, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.task import Task
@@ -91,17 +91,17 @@ def run(job: Job) -> Outcome:
     return Outcome(job, runs, gain[0], period.seconds, left, beyond, steps=steps)
 
 
-def _tube_of(task: Task) -> Controller:
+def _tube_of(task: Task) -> EmittedController:
     """The certified tube of an arena; its files are made once the gain is known."""
     design = design_tube(task)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds:
         raise NotCertified(certificate.refusal())
-    return Controller(task, design, program, certificate, {})
+    return EmittedController(task, design, program, certificate, {})
 
 
-def scenarios_of(job: Job, controller: Controller, e: float) -> tuple[Scenario, ...]:
+def scenarios_of(job: Job, controller: EmittedController, e: float) -> tuple[Scenario, ...]:
     """The runs of an arena: the first from the task's own start, the others from starts with |e| up to a bound, every second one
     from a corner of them."""
     found = []

@@ -23,7 +23,7 @@ from stt_codegen.board.emulated import CFLAGS, Counts, Emulated
 from stt_codegen.board.rust_images import board_objects
 from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.errors import BadInput, MissingTool, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 
 # Label, design, scalar, math of the paper's case study, as far as a board can have them.
 VARIANTS = (
@@ -55,17 +55,19 @@ class Line:
     within: bool | None  # of the bounds of compare; None where that is not asked
 
 
-def variant(design: str, scalar: str, math: str, family: Family = CASE[0], seed: int = CASE[1], rust: bool = False) -> Controller:
+def variant(
+    design: str, scalar: str, math: str, family: Family = CASE[0], seed: int = CASE[1], rust: bool = False
+) -> EmittedController:
     """The controller of an arena."""
     task = arena_task(family, seed).with_options(design, scalar)
     return build_task(task.model_copy(update={"emit": task.emit.model_copy(update={"math": math, "rust": rust})}))
 
 
-def measured(controller: Controller, board: Board, label: str, points: int, rust: bool = False) -> tuple[Line, Counts]:
+def measured(controller: EmittedController, board: Board, label: str, points: int, rust: bool = False) -> tuple[Line, Counts]:
     """Compare with the reference on the board, and what `control` took there, the C's or the Rust's."""
     made: list[Emulated] = []
 
-    def make(given: Controller) -> Emulated:
+    def make(given: EmittedController) -> Emulated:
         made.append(Emulated(given, board, rust=rust))
         return made[-1]
 
@@ -84,7 +86,9 @@ def others(board: Board, sources: dict[str, str], points: int = 200) -> Iterator
         yield rival(controller, board, label, as_control(controller.task.name, source), counts)
 
 
-def line_of(controller: Controller, board: Board, label: str, counts: Counts, within: bool | None, rust: bool = False) -> Line:
+def line_of(
+    controller: EmittedController, board: Board, label: str, counts: Counts, within: bool | None, rust: bool = False
+) -> Line:
     seen = counts.summary()
     code, tables, ram = sizes(controller, board, rust=rust)
     place = seen.place([p.name for p in controller.program.function("control").inputs])
@@ -92,7 +96,7 @@ def line_of(controller: Controller, board: Board, label: str, counts: Counts, wi
     return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen.stack, within)
 
 
-def sizes(controller: Controller, board: Board, function: str = "control", rust: bool = False) -> tuple[int, int, int]:
+def sizes(controller: EmittedController, board: Board, function: str = "control", rust: bool = False) -> tuple[int, int, int]:
     """Bytes of code, of tables, and of RAM that `function` and all it calls need, without the C library, at -O2; of Rust with
     what it calls of its core library."""
     p = controller.task.name
@@ -173,7 +177,7 @@ def in_rust(board: Board, points: int, said: Callable[[str], None]) -> Iterator[
             said(f"{label} is left out: {error}")
 
 
-def rival(controller: Controller, board: Board, label: str, text: str, counts: Counts) -> Line:
+def rival(controller: EmittedController, board: Board, label: str, text: str, counts: Counts) -> Line:
     """Another C text for the same function, on the same points."""
     other = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
     backend = Emulated(other, board, extra=("-w",))
@@ -196,7 +200,7 @@ def growth(board: Board, points: int, said: Callable[[str], None]) -> tuple[list
     return by_dimension, by_crowd
 
 
-def _first_certified(family: Family) -> Controller:
+def _first_certified(family: Family) -> EmittedController:
     for seed in range(20):
         try:
             return variant("refined", "float", "libm", family, seed)

@@ -13,7 +13,7 @@ import casadi as ca
 
 from stt_codegen.designs import LOWER, require_adaptive, require_refined
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.printer import CPrinter
 from stt_codegen.program.targets.template_files import template
 
@@ -21,7 +21,7 @@ _CALLS = re.compile(r"\b(exp|expm1|log|log1p|tanh|sqrt|fabs|fmin|fmax|floor|sinh
 _LITERAL = re.compile(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?|\d+e[+-]?\d+|\.\d+(?:e[+-]?\d+)?)(?![\w.])")
 
 
-def casadi_text(controller: Controller, single: bool) -> str:
+def casadi_text(controller: EmittedController, single: bool) -> str:
     """CasADi's own C (casadi_real=float) of (t, [alpha,] x) -> u; `single`: every call and literal made single precision."""
     design = controller.design
     function = _adaptive(controller) if design.is_stateful else _refined(controller)
@@ -42,7 +42,7 @@ def casadi_text(controller: Controller, single: bool) -> str:
     )
 
 
-def _law(controller: Controller, i: int, low: Any, high: Any, x: Any) -> Any:
+def _law(controller: EmittedController, i: int, low: Any, high: Any, x: Any) -> Any:
     """(13) with the clamp, of component i."""
     task = controller.task
     width = high - low
@@ -53,7 +53,7 @@ def _law(controller: Controller, i: int, low: Any, high: Any, x: Any) -> Any:
     return control_law.law()(float(task.gain[i]), xi, epsilon)
 
 
-def _refined(controller: Controller) -> ca.Function:
+def _refined(controller: EmittedController) -> ca.Function:
     design = require_refined(controller.design)
     n, k = design.dimension, design.segments
     t, x = ca.MX.sym("t"), ca.MX.sym("x", n)
@@ -71,7 +71,7 @@ def _refined(controller: Controller) -> ca.Function:
     return ca.Function("law", [t, x], [ca.vertcat(*result)])
 
 
-def _adaptive(controller: Controller) -> ca.Function:
+def _adaptive(controller: EmittedController) -> ca.Function:
     design = require_adaptive(controller.design)
     n, t_c, nu = design.dimension, float(design.prescribed_time), float(design.nu)
     t, alpha, x = ca.SX.sym("t"), ca.SX.sym("alpha", 2 * n), ca.SX.sym("x", n)
@@ -93,7 +93,7 @@ def _adaptive(controller: Controller) -> ca.Function:
     return ca.Function("law", [t, alpha, x], [ca.vertcat(*result)])
 
 
-def hand_text(controller: Controller) -> str:
+def hand_text(controller: EmittedController) -> str:
     """C of a refined `control` as one writes it by hand, with every test that the emitted one makes; one gain for all."""
     design, program = require_refined(controller.design), controller.program
     task, printer = controller.task, CPrinter(program)
@@ -109,7 +109,7 @@ def hand_text(controller: Controller) -> str:
     )
 
 
-def floor_text(controller: Controller) -> str:
+def floor_text(controller: EmittedController) -> str:
     """One division and one logarithm a component, and nothing else."""
     p = controller.task.name
     size = f"{p.upper()}_N"

@@ -22,7 +22,7 @@ from stt_codegen.board.boards import Board, copy_board, rust_boards
 from stt_codegen.board.rust_images import board_objects
 from stt_codegen.compare import Row, compare_backend
 from stt_codegen.errors import BadInput, MissingTool, SttError
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import TICK, Function, Param, Program
 from stt_codegen.program.targets import run_compiler
 from stt_codegen.program.targets.backend import Backend
@@ -75,7 +75,7 @@ class Counts:
 class Emulated(Backend):
     """The emitted C on a board. `counts` collects what each function's calls took."""
 
-    def __init__(self, controller: Controller, board: Board, extra: tuple[str, ...] = (), rust: bool = False) -> None:
+    def __init__(self, controller: EmittedController, board: Board, extra: tuple[str, ...] = (), rust: bool = False) -> None:
         if rust and not board.rust:
             raise BadInput(f"--board {board.name}: Rust is linked with C on ARM boards alone: {', '.join(rust_boards())}")
         if controller.program.scalar not in (*board.scalars, "fixed"):
@@ -147,7 +147,7 @@ class Emulated(Backend):
 
 
 def build_image(
-    controller: Controller, board: Board, f: Function, words: Array, folder: Path, flags: Sequence[str], rust: bool = False
+    controller: EmittedController, board: Board, f: Function, words: Array, folder: Path, flags: Sequence[str], rust: bool = False
 ) -> Path:
     """The image that calls `f` at these points (words of their bits), in `folder`."""
     program = controller.program
@@ -185,12 +185,14 @@ def _harness(program: Program, f: Function, words: Array) -> str:
     )  # fmt: skip
 
 
-def run_on_board(controller: Controller, board: Board, points: int, rust: bool = False) -> tuple[list[Row], dict[str, CallCost]]:
+def run_on_board(
+    controller: EmittedController, board: Board, points: int, rust: bool = False
+) -> tuple[list[Row], dict[str, CallCost]]:
     """The comparison with the reference on so many random points and the edges; and for each public function what its calls
     took: least, median and most in the board's unit, the inputs of the longest, and the most stack."""
     made: list[Emulated] = []
 
-    def make(given: Controller) -> Emulated:
+    def make(given: EmittedController) -> Emulated:
         made.append(Emulated(given, board, rust=rust))
         return made[-1]
 

@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from stt_codegen.errors import MissingTool
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets import run_compiler
 from stt_codegen.program.targets.rust import RustPrinter
 from stt_codegen.program.targets.rust.runner import EDITION, OPTIMIZED, compilers, controller_library, interface
@@ -62,7 +62,7 @@ extern "C" {{ {declared} }}
 """
 
 
-def board_objects(controller: Controller, target: str, folder: Path) -> list[str]:
+def board_objects(controller: EmittedController, target: str, folder: Path) -> list[str]:
     """What is linked in place of the emitted C: objects of the emitted Rust and of C's interface to it, and the core library.
     The crate `libm` stands here for the board's C library, so that both languages compute with the same functions."""
     rustc, core = core_library(target)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from stt_codegen.board.boards import BOARDS
 from stt_codegen.board.emulated import run_on_board
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.page import Check
 
 POINTS = 500  # random points, beside the edges
@@ -17,7 +17,7 @@ def require_board(name: str) -> None:
         raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
 
 
-def on_board(controller: Controller, name: str) -> Check:
+def on_board(controller: EmittedController, name: str) -> Check:
     """Run the C on a board and compare it with the reference, as `pil` does. Raises `BadInput` for an unknown board."""
     require_board(name)
     board = BOARDS[name]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from stt_codegen.controller import starts_of
 from stt_codegen.designs import LEAST_WIDTH, require_adaptive, require_refined
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
 
 Array = npt.NDArray[Any]
@@ -21,7 +21,7 @@ class _CasadiLaw(Backend):
     name = "CasADi"
     scalar = "double"
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: EmittedController) -> None:
         from stt_codegen.paper import control_law
 
         self.task = controller.task
@@ -81,7 +81,7 @@ def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
 class CasadiRefined(_CasadiLaw):
     """A refined tube by its CasADi kernels; time, segment and table in NumPy."""
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: EmittedController) -> None:
         from stt_codegen.paper import refined_tube
 
         super().__init__(controller)
@@ -157,7 +157,7 @@ class CasadiAdaptive(_CasadiLaw):
     alpha is laid out as in the emitted code: alpha_L by dimension, then alpha_U.
     """
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: EmittedController) -> None:
         super().__init__(controller)
         self.design = d = require_adaptive(controller.design)
         self.update = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma)]

@@ -40,7 +40,7 @@ from stt_codegen.controller import edge_error, errors_of_tube, probe_program, ra
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign, parameters_of, require_adaptive, require_refined
 from stt_codegen.errors import MissingTool, NotCertified
-from stt_codegen.pipeline import Controller, build_program, build_task, render_files
+from stt_codegen.pipeline import EmittedController, build_program, build_task, render_files
 from stt_codegen.program import FORMATS
 from stt_codegen.program.analyse import Runner
 from stt_codegen.program.targets import targets_of
@@ -82,10 +82,10 @@ def compare(task: Task, points: int = POINTS, progress: Callable[[str], None] = 
     return rows
 
 
-Maker = Callable[[Controller], Backend]
+Maker = Callable[[EmittedController], Backend]
 
 
-def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
+def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[EmittedController, Maker]]:
     if task.emit.scalar == "fixed":
         yield from _printed(build_task(task, uncertified=True), progress)
         return
@@ -102,7 +102,7 @@ def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Con
         yield from _printed(single, progress)
 
 
-def _printed(controller: Controller, progress: Callable[[str], None]) -> Iterator[tuple[Controller, Maker]]:
+def _printed(controller: EmittedController, progress: Callable[[str], None]) -> Iterator[tuple[EmittedController, Maker]]:
     """The backend of each language of the task. One that the task has to ask for is left out where its tools are missing."""
     scalar = controller.task.emit.scalar
     for target in targets_of(controller.task.emit):
@@ -119,7 +119,7 @@ def _printed(controller: Controller, progress: Callable[[str], None]) -> Iterato
 
 
 def compare_backend(
-    controller: Controller, make: Maker, points: int = POINTS, known: dict[str, _Truth] | None = None
+    controller: EmittedController, make: Maker, points: int = POINTS, known: dict[str, _Truth] | None = None
 ) -> list[Row]:
     """The rows of one backend, made by `make`. `known` keeps the reference's values by scalar type between backends."""
     backend = make(controller)
@@ -134,7 +134,7 @@ def compare_backend(
 class _Compared:
     """One backend of a controller, how it is made, and the reference's values that are known already, by scalar type."""
 
-    controller: Controller
+    controller: EmittedController
     make: Maker
     backend: Backend
     points: int
@@ -163,7 +163,7 @@ class _Rows:
             Row(self.backend, quantity, float(error.max()), float((error / ulp).max()), float(share.max()), error.size)
         )
 
-    def transform(self, controller: Controller, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
+    def transform(self, controller: EmittedController, backend: Backend, lower: Array, upper: Array, x: Array) -> None:
         """Compare e, epsilon and xi of (13), for the same boxes and states in every backend."""
         own = logarithm_error(controller)
         e, epsilon, xi = reference.transform(lower, upper, x, controller.task.e_max)
@@ -188,14 +188,14 @@ def _rows_of_refined(rows: _Rows, compared: _Compared) -> None:
     add_rows(rows, compared.controller, design, compared.backend, compared.points)
 
 
-def _integer_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
+def _integer_rows(rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> None:
     edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
     integer_rows(controller, backend, points, (edge, rate), rows.add, rows.status)
     other = same_as_python(controller, backend, points)
     rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points))
 
 
-def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, points: int) -> None:
+def _refined_rows(rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> None:
     task, eps = controller.task, rows.eps
     delta = np.array([float(v) for v in edge_error(design, controller.program)])
     rate_bound = np.array([float(v) for v in rate_error(design, controller.program)])
@@ -235,7 +235,7 @@ def _refined_rows(rows: _Rows, controller: Controller, design: RefinedDesign, ba
 
 
 def _inertial_rows(
-    rows: _Rows, controller: Controller, design: RefinedDesign, backend: Backend, t: Array, delta: tuple[Array, Array]
+    rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, t: Array, delta: tuple[Array, Array]
 ) -> None:
     """What is there for order 2 alone: the filtered tube, and the law that holds v + lambda x in it. A distance (v - L') +
     lambda (x - L) is wrong by what both edges are, and by 8 roundings of its terms."""
@@ -280,7 +280,7 @@ def _inertial_rows(
 
 
 def _law_rows(
-    rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
+    rows: _Rows, controller: EmittedController, tube: tuple[Array, Array, Array], x: Array, got: tuple[Array, ...], label: str
 ) -> None:
     """u and status for states x in a tube (lower, upper, and how far the arithmetic may move either)."""
     task = controller.task
@@ -291,7 +291,9 @@ def _law_rows(
     rows.status(got[0], status, room, label)
 
 
-def _input_row(rows: _Rows, controller: Controller, tube: tuple[Array, Array, Array], x: Array, got: Array, label: str) -> None:
+def _input_row(
+    rows: _Rows, controller: EmittedController, tube: tuple[Array, Array, Array], x: Array, got: Array, label: str
+) -> None:
     """u for what is held, x, in its tube, as for `_law_rows`."""
     task, eps = controller.task, rows.eps
     low, high, delta = tube
@@ -325,7 +327,7 @@ class _Truth:
     values: dict[str, tuple[Array, Array]]
 
 
-def _adaptive_truth(controller: Controller, design: AdaptiveDesign, points: int) -> _Truth:
+def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, points: int) -> _Truth:
     """All that the reference and the error analysis say; the same for every backend of one scalar type."""
     task, n, scalar = controller.task, design.dimension, controller.program.scalar
     p = parameters_of(design)

@@ -21,7 +21,7 @@ from stt_codegen.compare.law_bounds import law_spread
 from stt_codegen.compare.start_comparison import covered_row
 from stt_codegen.controller.integers import FARTHEST, MARGIN_BITS, clock_of, curves, law_error, law_of, widest
 from stt_codegen.designs import require_refined
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import Program
 from stt_codegen.program.targets.backend import Backend
 from stt_codegen.program.targets.python.runner import GeneratedPython, load_module
@@ -33,7 +33,7 @@ PLACES = (0.5, -0.5, 1.5)  # of the way from one edge to the other
 ENDS = (-(2**31), 2**31 - 1)
 
 
-def ticks_and_states(controller: Controller, count: int, seed: int = 1) -> tuple[Array, ...]:
+def ticks_and_states(controller: EmittedController, count: int, seed: int = 1) -> tuple[Array, ...]:
     """Ticks (P,) of the mission and of none; states (P, n) in and about the tube, at its edges and anywhere; of order 2 speeds
     with which v + lambda x is so in its own tube. By the emitted Python, with all that it takes."""
     task, design, dice = controller.task, require_refined(controller.design), Random(seed)
@@ -67,7 +67,12 @@ def ticks_and_states(controller: Controller, count: int, seed: int = 1) -> tuple
 
 
 def integer_rows(
-    controller: Controller, backend: Backend, points: int, errors: tuple[Array, Array], add: Add, status: Callable[..., None]
+    controller: EmittedController,
+    backend: Backend,
+    points: int,
+    errors: tuple[Array, Array],
+    add: Add,
+    status: Callable[..., None],
 ) -> None:
     """The rows of one backend. errors: of edges and rates, (n,). add: a quantity, what came out, the truth, its bound and its
     scale; status: as `comparison._Rows.status`."""
@@ -121,7 +126,7 @@ def integer_rows(
     add("covered", *covered_row(controller, backend, points, 0.0), 1.0)
 
 
-def same_as_python(controller: Controller, backend: Backend, points: int) -> int:
+def same_as_python(controller: EmittedController, backend: Backend, points: int) -> int:
     """How many of so many points give another integer than the emitted Python, over all functions."""
     python = GeneratedPython(controller)
     columns = dict(zip(("tick", "x", "v"), ticks_and_states(controller, points, seed=2), strict=False))

@@ -8,12 +8,12 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.controller.kernels import relative_error
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 
 Array = npt.NDArray[Any]
 
 
-def logarithm_error(controller: Controller) -> float:
+def logarithm_error(controller: EmittedController) -> float:
     """Relative error of epsilon where the logarithm is written out; 0 with a library's."""
     inline = controller.task.emit.math == "inline"
     return float(relative_error(controller.program.scalar)) if inline else 0.0

@@ -14,7 +14,7 @@ import numpy as np
 from stt_codegen.decimals import by_component
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Run, Scenario, csv, of_task
-from stt_codegen.pipeline import Controller, build_program, certify, render_files
+from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record import write_files
 from stt_codegen.report import Analysis, above_float, below_float
@@ -66,7 +66,7 @@ class Request:
 class RunReport:
     """What came of a loop, and what had been proved for it beforehand; files: what was written."""
 
-    controller: Controller
+    controller: EmittedController
     plant: str
     scenario: Scenario
     run: Run
@@ -108,7 +108,7 @@ class RunReport:
         }
 
 
-def simulate(controller: Controller, request: Request, out: Path | None) -> RunReport:
+def simulate(controller: EmittedController, request: Request, out: Path | None) -> RunReport:
     """One run; its trace and picture go to the folder `out`, where one is named."""
     task = controller.task
     models = within_bounds(task) if request.plant == BOUNDS else [plant_of(request.plant, task.dimension, task.order)]
@@ -194,14 +194,14 @@ def with_wind(plant: Model, strength: float) -> Plant:
     )
 
 
-def with_gain(controller: Controller, gain: Sequence[float]) -> Controller:
+def with_gain(controller: EmittedController, gain: Sequence[float]) -> EmittedController:
     """The controller made again with other gains by component, short decimals: of the same tube, which no gain changes."""
     task = controller.task.with_gain([Fraction(f"{k:.6g}") for k in gain])
     program, certificate = build_program(task, controller.design), controller.certificate
     if task.control.period is not None:  # P9 is about the gain
         certificate = certify(task, controller.design, program)
     files = render_files(task, controller.design, program, certificate)
-    return Controller(task, controller.design, program, certificate, files)
+    return EmittedController(task, controller.design, program, certificate, files)
 
 
 def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
@@ -236,7 +236,7 @@ def _numbers(text: str | None) -> tuple[float, ...] | None:
         raise BadInput(f"--start {text}: numbers with commas between them are needed, for example 0.25,0.25") from None
 
 
-def foretold(controller: Controller, plant: Model | None, scenario: Scenario) -> list[str]:
+def foretold(controller: EmittedController, plant: Model | None, scenario: Scenario) -> list[str]:
     """What `prove TASK` says of this loop before it is run; plant None: the bounds of [plant]."""
     if not controller.certificate.tube_holds:
         return ["the tube is not certified: nothing is proved"]
@@ -272,7 +272,9 @@ def foretold(controller: Controller, plant: Model | None, scenario: Scenario) ->
     return [*lines, f"not proved: samples get {here} old here, up to {most} are proved from this start"]
 
 
-def write_run(controller: Controller, run: Run, folder: Path, axes: Sequence[str] = (), clock: str = "stated") -> list[str]:
+def write_run(
+    controller: EmittedController, run: Run, folder: Path, axes: Sequence[str] = (), clock: str = "stated"
+) -> list[str]:
     """The trace and a picture of it; their paths."""
     from stt_codegen.loop.picture import draw_run
     from stt_codegen.report.pictures import plane_named

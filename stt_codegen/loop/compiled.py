@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.emit import adapter_source, driven_sources, plant_source
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, model
 from stt_codegen.program.targets import run_compiler
 from stt_codegen.program.targets.c.runner import find_compiler
@@ -123,7 +123,7 @@ def _driver(source: str) -> Any:
     return run
 
 
-def own(controller: Controller) -> Own:
+def own(controller: EmittedController) -> Own:
     """Compile the emitted C of a controller and load it."""
     adaptive, outside = controller.design.is_stateful, controller.task.control.outside
     with tempfile.TemporaryDirectory() as folder:

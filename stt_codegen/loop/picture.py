@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from stt_codegen.decimals import by_component
 from stt_codegen.loop.simulate import Run
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report import Plane, outline
 from stt_codegen.report.pictures import (
     COLOURS,
@@ -33,7 +33,7 @@ LINES = ("#d35400", "#8e44ad", "#16a085")
 SLICES = 40  # boxes of a tube in three dimensions
 
 
-def draw_run(controller: Controller, run: Run, path: Path, planes: Sequence[Plane] = ()) -> None:
+def draw_run(controller: EmittedController, run: Run, path: Path, planes: Sequence[Plane] = ()) -> None:
     """Save one PNG: the arena with the state's path, every dimension over time, and the input. planes: as for `figure_of`."""
     assert run.trace is not None
     task, n = controller.task, controller.task.dimension
@@ -68,7 +68,7 @@ def _reason(run: Run) -> str:
     return "not in the target at t_c"
 
 
-def draw_figure3(pairs: Sequence[tuple[Controller, Sequence[Run]]], path: Path) -> None:
+def draw_figure3(pairs: Sequence[tuple[EmittedController, Sequence[Run]]], path: Path) -> None:
     """The paper's figure 3: the arena with the paths of several runs from every start, then each tube over time."""
     down, across = (len(pairs) + 2) // 2, 2
     figure = Figure(figsize=(10.5, 4.8 * down), layout="constrained")
@@ -98,7 +98,7 @@ def pillar(corners: Array, height: float) -> list[list[tuple[float, float, float
     return [*sides, *([(*p, z) for p in around] for z in (0.0, height))]
 
 
-def _tube3(axis: Any, controller: Controller, colour: str) -> None:
+def _tube3(axis: Any, controller: EmittedController, colour: str) -> None:
     """Draw a planar tube as boxes over time, with the unsafe sets as pillars."""
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
@@ -121,7 +121,7 @@ def _tube3(axis: Any, controller: Controller, colour: str) -> None:
     axis.view_init(elev=24, azim=-62)
 
 
-def draw_figure1(controller: Controller, run: Run, path: Path) -> None:
+def draw_figure1(controller: EmittedController, run: Run, path: Path) -> None:
     """The paper's figure 1 from one adaptive tube: arena and path, reachability tube, circumvent function, adaptive tube, all in
     three dimensions."""
     from stt_codegen import reference

@@ -24,7 +24,7 @@ from stt_codegen.certify.missions import cycle_of
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import Judged, Own, Setting, driver, is_constant, own
 from stt_codegen.loop.mission import missed
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.task import Task
 from stt_codegen.task.sets import SOLID, ConvexSet, Course, HalfSpace
@@ -139,7 +139,7 @@ class Run:
 class Loop:
     """A controller and a plant, compiled: run it under as many scenarios as you like."""
 
-    def __init__(self, controller: Controller, plant: Model, step: Own | None = None) -> None:
+    def __init__(self, controller: EmittedController, plant: Model, step: Own | None = None) -> None:
         self.controller, self.plant = controller, plant
         self.run_loop = driver(plant, controller.task.dimension, controller.task.order)
         self.own = step or own(controller)

@@ -17,7 +17,7 @@ import control
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, model
 from stt_codegen.program.targets.python.runner import load_module
 
@@ -29,7 +29,7 @@ def names(letter: str, n: int) -> list[str]:
     return [f"{letter}{i + 1}" for i in range(n)]
 
 
-def controller_system(controller: Controller, name: str = "controller") -> Any:
+def controller_system(controller: EmittedController, name: str = "controller") -> Any:
     """The emitted Python controller as a system: x1..xn in, u1..un and margin out (0.5 in the middle, 0 at an edge)."""
     module: Any = load_module(controller.task.name, controller.files[f"{controller.task.name}.py"])
     n = controller.task.dimension
@@ -65,7 +65,7 @@ def plant_system(plant: Model, n: int, name: str = "plant") -> Any:
     return control.nlsys(rate, output, name=name, **signals)
 
 
-def closed_loop(controller: Controller, plant: Any) -> Any:
+def closed_loop(controller: EmittedController, plant: Any) -> Any:
     """Controller and plant joined: w1..wn in; x1..xn, u1..un, margin out. `plant`: a `Model`, or a system with those signals."""
     n = controller.task.dimension
     system = plant if isinstance(plant, control.InputOutputSystem) else plant_system(plant, n)
@@ -77,7 +77,7 @@ def closed_loop(controller: Controller, plant: Any) -> Any:
     )
 
 
-def start_of(controller: Controller, x0: Any = None) -> Array:
+def start_of(controller: EmittedController, x0: Any = None) -> Array:
     """The closed loop's initial state: alpha = 0 where there is one, then x(0)."""
     n = controller.task.dimension
     x = np.array([float(v) for v in controller.task.initial_state] if x0 is None else x0)

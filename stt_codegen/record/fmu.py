@@ -17,7 +17,7 @@ from pathlib import Path
 
 from stt_codegen.emit import Files, cycle_literal, driven_sources, file_names, phase_name, spelled_name
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, model
 from stt_codegen.program import Program, round_to, shortest
 from stt_codegen.program.convert import lower
@@ -43,7 +43,7 @@ GetContinuousStateDerivatives GetEventIndicators GetContinuousStates GetNominals
 GetNumberOfContinuousStates EnterStepMode GetOutputDerivatives ActivateModelPartition""".split()
 
 
-def fmu_units(controller: Controller, plant: Model | None = None) -> Files:
+def fmu_units(controller: EmittedController, plant: Model | None = None) -> Files:
     """`<p>.fmu` and `<p>.fmi2.fmu` of a controller, and with a plant `<p>_plant.fmu` and `<p>_plant.fmi2.fmu`. Raises `BadInput`,
     and `MissingTool` without a C compiler."""
     made = [controller_unit(controller)]
@@ -73,7 +73,7 @@ def _seconds(name: str, causality: str, told: str, begin: str = "0.0") -> Variab
     return Variable(name, causality, told, begin, "s", base="s")
 
 
-def controller_unit(controller: Controller) -> Unit:
+def controller_unit(controller: EmittedController) -> Unit:
     """The emitted C, t being the importer's time. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task, n = controller.task, controller.task.dimension
     if controller.design.is_stateful:

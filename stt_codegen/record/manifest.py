@@ -17,7 +17,7 @@ from typing import Any
 
 from stt_codegen import __version__
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.record.files import write_files
 
 MANIFEST = "MANIFEST.json"
@@ -37,7 +37,7 @@ class Entry:
     sha256: dict[str, str]
 
 
-def record(root: Path, task_file: Path, controller: Controller, uncertified: bool) -> Path:
+def record(root: Path, task_file: Path, controller: EmittedController, uncertified: bool) -> Path:
     """Write a controller to root/<task>/<design>/<scalar>/ and note it in root/MANIFEST.json. Returns the folder."""
     task = controller.task
     name = folder_of(controller)
@@ -123,13 +123,13 @@ def forget(root: Path, folder: str) -> None:
     write_files(root, {MANIFEST: _manifest_text(entries)})
 
 
-def make(root: Path, entry: Entry) -> Controller | None:
+def make(root: Path, entry: Entry) -> EmittedController | None:
     """A recorded controller again, from its task file and options; None when its task file is gone."""
     if not (root / entry.task).exists():
         return None
     return build(root / entry.task, entry.design, entry.scalar, entry.uncertified)
 
 
-def folder_of(controller: Controller) -> str:
+def folder_of(controller: EmittedController) -> str:
     """Where a controller is recorded, relative to the manifest's folder."""
     return f"{controller.task.name}/{controller.design.kind}/{controller.program.scalar}"

@@ -21,7 +21,7 @@ from stt_codegen.emit import (
     wrap_name,
 )
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.program.targets import TARGETS, TargetLanguage
 from stt_codegen.program.targets.template_files import template
@@ -36,7 +36,7 @@ CMAKE_TARGETS = frozenset(  # what no library may be called (CMake, policy CMP00
 NO_INTEGERS = "takes and gives real numbers, and this controller has none; use --scalar float"
 
 
-def package(controller: Controller, kind: str, plant: Model | None = None) -> Files:
+def package(controller: EmittedController, kind: str, plant: Model | None = None) -> Files:
     """The files by path. kind: of `KINDS`; plant: for `fmu` alone, of which units are made too. Raises `BadInput` for what a kind
     cannot have, `MissingTool` without what it takes."""
     if kind == "fmu":
@@ -52,7 +52,7 @@ def package(controller: Controller, kind: str, plant: Model | None = None) -> Fi
     return KINDS[kind](controller)
 
 
-def _library(kind: str, controller: Controller) -> Files:
+def _library(kind: str, controller: EmittedController) -> Files:
     """In a folder <p>/: sources in src/, the certificate and the Python in extras/, and what the build system reads."""
     prefix = controller.task.name
     if kind == "cmake" and prefix in CMAKE_TARGETS:
@@ -95,7 +95,7 @@ def _library(kind: str, controller: Controller) -> Files:
     return {f"{prefix}/{path}": data for path, data in files.items()}
 
 
-def _of_language(target: TargetLanguage, controller: Controller) -> Files:
+def _of_language(target: TargetLanguage, controller: EmittedController) -> Files:
     """In a folder <p>/: the package of a language of the task, with its sources where its build system looks for them. Its tests
     call `control` where u is known (as `emit.selftest` does), where so much can be told of u."""
     task, layout = controller.task, target.package
@@ -121,7 +121,7 @@ def _of_language(target: TargetLanguage, controller: Controller) -> Files:
     return {f"{task.name}/{path}": data for path, data in files.items()}
 
 
-KINDS: dict[str, Callable[[Controller], Files]] = {
+KINDS: dict[str, Callable[[EmittedController], Files]] = {
     "plain": lambda controller: controller.files,
     **{kind: partial(_library, kind) for kind in ("cmake", "arduino", "platformio")},
     **{target.key: partial(_of_language, target) for target in TARGETS if target.package},

@@ -9,7 +9,7 @@ from stt_codegen.certify.missions import cycle_of
 from stt_codegen.decimals import decimal
 from stt_codegen.emit import Files, design_hash, driven_sources, file_names, spelled_name
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.template_files import template
 from stt_codegen.task import Task
 
@@ -41,7 +41,7 @@ def interface_of(task: Task) -> str:
     return told
 
 
-def ros2_package(controller: Controller) -> Files:
+def ros2_package(controller: EmittedController) -> Files:
     """The package's files, in a folder <p>_ros2/. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task = controller.task
     design = controller.design

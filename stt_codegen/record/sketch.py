@@ -13,7 +13,7 @@ from typing import Any
 from stt_codegen.certify.missions import cycle_of
 from stt_codegen.emit import clock_words
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.properties import Property
 from stt_codegen.record.uno import CLOCK, ERROR, INTEGERS_SHARE, step_cycles
 from stt_codegen.report import input_report
@@ -43,7 +43,7 @@ class LoopTimes:
         return max(0, math.floor(self.longest / MICROSECOND) - MICROS_STEP)
 
 
-def loop_times(controller: Controller) -> LoopTimes:
+def loop_times(controller: EmittedController) -> LoopTimes:
     """How often the sketch samples: every tick; else within what is proved, with a tenth of it for samples that come late."""
     task, steps = controller.task, controller.certificate.steps
     longest, source = _longest_gap(controller)
@@ -62,7 +62,7 @@ def loop_times(controller: Controller) -> LoopTimes:
     return LoopTimes(period, longest if longest is not None and longest >= period else None, source)
 
 
-def _longest_gap(controller: Controller) -> tuple[Fraction | None, str]:
+def _longest_gap(controller: EmittedController) -> tuple[Fraction | None, str]:
     """Seconds between samples for which the state is proved to stay in the tube, and what says so; None where nothing does."""
     if not controller.certificate.holds:
         return None, ""
@@ -81,7 +81,7 @@ def _floor_us(seconds: Fraction) -> int:
     return math.floor(seconds / MICROSECOND)
 
 
-def sketch_words(controller: Controller) -> dict[str, Any]:
+def sketch_words(controller: EmittedController) -> dict[str, Any]:
     """What the sketches' templates need of time, sensors and actuators. Raises `BadInput` for ticks that no micros() tells."""
     task, times, steps = controller.task, loop_times(controller), controller.certificate.steps
     tick = task.emit.tick_period
@@ -116,7 +116,7 @@ def sketch_words(controller: Controller) -> dict[str, Any]:
     return words | {"most_is": scaled_by}
 
 
-def sketch_notes(controller: Controller) -> list[str]:
+def sketch_notes(controller: EmittedController) -> list[str]:
     """What is known beforehand of the sketch's time: a tick that leaves no room, a step longer than its period on an Uno."""
     times, notes, cycles = loop_times(controller), [], step_cycles(controller)
     if times.longest is not None and times.longest_us * MICROSECOND < times.period:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.analyse import cost_of
 
 CLOCK = 16_000_000  # cycles a second
@@ -20,7 +20,7 @@ INTEGER = 6.7  # cycles of every other operation of integers
 INTEGERS_SHARE = Fraction(1, 2)  # of the floats' cycles: integers of the same task take less
 
 
-def step_cycles(controller: Controller) -> int | None:
+def step_cycles(controller: EmittedController) -> int | None:
     """About the most cycles of a call of `control` on an Uno; None for what cannot be linked or was not counted there."""
     if controller.design.is_stateful or controller.program.scalar == "double":
         return None

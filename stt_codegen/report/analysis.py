@@ -23,7 +23,7 @@ from stt_codegen.decimals import by_component, decimal
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import require_adaptive, require_refined
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.properties import Property
 from stt_codegen.report.bounds import (
@@ -77,7 +77,7 @@ class Analysis:
 
     def __init__(
         self,
-        controller: Controller,
+        controller: EmittedController,
         plant: Model | None = None,
         noise: float | None = None,
         latency: float | None = None,

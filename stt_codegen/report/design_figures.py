@@ -14,7 +14,7 @@ from typing import Any
 
 from stt_codegen.certify.missions import Served, served
 from stt_codegen.errors import SttError
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import COST_KINDS
 from stt_codegen.program.analyse import cost_of, table_bytes
 from stt_codegen.program.targets.c.runner import STRICT, find_compiler
@@ -98,7 +98,7 @@ class DesignReport:
         return {k: v for k, v in data.items() if v or k not in ("picture", "mission", "cycle", "notes")}
 
 
-def design_report(controller: Controller, seconds: float) -> DesignReport:
+def design_report(controller: EmittedController, seconds: float) -> DesignReport:
     """The figures of one design."""
     task, certificate, design = controller.task, controller.certificate, controller.design
     cycle = None if certificate.mission is None else certificate.mission.cycle
@@ -141,7 +141,7 @@ def design_report(controller: Controller, seconds: float) -> DesignReport:
     )
 
 
-def input_report(controller: Controller) -> Input:
+def input_report(controller: EmittedController) -> Input:
     """What the law asks of actuator and clock."""
     task, certificate = controller.task, controller.certificate
     largest_u = clamp_input(controller)
@@ -153,7 +153,7 @@ def input_report(controller: Controller) -> Input:
     )
 
 
-def clamp_input(controller: Controller) -> float | None:
+def clamp_input(controller: EmittedController) -> float | None:
     """|u| at the clamp where the tube is narrowest; None for an empty tube."""
     task, width = controller.task, float(controller.certificate.least_width)
     if width <= 0:
@@ -163,7 +163,7 @@ def clamp_input(controller: Controller) -> float | None:
     return max(4 * k / (width * (1 - e * e)) * math.log((1 + e) / (1 - e)) for k, e in pairs) * rounding
 
 
-def cost_report(controller: Controller) -> Cost:
+def cost_report(controller: EmittedController) -> Cost:
     """Operations of one period (`control`, and `alpha_step` where there is one), bytes of tables and code."""
     program = controller.program
     step = tuple(f.name for f in program.functions if f.name in ("control", "alpha_step"))
@@ -172,7 +172,7 @@ def cost_report(controller: Controller) -> Cost:
     return Cost(step, by_kind, sum(counts.values()), table_bytes(program), _code_bytes(controller))
 
 
-def _code_bytes(controller: Controller) -> int | None:
+def _code_bytes(controller: EmittedController) -> int | None:
     """Bytes of machine code of the whole C file on this host, or None without a compiler or `size`."""
     try:
         compiler = find_compiler()

@@ -9,7 +9,7 @@ from typing import Any
 from stt_codegen.design import family
 from stt_codegen.designs import RefinedDesign, require_refined
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_task, design_tube
+from stt_codegen.pipeline import EmittedController, build_task, design_tube
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task import Task
 
@@ -75,7 +75,7 @@ def trade_report(task: Task) -> TradeReport:
     return TradeReport(task.name, float(task.prescribed_time), tuple(sorted(kept, key=lambda t: (-t.least_width, t.speed))))
 
 
-def _trade(controller: Controller, preferred: tuple[str, ...]) -> Trade:
+def _trade(controller: EmittedController, preferred: tuple[str, ...]) -> Trade:
     certificate, design = controller.certificate, require_refined(controller.design)
     analysis = Analysis(controller)
     if controller.task.control.gain is None:

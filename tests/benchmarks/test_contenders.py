@@ -18,7 +18,7 @@ from benchmarks.peers.freeways import cells, curve_is_safe, drake, fast_path, la
 from benchmarks.peers.in_arenas import PEERS, Outcome
 from benchmarks.peers.in_loops import CONTENDERS, GRIDS, Ground
 from benchmarks.peers.policy import DIRECTIONS, HERTZ, SEEN, SPEED, Policy, load_policy, observe, rays
-from benchmarks.peers.symbolic import NEVER, NONE, Abstraction, Controller, synthesize, tried
+from benchmarks.peers.symbolic import NEVER, NONE, Abstraction, GridController, synthesize, tried
 from benchmarks.suites import printed
 from benchmarks.suites.families import BOX, FAMILIES, cubes
 from benchmarks.suites.loop import Job, rows, worth
@@ -43,7 +43,7 @@ def pushed(library: ctypes.CDLL, t: float, x: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def coarse() -> Controller:
+def coarse() -> GridController:
     return synthesize(PAPER, cubes(PAPER, OPEN), GRIDS["50 x 50"])
 
 
@@ -76,7 +76,7 @@ def inside(x: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     return np.any([np.all((b[:, 0] < x) & (x < b[:, 1]), axis=1) for b in boxes], axis=0)
 
 
-def test_a_value_is_one_more_than_that_of_the_worst_successor_by_hand(coarse: Controller) -> None:
+def test_a_value_is_one_more_than_that_of_the_worst_successor_by_hand(coarse: GridController) -> None:
     a = coarse.abstraction
     inputs, step = a.inputs(2), Fraction(5) / a.cells
     reach = step / 2 + a.period * a.w_max
@@ -143,7 +143,7 @@ def test_a_grid_that_is_blocked_wins_nothing() -> None:
     assert (made.table[0, 0] == NONE).all()
 
 
-def test_a_grids_c_is_its_table(coarse: Controller) -> None:
+def test_a_grids_c_is_its_table(coarse: GridController) -> None:
     needs("gcc")
     own = held(coarse.source(), 2, 4.0, None)
     inputs = np.array([[float(v) for v in u[:2]] for u in coarse.abstraction.inputs(2)])

@@ -11,7 +11,7 @@ from stt_codegen.board.boards import BOARDS
 from stt_codegen.board.emulated import Emulated, run_on_board
 from stt_codegen.cli.main import app
 from stt_codegen.errors import MissingTool
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.task import load_task
 from tests.support.controllers import ROOT, built
@@ -19,7 +19,7 @@ from tests.support.controllers import ROOT, built
 LIMITS = {"refined": 330, "adaptive": 1300}  # instructions of the longest control step on a Cortex-M4F, n = 2
 
 
-def made(design: str, scalar: str = "float", name: str = "omni_s2") -> Controller:
+def made(design: str, scalar: str = "float", name: str = "omni_s2") -> EmittedController:
     return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
 
 

@@ -15,7 +15,7 @@ from stt_codegen.certify.certificate import Certificate
 from stt_codegen.certify.exact import certify_refined
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import Controller, build_program, build_task, certify
+from stt_codegen.pipeline import EmittedController, build_program, build_task, certify
 from stt_codegen.task.load import load_task
 from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
@@ -73,7 +73,7 @@ def verdicts(certificate: Certificate) -> dict[str, bool]:
     return found
 
 
-def bend(controller: Controller, j: int, i: int, side: int, amount: int) -> RefinedDesign:
+def bend(controller: EmittedController, j: int, i: int, side: int, amount: int) -> RefinedDesign:
     table = [list(map(list, row)) for row in controller.design.table]
     table[j][i][side] += amount
     return replace(controller.design, table=tuple(tuple(tuple(p) for p in row) for row in table))  # type: ignore[misc]

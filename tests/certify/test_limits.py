@@ -23,7 +23,7 @@ from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
-from stt_codegen.pipeline import Controller, build_program, certify, design_tube
+from stt_codegen.pipeline import EmittedController, build_program, certify, design_tube
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.report.analysis import Analysis
@@ -49,7 +49,7 @@ def eighth(certificate: Certificate) -> Any:
     return found
 
 
-def claimed(task: Task, made: Controller, certificate: Certificate, folder: Path) -> list[str]:
+def claimed(task: Task, made: EmittedController, certificate: Certificate, folder: Path) -> list[str]:
     """The files, with a certificate that claims success."""
     files = render(task, made.design, made.program, certificate)
     proof = f"{task.name}.certificate.json"
@@ -91,7 +91,7 @@ def test_the_tube_needs_no_more_than_u_max(name: str, tmp_path: Path) -> None:
     assert checker.main(claimed(task, made, made.certificate, tmp_path)) == 0
 
 
-def made_rates(made: Controller, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def made_rates(made: EmittedController, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rates of the exact edges by differences of the spline's control points."""
     assert isinstance(made.design, RefinedDesign)
     table = made.design.integers() * float(made.design.unit)

@@ -12,7 +12,7 @@ import pytest
 from stt_codegen import reference
 from stt_codegen.compare.comparison import compare, compare_backend
 from stt_codegen.compare.points import random_states, random_times, with_trajectory
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.read.c import differences
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
@@ -39,13 +39,13 @@ def test_the_bounds_are_not_idle() -> None:
         assert row.quantity in ("status", "covered") or row.share > 0.05
 
 
-def broken(controller: Controller, old: str, new: str) -> Controller:
+def broken(controller: EmittedController, old: str, new: str) -> EmittedController:
     text = controller.files["omni_s1.c"].decode()
     assert old in text
     return replace(controller, files={**controller.files, "omni_s1.c": text.replace(old, new, 1).encode()})
 
 
-def nudged_literal(controller: Controller) -> tuple[str, str]:
+def nudged_literal(controller: EmittedController) -> tuple[str, str]:
     """The tenth coefficient of the table, changed by four units in the last place of its largest neighbour."""
     text = controller.files["omni_s1.c"].decode()
     values = re.search(r"_coefficients\[140\] = \{(.*?)\};", text, re.DOTALL).group(1).split(",")

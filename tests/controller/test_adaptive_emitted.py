@@ -19,7 +19,7 @@ from stt_codegen.controller.adaptive_frame import adaptive_program
 from stt_codegen.design.paper_tubes.adaptive_search import adaptive
 from stt_codegen.designs import grid_tube
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.program.targets.c.printer import CPrinter
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
@@ -33,7 +33,7 @@ SLOW = "omni_heading"  # in both kinds; of the others the literal one, but for t
 
 
 @cache
-def made(name: str, kind: str, scalar: str = "float") -> Controller:
+def made(name: str, kind: str, scalar: str = "float") -> EmittedController:
     return build(ROOT / "tasks" / f"{name}.toml", kind, scalar, uncertified=True)
 
 

@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 
 from stt_codegen.designs.tube import LEAST_WIDTH
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.analyse.ball_arithmetic import ball
 from stt_codegen.program.analyse.balls import Enclosure
 from stt_codegen.program.number import FORMATS
@@ -17,7 +17,7 @@ from tests.emit.test_runtime_errors import any_value_text
 from tests.support.controllers import ROOT, controller_of
 
 
-def law_bound(controller: Controller, width: tuple[Fraction, Fraction], near: Fraction) -> float:
+def law_bound(controller: EmittedController, width: tuple[Fraction, Fraction], near: Fraction) -> float:
     """An upper bound on |u| by balls over the emitted kernels: near in [c, 1/2], far in [1/2, 1 - c] of a width in that range."""
     balls = Enclosure(controller.program, rounding=True)
     slack = Fraction(1, 1 << 20)  # the roundings of near and far

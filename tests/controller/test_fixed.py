@@ -33,7 +33,7 @@ from stt_codegen.controller.integers.integer_kernels import (
 )
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller, build, build_program, build_task, design_tube
+from stt_codegen.pipeline import EmittedController, build, build_program, build_task, design_tube
 from stt_codegen.program.analyse.ranges import OutOfRange, Span, ranges
 from stt_codegen.program.nodes import Assign, Const, Kernel, Op, Program, Select, integer
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
@@ -48,7 +48,7 @@ SHAPES = ("omni_s2", "courier", "rover", *EXAMPLES, "base")
 
 
 @cache
-def made(name: str) -> Controller:
+def made(name: str) -> EmittedController:
     return built(limited(load_task(ROOT / "tasks" / f"{name}.toml")))
 
 
@@ -138,7 +138,7 @@ def test_clamps_without_which_a_value_means_another_thing() -> None:
 # ------------------------------------------------------------------------------------------------ the same everywhere
 
 
-def c_of(controller: Controller, compiler: str, folder: Path, *flags: str) -> CompiledC:
+def c_of(controller: EmittedController, compiler: str, folder: Path, *flags: str) -> CompiledC:
     """Compiled with the strict flags, and every undefined behaviour an end."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
@@ -148,7 +148,7 @@ def c_of(controller: Controller, compiler: str, folder: Path, *flags: str) -> Co
     return CompiledC(controller, library=library)
 
 
-def assert_same(controller: Controller, c: CompiledC, count: int, seed: int) -> None:
+def assert_same(controller: EmittedController, c: CompiledC, count: int, seed: int) -> None:
     python, given = (
         GeneratedPython(controller),
         dict(zip(("tick", "x", "v"), ticks_and_states(controller, count, seed), strict=False)),

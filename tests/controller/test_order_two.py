@@ -27,7 +27,7 @@ from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import KINDS, Loop, Scenario
 from stt_codegen.loop.simulate import starts as drawn
-from stt_codegen.pipeline import Controller, certify
+from stt_codegen.pipeline import EmittedController, certify
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.report.analysis import Analysis
@@ -68,11 +68,11 @@ def text_of(name: str) -> str:
 
 
 @cache
-def made(name: str) -> Controller:
+def made(name: str) -> EmittedController:
     return built(parse_task(text_of(name)))
 
 
-def written(controller: Controller, name: str, folder: Path, **changes: Any) -> list[str]:
+def written(controller: EmittedController, name: str, folder: Path, **changes: Any) -> list[str]:
     """The files as the checker takes them; the certificate with other entries where there are any."""
     task = controller.task.name
     for file, data in controller.files.items():

@@ -17,7 +17,7 @@ from stt_codegen.certify import checker
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.compiled import FLAGS
 from stt_codegen.loop.simulate import Loop, Scenario
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.targets.c.runner import find_compiler
 from stt_codegen.program.targets.python.runner import load_module
@@ -30,7 +30,7 @@ OK, OUTSIDE, BAD = 0, 1, 2
 
 
 @cache
-def made(name: str, outside: str) -> Controller:
+def made(name: str, outside: str) -> EmittedController:
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     limited = {"u_max": 1} if task.control.u_max is None else {}
     return built(task.changed(control={"outside": outside, **limited}, emit={"scalar": "double"}))

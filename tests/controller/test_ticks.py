@@ -14,7 +14,7 @@ from stt_codegen import reference
 from stt_codegen.controller.ticks import MOST, ticks_of
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
 from stt_codegen.task.load import parse_task
@@ -24,7 +24,7 @@ TASK = (ROOT / "tasks" / "omni_s2.toml").read_text()
 DAY = TASK.replace("prescribed_time = 9.0", "prescribed_time = 86400.0")
 
 
-def ticking(text: str, period: str, more: str = "") -> Controller:
+def ticking(text: str, period: str, more: str = "") -> EmittedController:
     return built(parse_task(f"{text}\n[emit]\ntick_period = {period}\n{more}"))
 
 

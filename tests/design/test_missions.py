@@ -28,7 +28,7 @@ from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
 from stt_codegen.loop.simulate import Loop, Scenario
-from stt_codegen.pipeline import Controller, build, build_task, certify, render_files
+from stt_codegen.pipeline import EmittedController, build, build_task, certify, render_files
 from stt_codegen.plants import plant_of
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated
@@ -65,7 +65,7 @@ mission = [
 
 
 @cache
-def the_courier() -> Controller:
+def the_courier() -> EmittedController:
     return built(parse_task(COURIER))
 
 
@@ -273,7 +273,7 @@ def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(d
 # --------------------------------------------------------------------------------------------------- tubes
 
 
-def checked(controller: Controller, text: str, folder: Path) -> int:
+def checked(controller: EmittedController, text: str, folder: Path) -> int:
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     (folder / "task.toml").write_text(text)
@@ -281,7 +281,7 @@ def checked(controller: Controller, text: str, folder: Path) -> int:
     return checker.main([str(folder / f) for f in ("task.toml", f"{name}.c", f"{name}.certificate.json")])
 
 
-def kept_by(controller: Controller, t: float, x: np.ndarray[Any, Any]) -> dict[str, bool]:
+def kept_by(controller: EmittedController, t: float, x: np.ndarray[Any, Any]) -> dict[str, bool]:
     """In which regions a point is."""
     found = {}
     for name, region in controller.task.regions.items():
@@ -637,7 +637,7 @@ def test_an_oracle_of_trajectories_finds_a_certificate_that_is_false(monkeypatch
 def test_a_step_with_eight_visits_is_that_of_one_target() -> None:
     """The C but for names, numbers and the length of the table: not one instruction more."""
 
-    def plain(controller: Controller) -> str:
+    def plain(controller: EmittedController) -> str:
         name = controller.task.name
         text = (
             re.sub(r"/\*.*?\*/", "", controller.files[f"{name}.c"].decode(), flags=re.S)

@@ -23,7 +23,7 @@ from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import Request, simulate
 from stt_codegen.loop.simulate import CLOCKS, Loop, Scenario, csv
-from stt_codegen.pipeline import Controller, build_program, certify
+from stt_codegen.pipeline import EmittedController, build_program, certify
 from stt_codegen.plants import PLANTS
 from stt_codegen.program.analyse.cost import cost_of
 from stt_codegen.report.pictures.tube_pictures import figure_of
@@ -87,7 +87,7 @@ TEXTS = {
 
 
 @pytest.fixture(scope="module")
-def made() -> dict[str, Controller]:
+def made() -> dict[str, EmittedController]:
     return {name: built(parse_task(text)) for name, text in TEXTS.items()}
 
 
@@ -131,7 +131,7 @@ def test_legs_follow_one_another_without_a_gap() -> None:
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_a_tube_among_moving_sets_is_found_proved_checked_and_true(
-    name: str, made: dict[str, Controller], tmp_path: Path
+    name: str, made: dict[str, EmittedController], tmp_path: Path
 ) -> None:
     controller = made[name]
     assert controller.certificate.holds
@@ -144,7 +144,7 @@ def test_a_tube_among_moving_sets_is_found_proved_checked_and_true(
 @pytest.mark.parametrize(
     "name", [pytest.param("doubted cart", marks=pytest.mark.slow), "doubted door", "growing disc", "wedge, body"]
 )
-def test_what_gets_harder_is_refused_where_the_truth_is(name: str, made: dict[str, Controller], tmp_path: Path) -> None:
+def test_what_gets_harder_is_refused_where_the_truth_is(name: str, made: dict[str, EmittedController], tmp_path: Path) -> None:
     """More doubt, more growth, more clearance: tool and checker agree, refuse once and for all, and never too late."""
     design, verdicts = made[name].design, []
     for k in range(10):
@@ -211,14 +211,14 @@ def test_a_slope_beyond_64_bits_is_no_trouble_at_time_0() -> None:
 
 
 @pytest.mark.parametrize("clock", CLOCKS)
-def test_no_loop_meets_a_set_whatever_its_clock(clock: str, made: dict[str, Controller]) -> None:
+def test_no_loop_meets_a_set_whatever_its_clock(clock: str, made: dict[str, EmittedController]) -> None:
     for name in ("all", "doubted cart"):
         loop = Loop(made[name], PLANTS["integrator"])
         for kind, seed in (("nearest", 1), ("random", 2)):
             assert loop.run(Scenario(rate=500.0, disturbance=kind, strength=0.2, seed=seed, clock=clock)).good
 
 
-def test_the_loop_judges_by_where_the_set_is_then(made: dict[str, Controller]) -> None:
+def test_the_loop_judges_by_where_the_set_is_then(made: dict[str, EmittedController]) -> None:
     loop = Loop(made["cart"], PLANTS["integrator"])
     assert loop.run(Scenario(start=(1.5, 4.5))).hit_at == 0  # where the cart is first
     assert loop.run(Scenario(start=(4.0, 2.0))).hit_at != 0  # where it comes later
@@ -233,7 +233,7 @@ def test_the_loop_judges_by_where_the_set_is_then(made: dict[str, Controller]) -
     assert spill.run(Scenario(start=(2.5, 2.09))).hit_at != 0  # until it has grown so far
 
 
-def test_the_trace_tells_where_the_sets_are(made: dict[str, Controller]) -> None:
+def test_the_trace_tells_where_the_sets_are(made: dict[str, EmittedController]) -> None:
     controller = made["all"]
     run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20.0), trace=True)
     assert run.trace is not None
@@ -242,7 +242,7 @@ def test_the_trace_tells_where_the_sets_are(made: dict[str, Controller]) -> None
     assert (read["door.unsafe"] == (read["t"] <= 3)).all()
 
 
-def test_the_picture_shows_the_arena_at_several_times(made: dict[str, Controller]) -> None:
+def test_the_picture_shows_the_arena_at_several_times(made: dict[str, EmittedController]) -> None:
     def times(name: str) -> list[str]:
         return [axis.get_title() for axis in figure_of(made[name]).axes if axis.get_title().startswith("t = ")]
 
@@ -250,7 +250,7 @@ def test_the_picture_shows_the_arena_at_several_times(made: dict[str, Controller
     assert not [a for a in figure_of(built(parse_task(PLAIN))).axes if a.get_title().startswith("t = ")]
 
 
-def test_header_and_certificate_speak_of_the_clock_only_where_it_matters(made: dict[str, Controller]) -> None:
+def test_header_and_certificate_speak_of_the_clock_only_where_it_matters(made: dict[str, EmittedController]) -> None:
     told = made["doubted cart"].files
     assert b"t = 0 is when the clock of the sets shows 0, or at most 0.4 s after" in told["hall.h"]
     assert b"cart 0.2 s" in told["hall.h"]
@@ -328,7 +328,7 @@ during = [0, 4]
     assert built(parse_task(slow + "[tube]\nsegments = 16\n")).certificate.holds
 
 
-def test_the_trace_follows_the_clock(made: dict[str, Controller]) -> None:
+def test_the_trace_follows_the_clock(made: dict[str, EmittedController]) -> None:
     controller = made["doubted cart"]
     for clock, by in (("stated", 0.0), ("early", -0.2), ("late", 0.6)):
         run = Loop(controller, PLANTS["integrator"]).run(Scenario(rate=20.0, clock=clock), trace=True)
@@ -339,7 +339,7 @@ def test_the_trace_follows_the_clock(made: dict[str, Controller]) -> None:
         assert read["cart.d1"] == pytest.approx(np.interp(read["t"] + by, [0, 5], [1, 3.5]), abs=1e-8)
 
 
-def ends(controller: Controller) -> np.ndarray:
+def ends(controller: EmittedController) -> np.ndarray:
     """The edges at t_c, (n, 2, 1)."""
     return controller.design.bezier()[-1, :, :, 3:]
 

@@ -17,7 +17,7 @@ from stt_codegen.certify import checker
 from stt_codegen.cli.main import app
 from stt_codegen.design.spline_tubes.shape import SPARE, calmest
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.trade import trade_report
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
@@ -28,14 +28,14 @@ OMNI = load_task(ROOT / "tasks" / "omni_s2.toml")
 SOLVED = 1e-6  # what sums of some hundred second differences may differ by: each row is kept to 1e-9
 
 
-def accelerations(controller: Controller) -> list[Fraction]:
+def accelerations(controller: EmittedController) -> list[Fraction]:
     """By dimension the largest second derivative, from second differences of the control points: exact."""
     design = controller.design
     second = np.abs(np.diff(design.integers().astype(object), n=2, axis=0)).max(axis=(0, 2))  # control points are 6 units each
     return [6 * int(v) * design.unit * (design.segments / design.prescribed_time) ** 2 for v in second]
 
 
-def checked(controller: Controller, task: Task, folder: Path) -> int:
+def checked(controller: EmittedController, task: Task, folder: Path) -> int:
     """The exit code of the stand-alone checker; tasks/omni_s2.toml with the options of the controller's [tube]."""
     text = (ROOT / "tasks" / "omni_s2.toml").read_text()
     limits = [(n, getattr(task.tube, n)) for n in ("max_speed", "max_acceleration")]

@@ -25,7 +25,7 @@ from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
 from stt_codegen.loop.simulate import CYCLES, Loop, Scenario
-from stt_codegen.pipeline import Controller, build_program, certify, render_files
+from stt_codegen.pipeline import EmittedController, build_program, certify, render_files
 from stt_codegen.plants import plant_of
 from stt_codegen.record.package import package
 from stt_codegen.sampling.numbers import FRACTIONS
@@ -46,7 +46,7 @@ SECOND = WATCHMAN.replace("0.02", "0.005").replace(
 
 
 @cache
-def the_watchman(text: str = WATCHMAN) -> Controller:
+def the_watchman(text: str = WATCHMAN) -> EmittedController:
     return built(parse_task(text))
 
 
@@ -215,7 +215,7 @@ def test_a_cycle_in_which_something_does_not_happen_is_no_cycle_in_which_it_does
 # --------------------------------------------------------------------------------------------------- tube and clock
 
 
-def compiled(controller: Controller, folder: Path) -> Any:
+def compiled(controller: EmittedController, folder: Path) -> Any:
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     p = controller.task.name

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from stt_codegen.compare.comparison import compare_backend
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.record.manifest import read_manifest
 from stt_codegen.task import load_task
@@ -42,16 +42,16 @@ NEVER = {
 }
 
 
-def controller_in(folder: str) -> Controller:
+def controller_in(folder: str) -> EmittedController:
     entry = next(e for e in read_manifest(ROOT / "generated") if e.folder == folder)
     return built(load_task(ROOT / "generated" / entry.task).with_options(entry.design, entry.scalar), entry.uncertified)
 
 
-def drive(controller: Controller, c: CompiledC) -> None:
+def drive(controller: EmittedController, c: CompiledC) -> None:
     """All the vectors: the comparison's, then odd numbers in every argument, and tubes that are narrow or inside out."""
     probe = "probe"
 
-    def make(given: Controller) -> CompiledC:
+    def make(given: EmittedController) -> CompiledC:
         return CompiledC(given) if given.program.functions[0].name == probe else c
 
     compare_backend(controller, make, 2000)
@@ -82,7 +82,7 @@ def drive(controller: Controller, c: CompiledC) -> None:
         c.call(f.name, *inputs)
 
 
-def branches_left(controller: Controller, folder: Path, compiler: str, gcov: str) -> list[str]:
+def branches_left(controller: EmittedController, folder: Path, compiler: str, gcov: str) -> list[str]:
     """Lines with a branch that no vector takes, and functions that none calls."""
     name = controller.task.name
     for file, data in controller.files.items():

@@ -18,7 +18,7 @@ from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import foretold, within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.sampling.loops import exact_loop, loop_of
 from stt_codegen.task.load import load_task
@@ -35,7 +35,7 @@ def task(noise: float = 0.0001, **control: Any) -> Task:
 
 
 @cache
-def made(**control: Any) -> Controller:
+def made(**control: Any) -> EmittedController:
     return built(task(**control))
 
 

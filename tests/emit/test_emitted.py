@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 from stt_codegen.designs.tube import LEAST_WIDTH
 from stt_codegen.emit.naming import check_names
-from stt_codegen.pipeline import Controller, build_program, build_task
+from stt_codegen.pipeline import EmittedController, build_program, build_task
 from stt_codegen.program.nodes import Assign, Kernel, Op, Program, Var
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
@@ -42,7 +42,7 @@ def backends(c_float) -> list:
     return [c_float, CompiledC(double), GeneratedPython(double)]
 
 
-def write(folder: Path, controller: Controller) -> Path:
+def write(folder: Path, controller: EmittedController) -> Path:
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
     return folder / f"{controller.task.name}.c"
@@ -332,7 +332,7 @@ def test_u_is_finite_for_every_bit_pattern(numbers: list[float]) -> None:
 _COMPILED: dict[int, CompiledC] = {}
 
 
-def _compiled_once(controller: Controller) -> CompiledC:
+def _compiled_once(controller: EmittedController) -> CompiledC:
     if id(controller) not in _COMPILED:
         _COMPILED[id(controller)] = CompiledC(controller)
     return _COMPILED[id(controller)]
@@ -400,7 +400,7 @@ def test_a_gain_or_clamp_that_would_overflow_is_refused() -> None:
 
 
 def test_design_hash_names_the_design_and_its_options() -> None:
-    def hashed(controller: Controller) -> str:
+    def hashed(controller: EmittedController) -> str:
         return re.search(r'DESIGN_HASH "(\w+)"', controller.files[f"{controller.task.name}.h"].decode()).group(1)
 
     names = {hashed(controller_of(name, scalar)) for name in NAMES for scalar in ("float", "double")}

@@ -23,7 +23,7 @@ from stt_codegen.cli.main import app
 from stt_codegen.compare.comparison import compare, compare_backend
 from stt_codegen.emit.naming import check_names
 from stt_codegen.errors import BadInput, MissingTool, SttError
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Assign, Kernel, Var
 from stt_codegen.program.operations import REAL
 from stt_codegen.program.targets.c.runner import CompiledC
@@ -58,7 +58,7 @@ def task_of(shape: str) -> Task:
 
 
 @cache
-def made(shape: str, scalar: str = "float") -> Controller:
+def made(shape: str, scalar: str = "float") -> EmittedController:
     return built(task_of(shape).with_options(scalar=scalar, language="rust"))
 
 
@@ -130,7 +130,7 @@ def test_a_crates_own_test_notices_another_number_in_the_table(tmp_path, tool) -
     assert run(tmp_path, cargo, "test").returncode != 0
 
 
-def points(controller: Controller, function: str, count: int = 400) -> list[np.ndarray]:
+def points(controller: EmittedController, function: str, count: int = 400) -> list[np.ndarray]:
     """Arguments all over the space, at the ends of time, and such as no sensor should give."""
     dice, task = np.random.default_rng(7), controller.task
     number = np.float32 if task.emit.scalar == "float" else np.float64
@@ -159,7 +159,7 @@ def test_the_rust_gives_the_cs_bits(shape: str, scalar: str, tool) -> None:
     assert different(controller, CompiledRust(controller)) == []
 
 
-def different(controller: Controller, rust: CompiledRust) -> list[str]:
+def different(controller: EmittedController, rust: CompiledRust) -> list[str]:
     """The functions that give other numbers than the C."""
     c, found = CompiledC(controller), []
     for function in (f for f in controller.program.functions if f.inputs):
@@ -218,10 +218,10 @@ def difference(one: str, other: str) -> str:
     return next(b for a, b in zip(one.split("\n"), other.split("\n"), strict=True) if a != b)
 
 
-def noticed(controller: Controller, text: str) -> bool:
+def noticed(controller: EmittedController, text: str) -> bool:
     """Whether the compiler, `compare`, the C's bits or Rust itself stop this text; in a process of its own, which a panic ends."""
 
-    def make(given: Controller) -> CompiledRust:
+    def make(given: EmittedController) -> CompiledRust:
         return CompiledRust(replace(given, files={**controller.files, "omni_s2.rs": text.encode()}))
 
     child = os.fork()
@@ -347,7 +347,7 @@ def test_the_rust_on_a_board_is_within_the_bounds(name: str, tool) -> None:
     for rust in (False, True):
         backends: list[Emulated] = []
 
-        def make(given: Controller, rust: bool = rust, backends: list[Emulated] = backends) -> Emulated:
+        def make(given: EmittedController, rust: bool = rust, backends: list[Emulated] = backends) -> Emulated:
             backends.append(Emulated(given, BOARDS["m4f"], rust=rust))
             return backends[-1]
 

@@ -16,7 +16,7 @@ from stt_codegen.compare.comparison import compare_backend
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.selftest import suites
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Status
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.task.load import parse_task
@@ -34,11 +34,13 @@ def filtered(text: str, value: str) -> str:
 
 
 @cache
-def selftested(text: str, scalar: str = "float", design: str = "refined", more: str = "") -> Controller:
+def selftested(text: str, scalar: str = "float", design: str = "refined", more: str = "") -> EmittedController:
     return built(parse_task(f"{text}\n[emit]\nselftest = true\n{more}").with_options(design, scalar))
 
 
-def answer(controller: Controller, compiler: str, flags: list[str], folder: Path, bend: tuple[str, str] | None = None) -> int:
+def answer(
+    controller: EmittedController, compiler: str, flags: list[str], folder: Path, bend: tuple[str, str] | None = None
+) -> int:
     own = controller.task.name
     for name, data in controller.files.items():
         text = data.decode()

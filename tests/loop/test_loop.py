@@ -23,7 +23,7 @@ from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.command import Request, foretold, simulate, with_gain, with_wind
 from stt_codegen.loop.simulate import KINDS, Loop, Run, Scenario, columns, csv, starts
-from stt_codegen.pipeline import Controller, build
+from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.plants import PLANTS, Plant
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.task.load import load_task
@@ -34,7 +34,7 @@ PAIRS = [("omni_s2", "integrator"), ("omni_heading", "robot"), ("spacecraft", "s
 
 
 @cache
-def controller(name: str, design: str = "refined", scalar: str = "float") -> Controller:
+def controller(name: str, design: str = "refined", scalar: str = "float") -> EmittedController:
     return build(ROOT / "tasks" / f"{name}.toml", design, scalar, uncertified=True)
 
 

@@ -15,7 +15,7 @@ import pytest
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.loop.command import Request, simulate, with_wind
 from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.order_two import speeds
@@ -28,7 +28,7 @@ ROBOTS = ("arm", "attitude", "base", "drone", "rover")
 
 
 @cache
-def robot(name: str) -> tuple[Controller, Model]:
+def robot(name: str) -> tuple[EmittedController, Model]:
     task = load_task(ROOT / "tasks" / f"{name}.toml")
     return built(task), plant_of(str(ROOT / "tasks" / f"{name}.py"), task.dimension, task.order)
 

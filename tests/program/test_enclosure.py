@@ -31,7 +31,7 @@ from stt_codegen.controller.probes import lines_program
 from stt_codegen.designs import grid_tube
 from stt_codegen.designs.adaptive import AdaptiveDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.analyse.ball_arithmetic import _Span, ball, hull
 from stt_codegen.program.analyse.balls import Enclosure
 from stt_codegen.program.build import Block
@@ -49,7 +49,7 @@ RANDOM = np.random.default_rng(4)
 
 
 @cache
-def made(name: str, design: str, scalar: str = "float") -> Controller:
+def made(name: str, design: str, scalar: str = "float") -> EmittedController:
     return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
 
 

@@ -13,7 +13,7 @@ from flint import arb
 from stt_codegen.controller.kernels.logarithm import C, approximation_error, relative_error, without_library
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.convert.from_casadi import lower
 from stt_codegen.program.number import FORMATS
 from stt_codegen.program.targets.c.runner import CompiledC
@@ -24,7 +24,7 @@ from tests.support.controllers import ROOT, built
 TASK = (ROOT / "tasks" / "omni_s2.toml").read_text()
 
 
-def inline(scalar: str = "float", more: str = "") -> Controller:
+def inline(scalar: str = "float", more: str = "") -> EmittedController:
     return built(parse_task(TASK + f'\n[emit]\nmath = "inline"\nscalar = "{scalar}"\n{more}'))
 
 

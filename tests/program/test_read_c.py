@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.nodes import Program
 from stt_codegen.program.read.c import differences
 from stt_codegen.program.targets.c.printer import CPrinter
@@ -20,14 +20,14 @@ from tests.support.controllers import ADAPTABLE, NAMES, ROOT, built
 
 
 @cache
-def made(name: str, design: str, scalar: str) -> Controller:
+def made(name: str, design: str, scalar: str) -> EmittedController:
     return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar), uncertified=True)
 
 
 PAIRS = [(n, d) for n in NAMES for d in ("refined", "adaptive", "literal") if d == "refined" or n in ADAPTABLE]
 
 
-def texts(controller: Controller) -> tuple[str, str]:
+def texts(controller: EmittedController) -> tuple[str, str]:
     prefix = controller.task.name
     return controller.files[f"{prefix}.h"].decode(), controller.files[f"{prefix}.c"].decode()
 

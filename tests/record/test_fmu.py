@@ -26,7 +26,7 @@ from typer.testing import CliRunner
 from stt_codegen.certify.missions.proof import cycle_of
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.program.targets.python.runner import load_module
@@ -46,7 +46,7 @@ VERSIONS = {"fmu": 3, "fmi2.fmu": 2}
 
 
 @cache
-def made(shape: str) -> Controller:
+def made(shape: str) -> EmittedController:
     named = shape if (ROOT / "tasks" / f"{shape}.toml").exists() else "omni_s2"
     return built(load_task(ROOT / "tasks" / f"{named}.toml").changed(**SHAPES[shape]))
 

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import plant_of
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import KINDS, package
@@ -35,7 +35,7 @@ AVR_CORE = Path("/usr/share/arduino/hardware/arduino/avr")
 
 
 @cache
-def made(design: str = "refined") -> Controller:
+def made(design: str = "refined") -> EmittedController:
     return built(load_task(ROOT / "tasks" / "omni_s2.toml").with_options(design))
 
 

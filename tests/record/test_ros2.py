@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.record.files import write_files
 from stt_codegen.record.ros2 import ros2_package, sources_of
@@ -34,7 +34,7 @@ def parameters_of(name: str) -> dict[str, Any]:
 
 
 @cache
-def made(name: str, outside: str = "return") -> Controller:
+def made(name: str, outside: str = "return") -> EmittedController:
     task = load_task(TASKS / f"{'base' if name == 'moving' else name}.toml")
     if name == "moving":  # starts that are not at rest alone
         task = task.changed(name="moving", initial_set={"speed": Fraction(1, 50)})

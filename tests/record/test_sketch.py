@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 from stt_codegen.certify.missions.proof import cycle_of
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.record.sketch import MICROS_STEP, LoopTimes, loop_times, sketch_notes
@@ -97,13 +97,13 @@ class Step:
 
 
 @cache
-def made(variant: str) -> Controller:
+def made(variant: str) -> EmittedController:
     name, changed, design = VARIANTS[variant]
     task = load_task(ROOT / "tasks" / f"{name}.toml").changed(**changed)
     return built(task.with_options(design))
 
 
-def stubs(controller: Controller) -> str:
+def stubs(controller: EmittedController) -> str:
     """The controller's functions, as its header declares them: each notes when it is called."""
     p, n = controller.task.name, f"{controller.task.name.upper()}_N"
     integers, real = controller.task.emit.scalar == "fixed", f"{p}_real"
@@ -191,7 +191,7 @@ def slow_costs(variant: str, jumps: tuple[int, ...]) -> list[tuple[int, int, int
     return [(c, 0, 0) for c in costs]
 
 
-def turned_back(controller: Controller, seconds: Fraction) -> Fraction:
+def turned_back(controller: EmittedController, seconds: Fraction) -> Fraction:
     cycle = cycle_of(controller.design)
     while cycle is not None and seconds >= cycle.end:
         seconds -= cycle.length * max(1, int((seconds - cycle.end) / cycle.length))

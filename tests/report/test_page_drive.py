@@ -36,7 +36,7 @@ pytestmark = pytest.mark.xdist_group("page")  # one browser, and every page made
 # ---------------------------------------------------------------------------------------------- the C that is driven
 
 
-def native(controller: pipeline.Controller, folder: Path) -> Any:
+def native(controller: pipeline.EmittedController, folder: Path) -> Any:
     """`loop_own_step` of the same C, compiled for this machine."""
     files, _ = shipped(controller)
     for name, data in files.items():
@@ -48,7 +48,7 @@ def native(controller: pipeline.Controller, folder: Path) -> Any:
     return ctypes.CDLL(str(folder / "own.so")).loop_own_step
 
 
-def points_of(controller: pipeline.Controller, count: int = 2000) -> list[list[float]]:
+def points_of(controller: pipeline.EmittedController, count: int = 2000) -> list[list[float]]:
     """t, then the state: inside, at edges, outside, far, and what is no number."""
     n, order, t_c = controller.task.dimension, controller.task.order, float(controller.task.prescribed_time)
     chance = np.random.default_rng(7)

@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 from stt_codegen import api
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.task import Task, load_task
 
 ROOT = Path(__file__).parents[2]
@@ -49,12 +49,12 @@ def stated_fields(task: Task) -> str:
     return repr(task.model_dump(exclude_unset=True, warnings=False))  # sets that a test brings are in no schema
 
 
-def built(task: Task, uncertified: bool = False) -> Controller:
+def built(task: Task, uncertified: bool = False) -> EmittedController:
     """Return the task's controller, from the store where it was built before."""
     content = repr((task, task.digest, stated_fields(task), stated_fields(task.stated), uncertified))
     path = store() / hashlib.sha256(content.encode()).hexdigest()
     try:
-        controller: Controller = pickle.loads(path.read_bytes())
+        controller: EmittedController = pickle.loads(path.read_bytes())
     except (OSError, EOFError, pickle.UnpicklingError):
         controller = build_task(task, uncertified)
         with tempfile.NamedTemporaryFile(dir=path.parent, delete=False) as file:
@@ -64,11 +64,11 @@ def built(task: Task, uncertified: bool = False) -> Controller:
 
 
 @cache
-def controller_of(name: str, scalar: str = "float", design: str | None = None) -> Controller:
+def controller_of(name: str, scalar: str = "float", design: str | None = None) -> EmittedController:
     """Return the controller of an example task."""
     return built(load_task(ROOT / "tasks" / f"{name}.toml").with_options(design, scalar))
 
 
-def interface_of(controller: Controller) -> api.Controller:
+def interface_of(controller: EmittedController) -> api.Controller:
     """Return a controller as `stt.build` does: with the interface for scripts."""
     return api.Controller(controller.task, controller.design, controller.program, controller.certificate, controller.files)

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.design_figures import design_report
 from stt_codegen.report.page.evidence import Evidence, evidence
 from stt_codegen.report.page.page import page
@@ -46,7 +46,7 @@ HOLD = (ROOT / "tasks" / "omni_s2.toml").read_text().replace("[control]\n", '[co
 
 
 @cache
-def controller_of(kind: str) -> Controller:
+def controller_of(kind: str) -> EmittedController:
     if kind == "moving":
         return built(parse_task(MOVING))
     if kind == "hold":

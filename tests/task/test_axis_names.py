@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from stt_codegen.certify import checker
 from stt_codegen.cli.main import app
 from stt_codegen.errors import BadInput, NotCertified
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.report.pictures.tube_pictures import figure_of, plane_named, planes_of
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.task import Task
@@ -26,11 +26,11 @@ NAMES = {"axes": ["x", "y", "heading"], "units": ["m", "m", "rad"]}
 
 
 @pytest.fixture(scope="module")
-def named() -> Controller:
+def named() -> EmittedController:
     return built(load_task(HEADING).changed(**NAMES))
 
 
-def test_names_change_comments_and_the_digest_alone(named: Controller, tmp_path: Path) -> None:
+def test_names_change_comments_and_the_digest_alone(named: EmittedController, tmp_path: Path) -> None:
     plain = built(load_task(HEADING))
     assert named.design == plain.design
     for name in ("omni_heading.h", "omni_heading.c"):
@@ -45,7 +45,7 @@ def test_names_change_comments_and_the_digest_alone(named: Controller, tmp_path:
     assert checker.main([str(tmp_path / n) for n in ("task.toml", "omni_heading.c", "omni_heading.certificate.json")]) == 0
 
 
-def test_messages_speak_of_the_axis(named: Controller) -> None:
+def test_messages_speak_of_the_axis(named: EmittedController) -> None:
     table = named.design.table
     bent = replace(named.design, table=(*table[:9], ((9_000_000, 9_100_000), *table[9][1:]), *table[10:]))
     with pytest.raises(NotCertified, match="axis x, |axis x:|axis x;"):

@@ -30,7 +30,7 @@ from stt_codegen.certify.sampled.period import certify_period
 from stt_codegen.cli.show import show_design
 from stt_codegen.errors import BadInput
 from stt_codegen.loop.simulate import Loop, Scenario
-from stt_codegen.pipeline import Controller, build_task
+from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.plants import plant_of
 from stt_codegen.program.targets.python.runner import load_module
 from stt_codegen.record.package import package
@@ -90,11 +90,11 @@ def with_period(text: str, value: str) -> str:
 
 
 @cache
-def the_turner(text: str = TURNER) -> Controller:
+def the_turner(text: str = TURNER) -> EmittedController:
     return built(parse_task(text))
 
 
-def checked(controller: Controller, text: str, folder: Path) -> int:
+def checked(controller: EmittedController, text: str, folder: Path) -> int:
     """The stand-alone checker's answer to a task's own text: it spells turns out by itself."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)
@@ -458,7 +458,7 @@ def test_a_paper_tube_takes_axes_that_close(design: str) -> None:
 FLAGS = "-std=c99 -O2 -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wfloat-equal -Wshadow -Werror -ffp-contract=off".split()
 
 
-def compiled(controller: Controller, folder: Path) -> Any:
+def compiled(controller: EmittedController, folder: Path) -> Any:
     """`unwrap(x_before, x)` and `control(t, x)` of the emitted C, and its real."""
     for name, data in controller.files.items():
         (folder / name).write_bytes(data)

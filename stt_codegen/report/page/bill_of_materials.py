@@ -11,13 +11,13 @@ from collections.abc import Mapping
 from typing import Any
 
 from stt_codegen import __version__
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 
 PACKAGES = ("casadi", "highspy", "jinja2", "numpy", "pydantic", "python-flint", "scipy")  # that an emitted byte may depend on
 CALLS = re.compile(r"\b(logf?|expf?|log1pf?|powf?|sqrtf?|memcpy)\(")
 
 
-def bill(controller: Controller) -> dict[str, Any]:
+def bill(controller: EmittedController) -> dict[str, Any]:
     """CycloneDX as JSON data."""
     name, version = controller.task.name, controller.files
     calls = library_calls(version)
@@ -70,7 +70,7 @@ def library_calls(files: Mapping[str, bytes]) -> list[str]:
     return sorted({call for name, data in files.items() if name.endswith(".c") for call in CALLS.findall(data.decode())})
 
 
-def _design_hash(controller: Controller) -> str:
+def _design_hash(controller: EmittedController) -> str:
     """The hash that the firmware logs, from the header."""
     header = controller.files[f"{controller.task.name}.h"].decode()
     found = re.search(r'_DESIGN_HASH "([0-9a-f]{16})"', header)

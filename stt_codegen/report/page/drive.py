@@ -20,7 +20,7 @@ from typing import Any
 
 from stt_codegen.decimals import by_component
 from stt_codegen.emit import adapter_source, driven_sources, plant_source
-from stt_codegen.pipeline import Controller, render_files
+from stt_codegen.pipeline import EmittedController, render_files
 from stt_codegen.pipeline import build_program as program_of
 from stt_codegen.plants import Model, Plant
 from stt_codegen.program.targets.template_files import template_folder
@@ -70,7 +70,7 @@ class Driven:
         return hashlib.sha256(self.wasm).hexdigest()
 
 
-def driven(controller: Controller, plant: Model) -> Driven:
+def driven(controller: EmittedController, plant: Model) -> Driven:
     """Compile; with a reason instead of a module where clang or its linker is missing or refuses."""
     missing = [name for name in (CLANG, LINKER) if shutil.which(name) is None]
     if missing:
@@ -99,7 +99,7 @@ def driven(controller: Controller, plant: Model) -> Driven:
     return Driven(wasm, inline, _version())
 
 
-def shipped(controller: Controller) -> tuple[Mapping[str, bytes], bool]:
+def shipped(controller: EmittedController) -> tuple[Mapping[str, bytes], bool]:
     """The emitted files, of a refined tube with the logarithm written out, and whether that makes them others than the task's."""
     task = controller.task
     if controller.design.is_stateful or task.emit.math == "inline" or task.emit.scalar == "fixed":
@@ -120,7 +120,7 @@ def _version() -> str:
     return told.partition("\n")[0].strip()
 
 
-def setting(controller: Controller, made: Driven, plant: Model, w_max: float, sampling: Sampling | None) -> dict[str, Any]:
+def setting(controller: EmittedController, made: Driven, plant: Model, w_max: float, sampling: Sampling | None) -> dict[str, Any]:
     """What the page's loop needs: the module, sizes, and what is proved for |w| <= w_max: period, latency, noise, starts."""
     task = controller.task
     own = None if sampling is None else sampling.at_this_gain
@@ -147,7 +147,7 @@ def setting(controller: Controller, made: Driven, plant: Model, w_max: float, sa
     }
 
 
-def first_period(controller: Controller, own: ProvedPeriod | None) -> float:
+def first_period(controller: EmittedController, own: ProvedPeriod | None) -> float:
     """The period that driving begins with: that of the task; else one that is proved and so short that u at its clamp, of order
     1, throws the state no farther than the tube is wide."""
     task = controller.task

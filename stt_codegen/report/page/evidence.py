@@ -19,7 +19,7 @@ from stt_codegen.compare import Row, compare_backend
 from stt_codegen.decimals import decimal
 from stt_codegen.emit import selftest_name, spelled_name
 from stt_codegen.errors import SttError
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC, find_compiler
 from stt_codegen.properties import Property
 from stt_codegen.report.page.bill_of_materials import library_calls
@@ -71,7 +71,7 @@ class Evidence:
         return all(one.good is not False for one in self.checks) and not self.unlisted
 
 
-def evidence(controller: Controller, source: Path | None = None, boards: Sequence[Check] = ()) -> Evidence:
+def evidence(controller: EmittedController, source: Path | None = None, boards: Sequence[Check] = ()) -> Evidence:
     """Run what can be run here. source: the task's file, which the stand-alone checker reads; boards: what ran on boards."""
     stand_alone = _stand_alone(controller, source)
     compared = _compared(controller)
@@ -102,7 +102,7 @@ def _named(where: str, prefix: str, text: str) -> str:
     return told.replace("`", "")
 
 
-def _requirements(controller: Controller, stand_alone: Check, compared: Check) -> Iterator[Requirement]:
+def _requirements(controller: EmittedController, stand_alone: Check, compared: Check) -> Iterator[Requirement]:
     """What the task asks, property by property."""
     certificate = controller.certificate
     again = "the stand-alone checker, from the C" if stand_alone.good else "nothing else here"
@@ -130,7 +130,7 @@ def measured(one: Finding) -> str:
     return f"{float(one.margin):.3g}{' s' if one.is_in_seconds else ''}" if one.margin else ""
 
 
-def asked(controller: Controller, one: Finding) -> str:
+def asked(controller: EmittedController, one: Finding) -> str:
     """The requirement of the task that a property is about."""
     task = controller.task
     texts = {
@@ -146,7 +146,7 @@ def asked(controller: Controller, one: Finding) -> str:
     return texts.get(one.subject, one.subject.sentence)
 
 
-def _stand_alone(controller: Controller, source: Path | None) -> Check:
+def _stand_alone(controller: EmittedController, source: Path | None) -> Check:
     """The checker as a process of its own, which imports nothing of this package."""
     name, prefix = "stand-alone checker", controller.task.name
     if not controller.design.capabilities.has_exact_claims:
@@ -166,7 +166,7 @@ def _stand_alone(controller: Controller, source: Path | None) -> Check:
     return Check(name, result.returncode == 0, told)
 
 
-def _compared(controller: Controller) -> Check:
+def _compared(controller: EmittedController) -> Check:
     """The compiled C beside the reference, quantity by quantity."""
     name = "compiled C beside an independent reference"
     try:
@@ -179,7 +179,7 @@ def _compared(controller: Controller) -> Check:
     return Check(name, all(r.holds for r in rows), told)
 
 
-def _compiled(controller: Controller) -> Iterator[Check]:
+def _compiled(controller: EmittedController) -> Iterator[Check]:
     """Every C file under the strict flags, by every compiler that is here."""
     for compiler in COMPILERS:
         path = shutil.which(compiler)
@@ -201,7 +201,7 @@ def _compiled(controller: Controller) -> Iterator[Check]:
         yield Check(f"{compiler}, strict flags", result.returncode == 0, told)
 
 
-def _selftest(controller: Controller) -> Check:
+def _selftest(controller: EmittedController) -> Check:
     """The emitted self-test, compiled and run on this host."""
     name, prefix = "self-test on this host", controller.task.name
     if selftest_name(prefix) not in controller.files:
@@ -225,7 +225,7 @@ def _selftest(controller: Controller) -> Check:
     return Check(name, code == 0, "every vector within its enclosure" if code == 0 else f"vector {code} is off")
 
 
-def not_shown(controller: Controller) -> Iterator[str]:
+def not_shown(controller: EmittedController) -> Iterator[str]:
     """What no line of the report shows, for this task."""
     task, certificate = controller.task, controller.certificate
     shown = {one.subject for one in certificate.findings if one.holds}

@@ -16,7 +16,7 @@ from stt_codegen.certify import Certificate, Finding
 from stt_codegen.certify.missions import told_visit
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.emit import notice
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
 from stt_codegen.program.targets.template_files import template, template_folder
 from stt_codegen.properties import Property
@@ -41,7 +41,7 @@ class Summary:
     assumed: str
 
 
-def page(controller: Controller, report: DesignReport, shown: Evidence, model: Model | None = None) -> bytes:
+def page(controller: EmittedController, report: DesignReport, shown: Evidence, model: Model | None = None) -> bytes:
     """The report as UTF-8. shown: what was run beside it; model: what is driven and what the statements are about, in place of
     [plant]."""
     task, folder = controller.task, template_folder() / "report"
@@ -88,13 +88,13 @@ def page(controller: Controller, report: DesignReport, shown: Evidence, model: M
     )
 
 
-def document(controller: Controller, report: DesignReport, made: Driven, plant: Model, w_max: float) -> dict[str, Any]:
+def document(controller: EmittedController, report: DesignReport, made: Driven, plant: Model, w_max: float) -> dict[str, Any]:
     """The data of the page's scripts; drive: None where there is no module."""
     drive = None if made.reason else setting(controller, made, plant, w_max, report.input.sampling)
     return {"name": controller.task.name, **scene(controller, report.mission, report.cycle), "drive": drive}
 
 
-def summary(controller: Controller) -> Summary:
+def summary(controller: EmittedController) -> Summary:
     """What was asked, for which files something is shown, and what is assumed."""
     task, certificate = controller.task, controller.certificate
     sets, entries = len(task.unsafe), len(task.mission)
@@ -133,7 +133,7 @@ def _assumed(task: Task, certificate: Certificate, calls: bool) -> str:
     return "; ".join(names) + "."
 
 
-def _notice(controller: Controller) -> str:
+def _notice(controller: EmittedController) -> str:
     """The header's sentences; what fails, one after the other."""
     lines = [line.strip() for line in notice(controller.task, controller.certificate)]
     if controller.certificate.holds:
@@ -141,7 +141,7 @@ def _notice(controller: Controller) -> str:
     return f"{lines[0]} {lines[1]} {'; '.join(lines[2:])}."
 
 
-def _origin(controller: Controller, made: Driven) -> str:
+def _origin(controller: EmittedController, made: Driven) -> str:
     """What the module was compiled from."""
     name = f"{controller.task.name}.c"
     if made.inline:
@@ -151,7 +151,7 @@ def _origin(controller: Controller, made: Driven) -> str:
     return f"made of the {name} below, as it is"
 
 
-def _finding(one: Finding, controller: Controller) -> dict[str, Any]:
+def _finding(one: Finding, controller: EmittedController) -> dict[str, Any]:
     """A row of the certificate; time: what the page goes to where the margin is least."""
     return {
         "label": one.subject.label,

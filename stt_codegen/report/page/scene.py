@@ -12,7 +12,7 @@ import numpy as np
 
 from stt_codegen.certify.missions import Served
 from stt_codegen.constraints import avoid_rows
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance, spans
 from stt_codegen.report.outlines import Array, Plane, outline, target_outline, walls
 from stt_codegen.report.page.solids import solid
@@ -25,7 +25,7 @@ DIGITS = 6  # to which a place is told, of the least extent of the state space
 SOLID = 3  # dimensions of a view that turns
 
 
-def scene(controller: Controller, mission: tuple[Served, ...], cycle: tuple[float, float] | None) -> dict[str, Any]:
+def scene(controller: EmittedController, mission: tuple[Served, ...], cycle: tuple[float, float] | None) -> dict[str, Any]:
     """What the page draws. Lengths in the task's units, times in seconds; outlines by pair of axes, "0,1"."""
     task = controller.task
     t = np.linspace(0.0, float(task.prescribed_time), SAMPLES + 1)
@@ -114,7 +114,7 @@ def _strip(task: Task, i: int, t: Array, low: Array, high: Array, round_: Roundi
     return found
 
 
-def _filtered(controller: Controller, round_: Rounding) -> dict[str, Any]:
+def _filtered(controller: EmittedController, round_: Rounding) -> dict[str, Any]:
     """Order 2: lambda, and the tube of v + lambda x at samples, from the emitted Python."""
     from stt_codegen.program.targets.python.runner import load_module
 

@@ -18,7 +18,7 @@ from matplotlib.patches import Polygon, Rectangle
 from stt_codegen.certify.missions import served
 from stt_codegen.constraints import avoid_rows
 from stt_codegen.errors import BadInput
-from stt_codegen.pipeline import Controller
+from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance
 from stt_codegen.report.outlines import Plane, hull_of, target_outline, walls
 from stt_codegen.report.pictures.drawing import COLOURS, LABEL, frame, label, named, patch
@@ -35,7 +35,7 @@ OTHERS = (".bmp", ".eps", ".gif", ".jpeg", ".jpg", ".tif", ".tiff", ".webp")
 ROOM = 3  # pixels between a label and the frame
 
 
-def draw(controller: Controller, path: Path, planes: Sequence[Plane] = ()) -> None:
+def draw(controller: EmittedController, path: Path, planes: Sequence[Plane] = ()) -> None:
     """Save `figure_of`."""
     save(figure_of(controller, planes), path)
 
@@ -76,7 +76,7 @@ def panels(figure: Figure, planes: Sequence[Plane], beside: Sequence[str]) -> tu
     return list(left), list(over)
 
 
-def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
+def figure_of(controller: EmittedController, planes: Sequence[Plane] = ()) -> Figure:
     """On the left the arena in two dimensions, or in several pairs of them, on the right every dimension over time. The figure
     belongs to no window and changes no backend of the caller's."""
     task, n = controller.task, controller.task.dimension
@@ -102,7 +102,13 @@ def figure_of(controller: Controller, planes: Sequence[Plane] = ()) -> Figure:
 
 
 def sheet(
-    controller: Controller, height: float, t: Array, low: Array, high: Array, shown: Sequence[Plane], path: Array | None = None
+    controller: EmittedController,
+    height: float,
+    t: Array,
+    low: Array,
+    high: Array,
+    shown: Sequence[Plane],
+    path: Array | None = None,
 ) -> tuple[Figure, Any]:
     """A figure and the part of it for the panels; where sets move, the arena at several times is below."""
     if not moves(controller.task) or not shown:
@@ -115,7 +121,7 @@ def sheet(
     return figure, above
 
 
-def draw_beside(controllers: list[Controller], titles: list[str], path: Path) -> None:
+def draw_beside(controllers: list[EmittedController], titles: list[str], path: Path) -> None:
     """Save one picture with the arenas of several controllers beside each other, boxes that meet an unsafe set outlined."""
     figure = Figure(figsize=(5.2 * len(controllers), 5), layout="constrained")
     axes = figure.subplots(1, len(controllers))
@@ -149,7 +155,7 @@ def draw_trade(report: TradeReport, path: Path) -> None:
     save(figure, path)
 
 
-def _collisions(controller: Controller, low: Array, high: Array) -> npt.NDArray[np.bool_]:
+def _collisions(controller: EmittedController, low: Array, high: Array) -> npt.NDArray[np.bool_]:
     """At which samples the tube overlaps some unsafe set: shape (T,)."""
     t = np.linspace(0.0, float(controller.task.prescribed_time), len(low))
     found = np.zeros(len(t), dtype=bool)
@@ -229,7 +235,7 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
     _walls(axis, task, plane)
 
 
-def _visits(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane) -> None:
+def _visits(axis: Any, controller: EmittedController, low: Array, high: Array, plane: Plane) -> None:
     """The numbers of the mission's entries where the tube serves them, first where it comes first."""
     shown, t_c = controller.certificate.mission, float(controller.task.prescribed_time)
     numbers: dict[float, list[int]] = {}
@@ -251,7 +257,7 @@ def _walls(axis: Any, task: Task, plane: Plane) -> None:
         axis.add_patch(Polygon(corners, closed=True, color="0.8", linewidth=0))
 
 
-def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane: Plane = (0, 1)) -> None:
+def draw_arena(axis: Any, controller: EmittedController, low: Array, high: Array, plane: Plane = (0, 1)) -> None:
     """The arena in two dimensions: sets, the tube's boxes over time, its centre line."""
     task, (a, b) = controller.task, plane
     if task.dimension > 2:
@@ -272,7 +278,7 @@ def draw_arena(axis: Any, controller: Controller, low: Array, high: Array, plane
     _visits(axis, controller, low, high, plane)
 
 
-def draw_dimension(axis: Any, controller: Controller, i: int, t: Array, low: Array, high: Array) -> None:
+def draw_dimension(axis: Any, controller: EmittedController, i: int, t: Array, low: Array, high: Array) -> None:
     """One dimension over time; the span of an unsafe set is drawn while nothing but this dimension keeps the tube off it."""
     task = controller.task
     axis.fill_between(t, low[:, i], high[:, i], color=COLOURS["tube"], alpha=0.35, linewidth=0)
