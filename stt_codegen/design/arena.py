@@ -16,9 +16,9 @@ import numpy as np
 
 from stt_codegen.constraints import Avoidance, Row, avoid_rows, fastest_edges, reach_rows, start_rows, stay_rows, width_rows
 from stt_codegen.decimals import below, decimal
-from stt_codegen.design.half_spaces import Array, Cuts, Faces
+from stt_codegen.design.half_spaces import Array, HalfSpaces, ObliqueFaces
 from stt_codegen.design.lattice import Lattice, lattice_of
-from stt_codegen.design.moving_half_spaces import Mover, mover_of
+from stt_codegen.design.moving_half_spaces import TimedObstacle, timed_obstacle_of
 from stt_codegen.errors import NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -28,8 +28,9 @@ from stt_codegen.task.sets import ConvexSet
 @dataclass(frozen=True, kw_only=True)
 class Arena:
     """Boxes as arrays: `space`, `start`, `target` of shape (2, n), `unsafe` of shape (J, 2, n), the spans of the unsafe sets;
-    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. faces: what it has beside a span.
-    movers: the sets that move, or are unsafe only at times, which are not among the names. walls, goals: cut space and target.
+    index 0 lower, 1 upper. names: of the unsafe sets; axes: what sentences call the dimensions. oblique_faces: what the spans do
+    not say. timed_obstacles: the sets that move, or are unsafe only at times, which are not among the names. walls,
+    goals: cut space and target.
 
     clearance, min_width: what the task asks for plus the arithmetic allowance. max_speeds: by dimension (n,); max_speed: what the
     search takes for that of the swiftest; swiftness: of each, over that (n,), at most 1. max_acceleration: (n,), None for no
@@ -43,9 +44,9 @@ class Arena:
     start: Array
     target: Array
     unsafe: Array
-    faces: Faces
-    walls: Cuts
-    goals: Cuts
+    oblique_faces: ObliqueFaces
+    walls: HalfSpaces
+    goals: HalfSpaces
     initial_state: Array
     prescribed_time: float
     clearance: float
@@ -57,7 +58,7 @@ class Arena:
     allowance: float
     difference_allowance: float
     origin: tuple[Fraction, ...]
-    movers: tuple[Mover, ...] = ()
+    timed_obstacles: tuple[TimedObstacle, ...] = ()
     order: int = 1
     seam: int | None = None
     length_unit: float = 1.0
@@ -74,12 +75,12 @@ class Arena:
     @property
     def boxes_only(self) -> bool:
         """Whether every set is a box, so that its span says all of it."""
-        return not (len(self.faces.owner) or len(self.walls.bound) or len(self.goals.bound))
+        return not (len(self.oblique_faces.set_index) or len(self.walls.bound) or len(self.goals.bound))
 
     def only(self, keep: Sequence[int]) -> Arena:
         """The arena with the unsafe sets whose numbers are in `keep` alone."""
         names = tuple(self.names[j] for j in keep)
-        return replace(self, names=names, unsafe=self.unsafe[list(keep)], faces=self.faces.only(keep))
+        return replace(self, names=names, unsafe=self.unsafe[list(keep)], oblique_faces=self.oblique_faces.of_sets(keep))
 
     def place(self, i: int, value: float) -> float:
         """A coordinate in the task's units and from the task's origin."""
@@ -119,7 +120,7 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         start=_bounds(start_rows(task), inset, origin),
         target=_bounds(reach_rows(task), allowance, origin),
         unsafe=_spans(sets, origin),
-        faces=_faces(sets, shapes, origin),
+        oblique_faces=_faces(sets, shapes, origin),
         walls=_cuts(stay_rows(task), allowance, origin),
         goals=_cuts(reach_rows(task), allowance, origin),
         initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
@@ -134,26 +135,28 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
         difference_allowance=float(lattice.difference_allowance),
         origin=origin,
         order=task.order,
-        movers=tuple(mover_of(one, origin) for _, one in found if one.course is not None),
+        timed_obstacles=tuple(timed_obstacle_of(one, origin) for _, one in found if one.course is not None),
     )
 
 
 def standing(arena: Arena) -> Arena:
     """The arena at t = 0: what moves stands where it may be then."""
-    n, here = arena.dimension, [(m, at) for m in arena.movers if (at := m.at_start()) is not None]
+    n, here = arena.dimension, [(m, at) for m in arena.timed_obstacles if (at := m.bounds_at_start()) is not None]
     if not here:
         return arena
-    faces, first = arena.faces, len(arena.names)
+    faces, first = arena.oblique_faces, len(arena.names)
     spans = np.array([np.stack([-at[0 : 2 * n : 2], at[1 : 2 * n : 2]]) for _, at in here])
-    more = Faces(
+    more = ObliqueFaces(
         np.concatenate([faces.normal, *(m.normal[2 * n :] for m, _ in here)]),
         np.concatenate([faces.bound, *(at[2 * n :] for _, at in here)]),
-        np.concatenate([faces.owner, *(np.full(len(at) - 2 * n, first + j) for j, (_, at) in enumerate(here))]).astype(np.int64),
+        np.concatenate([faces.set_index, *(np.full(len(at) - 2 * n, first + j) for j, (_, at) in enumerate(here))]).astype(
+            np.int64
+        ),
         (*faces.bends, *(None for _ in here)),
-        faces.exact,
+        faces.is_complete,
     )
     names = (*arena.names, *(m.name for m, _ in here))
-    return replace(arena, names=names, unsafe=np.concatenate([arena.unsafe, spans]), faces=more, movers=())
+    return replace(arena, names=names, unsafe=np.concatenate([arena.unsafe, spans]), oblique_faces=more, timed_obstacles=())
 
 
 def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Array:
@@ -167,14 +170,14 @@ def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> 
     return box
 
 
-def _cuts(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Cuts:
+def _cuts(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> HalfSpaces:
     """What rows of several edges say, with `room` to spare."""
     found = [row for row in rows if row.dimension is None]
     normal = np.zeros((len(found), len(origin)))
     for x, row in enumerate(found):
         for i, _, c in row.terms:
             normal[x, i] = float(Fraction(c, row.per))
-    return Cuts(normal, np.array([float(row.seen_from(origin) / row.per + room) for row in found]))
+    return HalfSpaces(normal, np.array([float(row.seen_from(origin) / row.per + room) for row in found]))
 
 
 def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
@@ -188,7 +191,7 @@ def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
     return spans
 
 
-def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> Faces:
+def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> ObliqueFaces:
     """The avoidance rows whose normal is no axis, as arrays, seen from the origin."""
     found = [(j, row) for j, one in enumerate(sets) for row in one.rows if row.dimension is None]
     normal = np.zeros((len(found), len(origin)))
@@ -196,7 +199,7 @@ def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Seque
         for i, _, c in row.terms:
             normal[x, i] = float(Fraction(c, row.per))
     skew = {j for j, _ in found}
-    return Faces(
+    return ObliqueFaces(
         normal,
         np.array([float(row.seen_from(origin) / row.per) for _, row in found]),
         np.array([j for j, _ in found], dtype=np.int64),
@@ -221,7 +224,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         start=arena.start / unit,
         target=arena.target / unit,
         unsafe=arena.unsafe / unit,
-        faces=arena.faces.scaled(unit),
+        oblique_faces=arena.oblique_faces.scaled(unit),
         walls=arena.walls.scaled(unit),
         goals=arena.goals.scaled(unit),
         initial_state=arena.initial_state / unit,
@@ -235,7 +238,7 @@ def normalised(arena: Arena, exponent: int) -> Arena:
         difference_allowance=arena.difference_allowance / unit,
         length_unit=unit,
         time_unit=arena.prescribed_time,
-        movers=tuple(m.scaled(unit, arena.prescribed_time) for m in arena.movers),
+        timed_obstacles=tuple(m.scaled(unit, arena.prescribed_time) for m in arena.timed_obstacles),
     )
 
 
@@ -246,14 +249,14 @@ def _cut_beyond(arena: Arena, box: Array, room: float, x: int) -> tuple[Array, i
     cut = box.copy()
 
     def left(i: int) -> float:
-        c = float(arena.faces.normal[x, i])
+        c = float(arena.oblique_faces.normal[x, i])
         if not c:
             return -math.inf
         state = float(arena.initial_state[i])
         return (state - float(box[0, i]) if c > 0 else float(box[1, i]) - state) - lack / abs(c)
 
     i = max(range(arena.dimension), key=left)
-    c = float(arena.faces.normal[x, i])
+    c = float(arena.oblique_faces.normal[x, i])
     cut[0 if c > 0 else 1, i] += lack / c
     return cut, i
 
@@ -270,8 +273,8 @@ def starting_box(arena: Arena) -> Array:
         above = box[0] - arena.unsafe[j, 1]
         gap = np.maximum(below, above)
         i = int(np.argmax(gap))
-        own = arena.faces.of(j)
-        slanted = list(zip(arena.faces.beyond(box, own.start, own.stop).tolist(), own, strict=True))
+        own = arena.oblique_faces.indices_of(j)
+        slanted = list(zip(arena.oblique_faces.distances_beyond(box, own.start, own.stop).tolist(), own, strict=True))
         nearest = max([float(gap[i]), *(room for room, _ in slanted)])
         if nearest >= arena.clearance:
             continue

@@ -1,7 +1,7 @@
-"""Half-spaces in floating point, as arrays: beyond which faces of unsafe sets a tube may be, and behind which walls it must stay.
+"""Half-spaces in floating point, as arrays: the oblique faces of unsafe sets, and the walls behind which a tube must stay.
 
-Everything is over |n|_1, so that what is left of an inequality is by how much the tube's box may grow. Sums go one dimension
-after the other, the same on every machine.
+The arena (arena.py) holds them for all searches. Every normal n is divided by |n|_1, so the distance to a half-space says by how
+much a box may grow towards it. Sums run over the dimensions one after the other, so they are the same on every machine.
 """
 
 from __future__ import annotations
@@ -13,77 +13,90 @@ import numpy as np
 import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
-TIGHT = 1e-12  # what a point may lack of a half-space for its rounding
+ROUNDING_TOLERANCE = 1e-12  # a point may lie so far outside of a half-space, for its coordinates are rounded
 
 
 @dataclass(frozen=True)
-class Faces:
-    """The normals of unsafe sets that are no axes, each over its |n|_1: normal (X, n), bound h(n) (X,), owner (X,) the set's
-    number, one set's together. bends: of every set that has such a normal the points and signs of its bends, (2, V, n); None for
-    a box."""
+class ObliqueFaces:
+    """The faces of unsafe sets that are not perpendicular to an axis: normal.x <= bound on the set.
+
+    normal: (X, n), each over its |n|_1. bound: (X,), the support h(n) of the set. set_index: (X,), rising, the index of the set.
+    bends: for each set with such faces, points and signs (2, V, n): where a shortest way around the grown set may bend
+    (`ConvexSet.bends`); None for a box. is_complete: whether these are all faces of all sets; a round set has more.
+    """
 
     normal: Array
     bound: Array
-    owner: npt.NDArray[np.int64]
+    set_index: npt.NDArray[np.int64]
     bends: tuple[Array | None, ...]
-    exact: bool  # whether they are all faces of all sets: a round one has more
+    is_complete: bool
 
-    def only(self, keep: Sequence[int]) -> Faces:
-        """The faces of the sets whose numbers are in `keep`, numbered anew."""
-        kept = np.isin(self.owner, keep)
-        owner = np.array([keep.index(j) for j in self.owner[kept]], dtype=np.int64)
-        return Faces(self.normal[kept], self.bound[kept], owner, tuple(self.bends[j] for j in keep), self.exact)
+    def of_sets(self, sets: Sequence[int]) -> ObliqueFaces:
+        """Return the faces of the sets with these indices; the sets are numbered from 0 again, in this order."""
+        kept = np.isin(self.set_index, sets)
+        set_index = np.array([sets.index(j) for j in self.set_index[kept]], dtype=np.int64)
+        return ObliqueFaces(self.normal[kept], self.bound[kept], set_index, tuple(self.bends[j] for j in sets), self.is_complete)
 
-    def scaled(self, unit: float) -> Faces:
-        """The same faces with lengths measured in `unit`."""
+    def scaled(self, unit: float) -> ObliqueFaces:
+        """Return the same faces with lengths measured in `unit`."""
         bends = tuple(None if b is None else np.stack([b[0] / unit, b[1]]) for b in self.bends)
         return replace(self, bound=self.bound / unit, bends=bends)
 
-    def of(self, j: int) -> range:
-        """The faces of set j."""
-        return range(int(np.searchsorted(self.owner, j)), int(np.searchsorted(self.owner, j, side="right")))
+    def indices_of(self, j: int) -> range:
+        """Return the indices of the faces of set j."""
+        return range(int(np.searchsorted(self.set_index, j)), int(np.searchsorted(self.set_index, j, side="right")))
 
-    def length(self, reach: Array) -> Array:
-        """How much a box of these half widths (n,) adds to every h(n): the sum of |n_i| reach_i, one dimension after the other,
-        the same on every machine. (X,)"""
-        total = np.zeros(len(self.bound))
-        for i, r in enumerate(reach.tolist()):
-            total = total + np.abs(self.normal[:, i]) * r
-        return total
+    def box_support(self, half_widths: Array) -> Array:
+        """Return how much a box of these half widths (n,) adds to each h(n), the sum of |n_i| half_widths_i: (X,)."""
+        return _box_support(self.normal, half_widths)
 
-    def beyond(self, edges: Array, first: int = 0, end: int | None = None) -> Array:
-        """How far boxes, edges of shape (2, n, ...), are beyond each of the faces from `first` to `end`, in the largest
-        component: (X, ...)."""
+    def distances_beyond(self, edges: Array, first: int = 0, end: int | None = None) -> Array:
+        """Return how far boxes are beyond each of the faces from `first` to `end`, in the largest component: (X, ...).
+
+        edges: (2, n, ...), lower and upper. A negative distance says that a part of the box is on the side of the set.
+        """
         normal, bound = self.normal[first:end], self.bound[first:end]
-        shape = (len(bound), *(1 for _ in edges.shape[2:]))
-        total = -bound.reshape(shape)
-        for i in range(normal.shape[1]):
-            c = normal[:, i].reshape(shape)
-            total = total + np.maximum(c, 0.0) * edges[0, i] + np.minimum(c, 0.0) * edges[1, i]
-        return np.asarray(total)
+        return distances_beyond(normal, bound.reshape(-1, *(1 for _ in edges.shape[2:])), edges)
 
 
 @dataclass(frozen=True)
-class Cuts:
-    """Half-spaces that the tube must be in, normal.x >= bound: normal (M, n) over its |n|_1, bound (M,)."""
+class HalfSpaces:
+    """Half-spaces that the tube must be in, normal.x >= bound: normal (M, n), each over its |n|_1; bound (M,)."""
 
     normal: Array
     bound: Array
 
-    def scaled(self, unit: float) -> Cuts:
-        """The same with lengths measured in `unit`."""
-        return Cuts(self.normal, self.bound / unit)
+    def scaled(self, unit: float) -> HalfSpaces:
+        """Return the same half-spaces with lengths measured in `unit`."""
+        return HalfSpaces(self.normal, self.bound / unit)
 
-    def length(self, inset: Array) -> Array:
-        """What a box of these half widths (n,) takes of every bound: (M,)."""
-        total = np.zeros(len(self.bound))
-        for i, r in enumerate(inset.tolist()):
-            total = total + np.abs(self.normal[:, i]) * r
-        return total
+    def box_support(self, half_widths: Array) -> Array:
+        """Return by how much each bound rises for the centre of a box of these half widths (n,): (M,)."""
+        return _box_support(self.normal, half_widths)
 
-    def hold(self, points: Array, inset: Array) -> npt.NDArray[np.bool_]:
-        """Whether boxes of these half widths (n,) about points (P, n) lie in all of them."""
-        room = np.tile(-self.bound - self.length(inset), (len(points), 1))
-        for i in range(points.shape[1]):
-            room = room + points[:, i, None] * self.normal[:, i]
-        return np.asarray((room >= -TIGHT).all(axis=1))
+    def contain_boxes(self, centres: Array, half_widths: Array) -> npt.NDArray[np.bool_]:
+        """Return which boxes of these half widths (n,) about centres (P, n) lie in all of the half-spaces: (P,)."""
+        margins = np.tile(-self.bound - self.box_support(half_widths), (len(centres), 1))
+        for i in range(centres.shape[1]):
+            margins = margins + centres[:, i, None] * self.normal[:, i]
+        return np.asarray((margins >= -ROUNDING_TOLERANCE).all(axis=1))
+
+
+def _box_support(normal: Array, half_widths: Array) -> Array:
+    """Return the support of a box in the directions of the normals (X, n): (X,)."""
+    total = np.zeros(len(normal))
+    for i, half_width in enumerate(half_widths.tolist()):
+        total = total + np.abs(normal[:, i]) * half_width
+    return total
+
+
+def distances_beyond(normal: Array, bounds: Array, edges: Array) -> Array:
+    """Return how far boxes are beyond half-spaces, in the largest component: (N, ...).
+
+    normal: (N, n). bounds: (N, ...), or of a shape that broadcasts to it. edges: (2, n, ...), lower and upper.
+    """
+    total = -bounds
+    for i in range(normal.shape[1]):
+        c = normal[:, i].reshape(-1, *(1 for _ in edges.shape[2:]))
+        total = total + np.maximum(c, 0.0) * edges[0, i] + np.minimum(c, 0.0) * edges[1, i]
+    return np.asarray(total)

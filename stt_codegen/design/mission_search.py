@@ -103,7 +103,7 @@ class MissionSearch(TimedSearch):
         for plan in self.planned(share)[:ORDERS]:
             if self.arena.order == 1 and plan.speed > most:
                 continue
-            few = 1 if self.arena.movers and share else QUICK if best is not None else len(self.ladder)
+            few = 1 if self.arena.timed_obstacles and share else QUICK if best is not None else len(self.ladder)
             for segments in self.ladder[:few]:
                 for number, (knots, way) in enumerate(self.timings(plan, segments, width)):
                     shape = self.within_plan(plan, knots, segments, width, way)
@@ -115,7 +115,7 @@ class MissionSearch(TimedSearch):
                     best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
                     near = best is not None and best.speed <= CLOSE_TO_PLAN * plan.speed
                     enough = self.arena.order == 2 and number > 0
-                    if near or enough or self.arena.movers:  # a plan knows nothing of what moves
+                    if near or enough or self.arena.timed_obstacles:  # a plan knows nothing of what moves
                         return best
         return best
 
@@ -125,13 +125,13 @@ class MissionSearch(TimedSearch):
         at rest."""
         tried: set[tuple[int, ...]] = set()
         early = [(0, True)] if self.arena.order == 2 or self.arena.max_acceleration is not None else []
-        later = [(calm, False) for calm in (CALM[:1] if self.arena.movers else CALM)]
+        later = [(calm, False) for calm in (CALM[:1] if self.arena.timed_obstacles else CALM)]
         for calm, at_rest in (*early, *later):
             knots = knots_of(plan, segments, calm, at_rest)
             if knots is not None and tuple(knots) not in tried:
                 tried.add(tuple(knots))
                 yield knots, None
-        if self.arena.movers:
+        if self.arena.timed_obstacles:
             assert self.mission is not None
             found = way_with_events(self.arena, self.mission, plan, self.centre, width, segments)
             if found is not None:
@@ -145,8 +145,8 @@ class MissionSearch(TimedSearch):
         assert self.mission is not None
         demands = demands_of(self.arena, self.mission, plan, knots, segments, lasting)
         seam = None if plan.skeleton.seam is None else round(plan.skeleton.seam * segments)
-        arena = replace(self.arena, movers=(*self.arena.movers, *demands), seam=seam)
-        if way is None and self.arena.movers:  # the plan knows nothing of them
+        arena = replace(self.arena, timed_obstacles=(*self.arena.timed_obstacles, *demands), seam=seam)
+        if way is None and self.arena.timed_obstacles:  # the plan knows nothing of them
             wide = bool((width > self.width(0.0)).any())  # of a wide tube the first try is enough
             way = way_in_time(arena, self.centre, width, segments, wide)
             if way is None:
@@ -166,7 +166,7 @@ class MissionSearch(TimedSearch):
 
 def search_of(arena: Arena, start: Array, ladder: tuple[int, ...], mission: Mission | None = None) -> Search:
     """The search for an arena, and a mission in it."""
-    kind = MissionSearch if mission is not None else TimedSearch if arena.movers else Search
+    kind = MissionSearch if mission is not None else TimedSearch if arena.timed_obstacles else Search
     return kind(arena, start, ladder, mission=mission)
 
 

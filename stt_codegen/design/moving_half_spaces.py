@@ -1,6 +1,7 @@
-"""Unsafe sets that move, or are unsafe only at times, in floating point: how far out each of their half-spaces is, over time.
+"""Unsafe sets that move, or are unsafe only at times, in floating point: the bounds of their half-spaces over time.
 
-Normals are over |n|_1, as in `half_spaces.py`, so that what is left of an inequality is by how much the tube's box may grow.
+The arena (arena.py) holds them for all searches; what a mission requires of the tube for a while comes in the same form
+(missions/state_constraints.py). Normals are over |n|_1, as in half_spaces.py.
 """
 
 from __future__ import annotations
@@ -12,96 +13,110 @@ from fractions import Fraction
 import numpy as np
 
 from stt_codegen.constraints import Avoidance
-from stt_codegen.design.half_spaces import Array
+from stt_codegen.design.half_spaces import Array, distances_beyond
 from stt_codegen.task.sets import Leg
 
-NEVER = -np.inf  # the bound of a half-space while the set is safe
+INACTIVE = -np.inf  # the bound of a half-space while the set is safe
 
 
 @dataclass(frozen=True)
-class Stage:
-    """From `begin` to `end` the bounds of the half-spaces, (N, C): for each place on the set's path, at both times."""
+class LinearBounds:
+    """The bounds of a set's half-spaces from the time `begin` to the time `end`, linear in between.
+
+    at_begin, at_end: (N, C), for each of N half-spaces and each of C places on the set's path.
+    """
 
     begin: float
     end: float
-    first: Array
-    last: Array
+    at_begin: Array
+    at_end: Array
 
     def at(self, t: Array) -> Array:
-        """The bounds at times of the stage, the most of all places: (N, T)."""
-        share = (t - self.begin) / (self.end - self.begin)
-        found = self.first[..., None] + share * (self.last - self.first)[..., None]
-        return np.asarray(found.max(axis=1))
+        """Return the bounds at times (T,) from begin to end, the largest over all places: (N, T)."""
+        progress = (t - self.begin) / (self.end - self.begin)
+        bounds = self.at_begin[..., None] + progress * (self.at_end - self.at_begin)[..., None]
+        return np.asarray(bounds.max(axis=1))
 
 
 @dataclass(frozen=True)
-class Mover:
-    """One set: normal (N, n), of which the first 2n are -e_1, +e_1, -e_2, ..; stages one after the other, while it may be
-    unsafe."""
+class TimedObstacle:
+    """A set whose half-spaces depend on time: a box is clear of the set where it is beyond one of them.
+
+    normal: (N, n), of which the first 2n are -e_1, +e_1, -e_2, .. pieces: the bounds while the set may be unsafe, one piece after
+    the other. cached_bounds: by the number of segments what `bounds` returned.
+    """
 
     name: str
     normal: Array
-    stages: tuple[Stage, ...]
-    known: dict[int, Array] = field(default_factory=dict, compare=False, repr=False)  # of `bounds`
+    pieces: tuple[LinearBounds, ...]
+    cached_bounds: dict[int, Array] = field(default_factory=dict, compare=False, repr=False)
 
-    def scaled(self, length: float, time: float) -> Mover:
-        """With lengths and times in these units."""
-        stages = [Stage(s.begin / time, s.end / time, s.first / length, s.last / length) for s in self.stages]
-        return Mover(self.name, self.normal, tuple(stages))
+    def scaled(self, length: float, time: float) -> TimedObstacle:
+        """Return the same set with lengths and times measured in these units."""
+        pieces = [LinearBounds(p.begin / time, p.end / time, p.at_begin / length, p.at_end / length) for p in self.pieces]
+        return TimedObstacle(self.name, self.normal, tuple(pieces))
 
-    def at_start(self) -> Array | None:
-        """The bounds at t = 0, (N,); None where the set is safe then."""
-        first = self.stages[0] if self.stages else None
+    def bounds_at_start(self) -> Array | None:
+        """Return the bounds at t = 0, (N,); None where the set is safe then."""
+        first = self.pieces[0] if self.pieces else None
         return first.at(np.zeros(1))[:, 0] if first is not None and first.begin <= 0 else None
 
-    def bounds(self, count: int) -> Array:
-        """Of `count` equal parts of [0, 1] the Bezier coefficients of lines, or the least of them, that are no less than the
-        bounds are in that part: (N, count, 4); NEVER where the set is safe all the time."""
-        if count in self.known:
-            return self.known[count]
-        found = self.known[count] = np.full((len(self.normal), count, 4), NEVER)
-        parts = np.arange(4) / 3
-        for k in range(count):
-            a, b = k / count, (k + 1) / count
-            pieces = [(s, max(s.begin, a), min(s.end, b)) for s in self.stages if min(s.end, b) > max(s.begin, a)]
-            if len(pieces) == 1:  # where it is safe in a part of the time, its lines are taken for all of it
-                found[:, k] = pieces[0][0].at(a + (b - a) * parts)
-            elif pieces:
-                times = np.array([t for _, p, q in pieces for t in (p, q)])
-                values = np.concatenate([s.at(np.array([p, q])) for s, p, q in pieces], axis=1)
-                slope = (values[:, -1] - values[:, 0]) / (times[-1] - times[0])
-                least = (values - slope[:, None] * times).max(axis=1)
-                found[:, k] = least[:, None] + slope[:, None] * (a + (b - a) * parts)
-        return found
+    def bounds(self, segments: int) -> Array:
+        """Return for each of so many equal segments of [0, 1] the Bezier coefficients of a cubic nowhere below the bounds.
 
-    def room(self, edges: Array, bounds: Array) -> Array:
-        """How far boxes, edges of shape (2, n, ...), are beyond each half-space in the largest component, bounds (N, ...)."""
-        total = -bounds
-        for i in range(self.normal.shape[1]):
-            c = self.normal[:, i].reshape(-1, *(1 for _ in edges.shape[2:]))
-            total = total + np.maximum(c, 0.0) * edges[0, i] + np.minimum(c, 0.0) * edges[1, i]
-        return np.asarray(total)
+        The shape is (N, segments, 4). A segment in which the set is safe all the time has INACTIVE.
+        """
+        if segments in self.cached_bounds:
+            return self.cached_bounds[segments]
+        coefficients = self.cached_bounds[segments] = np.full((len(self.normal), segments, 4), INACTIVE)
+        for k in range(segments):
+            begin, end = k / segments, (k + 1) / segments
+            parts = [(p, max(p.begin, begin), min(p.end, end)) for p in self.pieces if min(p.end, end) > max(p.begin, begin)]
+            times = begin + (end - begin) * (np.arange(4) / 3)
+            if len(parts) == 1:  # the line of the piece stands for the whole segment, also for a part in which the set is safe
+                coefficients[:, k] = parts[0][0].at(times)
+            elif parts:
+                coefficients[:, k] = _line_above(parts, times)
+        return coefficients
+
+    def distances_beyond(self, edges: Array, bounds: Array) -> Array:
+        """Return how far boxes, edges (2, n, ...), are beyond each half-space in the largest component; bounds: (N, ...)."""
+        return distances_beyond(self.normal, bounds, edges)
 
 
-def mover_of(one: Avoidance, origin: Sequence[Fraction]) -> Mover:
-    """A set over time, without the clearance, seen from the origin."""
-    assert one.course is not None
-    normal = np.zeros((len(one.rows), len(origin)))
-    for x, row in enumerate(one.rows):
+def _line_above(parts: Sequence[tuple[LinearBounds, float, float]], times: Array) -> Array:
+    """Return at these times (T,) the lowest line with the mean slope that is nowhere below the bounds: (N, T).
+
+    parts: the pieces that the segment meets, each with the times from which and until which.
+    """
+    ends = np.array([t for _, begin, end in parts for t in (begin, end)])
+    values = np.concatenate([piece.at(np.array([begin, end])) for piece, begin, end in parts], axis=1)
+    slope = (values[:, -1] - values[:, 0]) / (ends[-1] - ends[0])
+    offset = (values - slope[:, None] * ends).max(axis=1)
+    return np.asarray(offset[:, None] + slope[:, None] * times)
+
+
+def timed_obstacle_of(avoidance: Avoidance, origin: Sequence[Fraction]) -> TimedObstacle:
+    """Return a set with a course as half-spaces over time, without the clearance, seen from the origin."""
+    course, rows = avoidance.course, avoidance.rows
+    assert course is not None
+    normal = np.zeros((len(rows), len(origin)))
+    for x, row in enumerate(rows):
         for i, _, c in row.terms:
             normal[x, i] = float(Fraction(c, row.per))
 
-    still = np.array([float(row.seen_from(origin) / row.per) for row in one.rows])
-    growing = np.array([float(g / row.per) for row, g in zip(one.rows, one.growing, strict=True)])
+    resting = np.array([float(row.seen_from(origin) / row.per) for row in rows])
+    growth = np.array([float(g / row.per) for row, g in zip(rows, avoidance.growing, strict=True)])
 
-    def bounds(leg: Leg, t: Fraction) -> Array:
-        assert one.course is not None
-        found = np.repeat((still + growing * float(one.course.growth(t)))[:, None], len(leg.places), axis=1)
-        for c, by in enumerate(leg.at(t)):
-            for i, d in enumerate(by):
-                found[:, c] += normal[:, i] * float(d)
-        return found
+    def bounds_at(leg: Leg, t: Fraction) -> Array:
+        """Return the bounds at a time of the leg, (N, C)."""
+        bounds = np.repeat((resting + growth * float(course.growth(t)))[:, None], len(leg.places), axis=1)
+        for c, displacement in enumerate(leg.at(t)):
+            for i, d in enumerate(displacement):
+                bounds[:, c] += normal[:, i] * float(d)
+        return bounds
 
-    legs = one.course.legs
-    stages = [Stage(float(leg.begin), float(leg.end), bounds(leg, leg.begin), bounds(leg, leg.end)) for leg in legs]
-    return Mover(one.name, normal, tuple(stages))
+    pieces = [
+        LinearBounds(float(leg.begin), float(leg.end), bounds_at(leg, leg.begin), bounds_at(leg, leg.end)) for leg in course.legs
+    ]
+    return TimedObstacle(avoidance.name, normal, tuple(pieces))

@@ -19,7 +19,7 @@ SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the narrower of start and target: the w
 
 
 class TimedSearch(Search):
-    """A search whose arena has movers."""
+    """A search whose arena has timed obstacles."""
 
     @property
     def centre(self) -> Array:

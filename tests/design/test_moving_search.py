@@ -13,7 +13,7 @@ import pytest
 from stt_codegen.constraints import avoid_rows
 from stt_codegen.design.arena import arena_of, normalised
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.moving_half_spaces import mover_of
+from stt_codegen.design.moving_half_spaces import timed_obstacle_of
 from stt_codegen.design.spacetime.free_cells import Cells
 from stt_codegen.design.spacetime.search import CELLS, SLICE, Field
 from stt_codegen.errors import NotCertified
@@ -106,9 +106,9 @@ def test_a_mover_is_where_its_course_says() -> None:
         (one,) = avoid_rows(task)
         assert one.course == course
         origin = (Fraction(0), Fraction(0))
-        mover = mover_of(one, origin).scaled(1.0, 9.0)
+        obstacle = timed_obstacle_of(one, origin).scaled(1.0, 9.0)
         for count in (7, 64):
-            bounds = mover.bounds(count)
+            bounds = obstacle.bounds(count)
             for _ in range(40):
                 k = draw.randrange(count)
                 t = Fraction(9) * (k + Fraction(draw.randint(0, 48), 48)) / count
@@ -172,16 +172,16 @@ def test_cells_of_a_slice_are_free_where_the_box_about_them_is() -> None:
     task = in_many(3, "4")
     lattice = lattice_of(task)
     arena = normalised(arena_of(task, lattice), lattice.exponent)
-    mover = arena.movers[0]
+    obstacle = arena.timed_obstacles[0]
     centre, count = (arena.target[0] + arena.target[1]) / 2, CELLS[3][0]
     axes = [np.linspace(arena.space[0, i], arena.space[1, i], count) for i in range(2)]
     rest = np.repeat(centre[None], 10, axis=0)
     cells = Cells((0, 1), axes, rest, np.full(3, 0.01))
     free = np.ones((9, count, count), dtype=bool)
-    cells.block(free, mover)
-    bounds = mover.bounds(9).max(axis=2)
+    cells.block(free, obstacle)
+    bounds = obstacle.bounds(9).max(axis=2)
     for k, (i, x), (j, y) in itertools.product(range(9), enumerate(axes[0]), enumerate(axes[1])):
         point = np.array([x, y, centre[2]])
-        room = mover.normal @ point - np.abs(mover.normal) @ cells.reach - bounds[:, k]
+        room = obstacle.normal @ point - np.abs(obstacle.normal) @ cells.reach - bounds[:, k]
         if abs(room.max()) > 1e-12:
             assert free[k, i, j] == (room.max() > 0)

@@ -158,10 +158,10 @@ def _optimum(solver: highspy.Highs) -> Array | None:
 
 def face_terms(arena: Arena, x: int, edge: Columns) -> tuple[list[int], list[float]]:
     """low_n of face x as columns and values; edge: the columns of the edges, shape (2, n)."""
-    terms = [(i, c) for i, c in enumerate(arena.faces.normal[x].tolist()) if c]
+    terms = [(i, c) for i, c in enumerate(arena.oblique_faces.normal[x].tolist()) if c]
     return [int(edge[0 if c > 0 else 1, i]) for i, c in terms], [c for _, c in terms]
 
 
 def face_bound(arena: Arena, x: int) -> float:
     """What low_n must be at least: h(n) and the clearance."""
-    return float(arena.faces.bound[x] + arena.clearance)
+    return float(arena.oblique_faces.bound[x] + arena.clearance)

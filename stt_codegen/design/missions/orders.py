@@ -98,7 +98,7 @@ class Order:
         inside = (places.nodes >= arena.target[0] + half - TINY) & (places.nodes <= arena.target[1] - half + TINY)
         found[END] &= inside.all(axis=1)
         if len(arena.goals.bound):
-            found[END] &= arena.goals.hold(places.nodes, half)
+            found[END] &= arena.goals.contain_boxes(places.nodes, half)
         return found
 
     @cached_property

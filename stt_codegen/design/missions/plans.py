@@ -17,7 +17,7 @@ from stt_codegen.design.missions.orders import Order, Stop
 from stt_codegen.design.missions.skeleton import END, START, TINY, Skeleton
 from stt_codegen.design.missions.state_constraints import Mission
 from stt_codegen.design.missions.waypoints import Places
-from stt_codegen.design.moving_half_spaces import Mover
+from stt_codegen.design.moving_half_spaces import TimedObstacle
 
 FASTEST = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at which an order is looked for
 SLOWER = 0.9  # of the speed that an order needs another one is looked for,
@@ -170,11 +170,11 @@ def centre_of(plan: Plan, knots: list[int], segments: int) -> Array:
 
 def demands_of(
     arena: Arena, mission: Mission, plan: Plan, knots: list[int], segments: int, lasting: bool = False
-) -> tuple[Mover, ...]:
+) -> tuple[TimedObstacle, ...]:
     """What each state asks, where it is asked, as sets that are avoided. lasting: what is asked for a moment alone for a segment
     to either side of it."""
     when = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    demands: list[Mover] = []
+    demands: list[TimedObstacle] = []
     for number, hold in enumerate(plan.skeleton.holds):
         wanted: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
         room = np.zeros((segments, 4))

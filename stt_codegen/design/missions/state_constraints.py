@@ -18,11 +18,11 @@ import numpy.typing as npt
 from stt_codegen.constraints import Row, mission_rows
 from stt_codegen.decimals import decimal
 from stt_codegen.design.arena import Arena
-from stt_codegen.design.half_spaces import Array, Cuts, Faces
+from stt_codegen.design.half_spaces import Array, HalfSpaces, ObliqueFaces
 from stt_codegen.design.linear_programs import inner_box
 from stt_codegen.design.missions.expansion import cyclic, skeletons
 from stt_codegen.design.missions.skeleton import END, START, Skeleton
-from stt_codegen.design.moving_half_spaces import NEVER, Mover
+from stt_codegen.design.moving_half_spaces import INACTIVE, TimedObstacle
 from stt_codegen.design.routes import Obstacles, obstacles_of
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.properties import Property
@@ -45,12 +45,12 @@ class Piece:
     """A convex part of space: a box (2, n), and what cuts it."""
 
     box: Array
-    cuts: Cuts
+    cuts: HalfSpaces
 
     def hold(self, points: Array, inset: Array) -> npt.NDArray[np.bool_]:
         """Whether boxes of these half widths (n,) about points (P, n) lie in it."""
         inside = ((points >= self.box[0] + inset - 1e-9) & (points <= self.box[1] - inset + 1e-9)).all(axis=1)
-        return np.asarray(inside & self.cuts.hold(points, inset) if len(self.cuts.bound) else inside)
+        return np.asarray(inside & self.cuts.contain_boxes(points, inset) if len(self.cuts.bound) else inside)
 
     def centres(self, arena: Arena, inset: Array) -> Array | None:
         """A box (2, n) of centres of boxes of these half widths that lie in it; None where there is none."""
@@ -70,13 +70,13 @@ class Asked:
     pieces: tuple[Piece, ...]
     blocking: Arena | None
 
-    def demands(self, arena: Arena, name: str, wanted: npt.NDArray[np.bool_], room: Array) -> list[Mover]:
+    def demands(self, arena: Arena, name: str, wanted: npt.NDArray[np.bool_], room: Array) -> list[TimedObstacle]:
         """The state at the Bezier coefficients (K, 4) that are wanted, as sets that are avoided there; room: more of it."""
         found = []
         for normal, bound in self.sets:
-            bounds = np.full((len(bound), *wanted.shape), NEVER)
+            bounds = np.full((len(bound), *wanted.shape), INACTIVE)
             bounds[:, wanted] = bound[:, None] - arena.clearance + room[wanted]
-            found.append(Mover(name, normal, (), {len(wanted): bounds}))
+            found.append(TimedObstacle(name, normal, (), {len(wanted): bounds}))
         return found
 
     def of_box(self, box: Array) -> bool:
@@ -230,7 +230,7 @@ def _piece(rows: list[Row], arena: Arena) -> Piece:
             edge = _room(row, arena) * (1 if c > 0 else -1)
             box[0 if c > 0 else 1, i] = max(box[0, i], edge) if c > 0 else min(box[1, i], edge)
     normal = np.array([v for v, _ in cuts]).reshape(-1, arena.dimension)
-    return Piece(box, Cuts(normal, np.array([b for _, b in cuts])))
+    return Piece(box, HalfSpaces(normal, np.array([b for _, b in cuts])))
 
 
 def _pieces(task: Task, arena: Arena, formula: Formula) -> list[Piece]:
@@ -247,7 +247,7 @@ def _pieces(task: Task, arena: Arena, formula: Formula) -> list[Piece]:
     assert isinstance(formula, And)
     choices = itertools.islice(itertools.product(*(_pieces(task, arena, part) for part in formula.parts)), MOST_PIECES)
     boxes = (np.stack([np.max([p.box[0] for p in c], axis=0), np.min([p.box[1] for p in c], axis=0)]) for c in choices)
-    return [Piece(box, Cuts(np.empty((0, arena.dimension)), np.empty(0))) for box in boxes if (box[0] < box[1]).all()]
+    return [Piece(box, HalfSpaces(np.empty((0, arena.dimension)), np.empty(0))) for box in boxes if (box[0] < box[1]).all()]
 
 
 def _blocking(task: Task, arena: Arena, state: State, sets: tuple[tuple[Array, Array], ...]) -> Arena:
@@ -268,5 +268,7 @@ def _blocking(task: Task, arena: Arena, state: State, sets: tuple[tuple[Array, A
         convex = region.within(task.state_space, task.own_axes(region)).grown(task.half_extents)
         places = [[float(v - o) / arena.length_unit for v, o in zip(p, arena.origin, strict=True)] for p, _ in convex.bends]
         bends = (np.array([places, [list(map(float, signs)) for _, signs in convex.bends]]),)
-    faces = Faces(np.array(normals).reshape(-1, n), np.array(bounds), np.array(owner, dtype=np.int64), bends, True)
-    return replace(arena, names=tuple(f"{state} {j}" for j in range(count)), unsafe=unsafe, faces=faces, movers=())
+    faces = ObliqueFaces(np.array(normals).reshape(-1, n), np.array(bounds), np.array(owner, dtype=np.int64), bends, True)
+    return replace(
+        arena, names=tuple(f"{state} {j}" for j in range(count)), unsafe=unsafe, oblique_faces=faces, timed_obstacles=()
+    )

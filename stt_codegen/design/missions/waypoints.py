@@ -67,7 +67,7 @@ class Places:
         points = np.concatenate(found)
         free = ~grown.inside(points) & ((points >= space[0] - TINY) & (points <= space[1] + TINY)).all(axis=1)
         if len(arena.walls.bound):
-            free &= arena.walls.hold(points, half)
+            free &= arena.walls.contain_boxes(points, half)
         free[0] |= not grown.inside(points[:1])[0]
         for state in self.mission.permanent:
             asked = self.mission.states[state]

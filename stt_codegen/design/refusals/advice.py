@@ -36,8 +36,8 @@ def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
         return _limits_bind(task, arena, limits, is_found)
     if task.mission:
         return why_unmet(task, arena, is_found)
-    if arena.movers:
-        still = replace(arena, movers=())
+    if arena.timed_obstacles:
+        still = replace(arena, timed_obstacles=())
         shortest_route(still, starting_box(arena), np.full(arena.dimension, arena.min_width))  # raises where these shut the way
         return why_closed(task, arena, segments_tried(task, arena)[0])
     free = replace(arena, max_speed=np.inf, max_speeds=np.full(arena.dimension, np.inf), max_acceleration=None)

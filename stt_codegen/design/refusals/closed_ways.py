@@ -20,7 +20,7 @@ from stt_codegen.decimals import below, decimal
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.moving_half_spaces import Mover
+from stt_codegen.design.moving_half_spaces import TimedObstacle
 from stt_codegen.design.spacetime import Field, fields, leads
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.properties import Property
@@ -44,7 +44,7 @@ def why_closed(task: Task, arena: Arena, segments: int) -> str:
     if way(arena):
         return f"{reason}: cells have a way, but no spline tube was found along it; lower tube.min_width or tube.clearance"
     searched = list(itertools.islice(fields(arena, *_least(arena), segments), ASKED))
-    closing = [text for mover in arena.movers[:NAMED] if (text := _closes(arena, mover, searched))]
+    closing = [text for obstacle in arena.timed_obstacles[:NAMED] if (text := _closes(arena, obstacle, searched))]
     what = f"{' and '.join(closing)} close{'s' if len(closing) == 1 else ''} it" if closing else _how_far(arena, searched)
     opens = [*_numbers(arena, way), *_options(task, way)]
     nothing = "move a set, or let it be safe earlier or longer"
@@ -114,16 +114,16 @@ def _opens(task: Task, change: dict[str, object], way: Callable[[Arena], bool]) 
     return False
 
 
-def _closes(arena: Arena, mover: Mover, searched: Sequence[Field]) -> str | None:
+def _closes(arena: Arena, obstacle: TimedObstacle, searched: Sequence[Field]) -> str | None:
     """A set without which there would be a way, and when it is in the way; None for another."""
     for one in searched:
         alone = np.ones_like(one.free)
-        one.cells.block(alone, mover)
+        one.cells.block(alone, obstacle)
         if alone.all():
             continue
         others = one.cells.free(arena)
-        for other in arena.movers:
-            if other is not mover:
+        for other in arena.timed_obstacles:
+            if other is not obstacle:
                 one.cells.block(others, other)
         others[0][one.first] = True
         if not replace(one, free=others).leads():
@@ -137,7 +137,7 @@ def _closes(arena: Arena, mover: Mover, searched: Sequence[Field]) -> str | None
         begin = bisect_left(range(count), True, key=lambda v: not safe(v, count)) - 1
         end = bisect_left(range(begin + 1, count), True, key=lambda v: safe(begin, v)) + begin + 1
         first, last = (f"{v / count * arena.time_unit:.3g}" for v in (begin, end))
-        return f"{mover.name} (a way would open if it were safe from {first} s to {last} s)"
+        return f"{obstacle.name} (a way would open if it were safe from {first} s to {last} s)"
     return None
 
 

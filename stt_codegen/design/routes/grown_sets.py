@@ -91,14 +91,14 @@ class Obstacles:
 def obstacles_of(arena: Arena, reach: Array) -> Obstacles:
     """The arena's unsafe sets grown by `reach` (n,), by component."""
     lower, upper = arena.unsafe[:, 0] - reach, arena.unsafe[:, 1] + reach
-    n, faces = arena.dimension, arena.faces
+    n, faces = arena.dimension, arena.oblique_faces
     reach = np.broadcast_to(reach, (n,))
     box = np.array([b is None for b in faces.bends], dtype=bool)
-    further = faces.length(reach)
+    further = faces.box_support(reach)
     axes = np.concatenate([-np.eye(n), np.eye(n)])
     normals, offsets, first, corners = [], [], [0], [np.empty((0, n))]
     for j in np.nonzero(~box)[0]:
-        own, bends = faces.of(int(j)), faces.bends[int(j)]
+        own, bends = faces.indices_of(int(j)), faces.bends[int(j)]
         assert bends is not None
         normals += [axes, faces.normal[own]]
         offsets += [-lower[j], upper[j], faces.bound[own] + further[own]]

@@ -76,7 +76,7 @@ def _grid_route(arena: Arena, centre: Array, reach: Array, inset: Array) -> Rout
     if found is None:
         return None
     obstacles, space, goal = found
-    within = (arena.walls.normal, arena.walls.bound + arena.walls.length(inset))
+    within = (arena.walls.normal, arena.walls.bound + arena.walls.box_support(inset))
     return _shortened(arena, way_through_grid(obstacles, space, goal, centre, within), obstacles, reach)
 
 
@@ -137,8 +137,8 @@ def _grown(arena: Arena, reach: Array, inset: Array) -> tuple[Obstacles, Array, 
 
 def _corners_decide(arena: Arena) -> bool:
     """Whether a search among corners finds every way: in the plane, when it looks at all of them."""
-    corners = sum(4 if b is None else b.shape[1] for b in arena.faces.bends)
-    return arena.dimension == 2 and corners + 6 <= NEAR and arena.faces.exact
+    corners = sum(4 if b is None else b.shape[1] for b in arena.oblique_faces.bends)
+    return arena.dimension == 2 and corners + 6 <= NEAR and arena.oblique_faces.is_complete
 
 
 def find_route(arena: Arena, start: Array, width: Array, longest: float = np.inf) -> Route | None:
@@ -205,7 +205,7 @@ def _search(arena: Arena, centre: Array, reach: Array, inset: Array, longest: fl
         return None
     nodes = nodes[~buried]
     if len(arena.walls.bound):
-        nodes = nodes[arena.walls.hold(nodes, inset) | (np.arange(len(nodes)) == 0)]
+        nodes = nodes[arena.walls.contain_boxes(nodes, inset) | (np.arange(len(nodes)) == 0)]
 
     ends = np.clip(nodes, goal[0], goal[1])  # the nearest point of the target to each node
     end_free = ~obstacles.inside(ends)

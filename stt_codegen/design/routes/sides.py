@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.moving_half_spaces import NEVER, Mover
+from stt_codegen.design.moving_half_spaces import INACTIVE, TimedObstacle
 from stt_codegen.design.routes.shortest_route import Route
 
 BELOW, ABOVE, BEYOND = 0, 1, 2
@@ -35,7 +35,7 @@ class Stay:
 class Limits:
     """What the choices leave of every stretch of time. edges: bounds on single edges, shape (count, 2, n), [k, 0] on the lower
     edge from below, [k, 1] on the upper one from above; beyond: which faces the tube must be beyond, (count, X); beside: of every
-    mover which of its half-spaces, (count,), -1 for none."""
+    obstacle which of its half-spaces, (count,), -1 for none."""
 
     edges: Array
     beyond: npt.NDArray[np.bool_]
@@ -47,10 +47,10 @@ class Limits:
         return all(bool((a == b).all()) for a, b in zip(own, others, strict=True))
 
     def coefficients(self, arena: Arena) -> Array:
-        """The bounds on single edges for every Bezier coefficient of a segment, those of movers too: (count, 4, 2, n)."""
+        """The bounds on single edges by segment and Bezier coefficient, those of timed obstacles too: (count, 4, 2, n)."""
         found, n = np.repeat(self.edges[:, None], 4, axis=1), arena.dimension
-        for mover, chosen in zip(arena.movers, self.beside, strict=True):
-            bounds = mover.bounds(len(self.edges))
+        for obstacle, chosen in zip(arena.timed_obstacles, self.beside, strict=True):
+            bounds = obstacle.bounds(len(self.edges))
             for x in np.unique(chosen[(chosen >= 0) & (chosen < 2 * n)]).tolist():
                 here, (i, above) = np.nonzero(chosen == x)[0], divmod(x, 2)
                 limit, edge = bounds[x, here] + arena.clearance, found[here, :, 1 - above, i]
@@ -65,7 +65,7 @@ class Limits:
     @classmethod
     def of_space(cls, arena: Arena, count: int) -> Limits:
         """The limits that the state space sets, before any choice of sides."""
-        return cls(np.repeat(arena.space[None], count, axis=0), np.zeros((count, len(arena.faces.owner)), dtype=bool))
+        return cls(np.repeat(arena.space[None], count, axis=0), np.zeros((count, len(arena.oblique_faces.set_index)), dtype=bool))
 
 
 def choose_sides(arena: Arena, route: Route, start: Array) -> tuple[tuple[Stay, ...], ...] | None:
@@ -112,7 +112,7 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
     that lasts longest is taken."""
     end = float(len(route.points) - 1)
     spans: list[tuple[float, float, float, int, int]] = []  # from, to, least gap, index, side
-    faces = arena.faces
+    faces = arena.oblique_faces
     for i in range(arena.dimension):
         for side in (BELOW, ABOVE):
             gap = (
@@ -121,14 +121,14 @@ def _choices(arena: Arena, route: Route, start: Array, j: int) -> tuple[_Choice,
                 else route.points[:, i] - arena.unsafe[j, 1, i] - route.reach[i]
             )
             spans += [(a, b, float(gap.min()), i, side) for a, b in _where_positive(gap)]
-    own = faces.of(j)
-    beyond = faces.beyond(np.stack([route.points.T, route.points.T]), own.start, own.stop)
-    for x, gap in zip(own, beyond - faces.length(route.reach)[own][:, None], strict=True):
+    own = faces.indices_of(j)
+    beyond = faces.distances_beyond(np.stack([route.points.T, route.points.T]), own.start, own.stop)
+    for x, gap in zip(own, beyond - faces.box_support(route.reach)[own][:, None], strict=True):
         spans += [(a, b, float(gap.min()), x, BEYOND) for a, b in _where_positive(gap)]
 
     def separates_start(i: int, side: int) -> bool:
         if side == BEYOND:
-            return bool(faces.beyond(start, i, i + 1)[0] >= arena.clearance - TOLERANCE)
+            return bool(faces.distances_beyond(start, i, i + 1)[0] >= arena.clearance - TOLERANCE)
         if side == BELOW:
             return bool(start[1, i] <= arena.unsafe[j, 0, i] - arena.clearance + TOLERANCE)
         return bool(start[0, i] >= arena.unsafe[j, 1, i] + arena.clearance - TOLERANCE)
@@ -232,8 +232,10 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
     counts only where gamma(0) already is beyond it."""
     n, count = lowest.shape
     limits = Limits.of_space(arena, count)
-    if arena.movers:
-        limits = replace(limits, beside=tuple(_beside(arena, mover, bezier, count, start) for mover in arena.movers))
+    if arena.timed_obstacles:
+        limits = replace(
+            limits, beside=tuple(_beside(arena, obstacle, bezier, count, start) for obstacle in arena.timed_obstacles)
+        )
     if not arena.names:
         return limits
     gaps = np.stack(
@@ -244,10 +246,10 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
         gaps[..., 0] = np.where(here >= arena.clearance - TOLERANCE, gaps[..., 0], -np.inf)
     flat = gaps.reshape(len(arena.names), 2 * n, count)
     choice, most = flat.argmax(axis=1), flat.max(axis=1)
-    rooms = arena.faces.beyond(bezier).min(axis=-1)
+    rooms = arena.oblique_faces.distances_beyond(bezier).min(axis=-1)
     if start is not None:
-        rooms[arena.faces.beyond(start) < arena.clearance - TOLERANCE, 0] = -np.inf
-    for x, (j, room) in enumerate(zip(arena.faces.owner.tolist(), rooms, strict=True)):
+        rooms[arena.oblique_faces.distances_beyond(start) < arena.clearance - TOLERANCE, 0] = -np.inf
+    for x, (j, room) in enumerate(zip(arena.oblique_faces.set_index.tolist(), rooms, strict=True)):
         better = room > most[j]
         choice[j], most[j] = np.where(better, 2 * n + x, choice[j]), np.where(better, room, most[j])
     for side in (BELOW, ABOVE):
@@ -259,20 +261,20 @@ def _by_room(arena: Arena, lowest: Array, highest: Array, bezier: Array, start: 
             else:
                 limit = np.where(chosen, (arena.unsafe[:, 1, i] + arena.clearance)[:, None], -np.inf).max(axis=0)
                 limits.edges[:, 0, i] = np.maximum(limits.edges[:, 0, i], limit)
-    for x, j in enumerate(arena.faces.owner.tolist()):
+    for x, j in enumerate(arena.oblique_faces.set_index.tolist()):
         limits.beyond[:, x] = choice[j] == 2 * n + x
     return limits
 
 
-def _beside(arena: Arena, mover: Mover, bezier: Array, count: int, start: Array | None) -> npt.NDArray[np.int64]:
-    """For every segment the half-space of a mover with most room, -1 where it is safe: (count,)."""
-    bounds = mover.bounds(count)
+def _beside(arena: Arena, obstacle: TimedObstacle, bezier: Array, count: int, start: Array | None) -> npt.NDArray[np.int64]:
+    """For every segment the half-space of a obstacle with most room, -1 where it is safe: (count,)."""
+    bounds = obstacle.bounds(count)
     with np.errstate(invalid="ignore"):
-        rooms = mover.room(bezier, bounds).min(axis=-1)
-    first = mover.at_start()
+        rooms = obstacle.distances_beyond(bezier, bounds).min(axis=-1)
+    first = obstacle.bounds_at_start()
     if start is not None and first is not None:
-        rooms[mover.room(start, first) < arena.clearance - TOLERANCE, 0] = -np.inf
-    safe = (bounds == NEVER).all(axis=(0, 2))
+        rooms[obstacle.distances_beyond(start, first) < arena.clearance - TOLERANCE, 0] = -np.inf
+    safe = (bounds == INACTIVE).all(axis=(0, 2))
     return np.asarray(np.where(safe, -1, rooms.argmax(axis=0)))
 
 

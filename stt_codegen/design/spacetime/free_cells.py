@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.moving_half_spaces import Mover
+from stt_codegen.design.moving_half_spaces import TimedObstacle
 
 Cell = tuple[int, ...]
 
@@ -63,27 +63,30 @@ class Cells:
         segments = len(self.rest) - 1
         free = np.ones((segments, *self.shape), dtype=bool)
         for j in range(len(arena.names)):
-            x = arena.faces.of(j)
-            normal = np.concatenate([_axes(arena.dimension), arena.faces.normal[x]])
-            bound, along = np.concatenate([_ends(arena.unsafe[j]), arena.faces.bound[x]]), self._across(arena.faces.normal[x])
+            x = arena.oblique_faces.indices_of(j)
+            normal = np.concatenate([_axes(arena.dimension), arena.oblique_faces.normal[x]])
+            bound, along = (
+                np.concatenate([_ends(arena.unsafe[j]), arena.oblique_faces.bound[x]]),
+                self._across(arena.oblique_faces.normal[x]),
+            )
             for k in range(segments) if self.others else (0,):
                 for place in self.rest[k : k + 2]:
                     self._take(free[k : k + 1] if self.others else free, normal, bound, along, place)
         walls, half = arena.walls.normal, self.reach - arena.clearance
-        least = arena.walls.bound + arena.walls.length(half)
+        least = arena.walls.bound + arena.walls.box_support(half)
         for along, normal, bound in zip(self._across(walls), walls, least, strict=True):
             for k in range(segments):
                 for place in self.rest[k : k + 2]:
                     free[k] &= along + self._elsewhere(normal[None], place) >= bound
         return free
 
-    def block(self, free: npt.NDArray[np.bool_], mover: Mover) -> None:
+    def block(self, free: npt.NDArray[np.bool_], obstacle: TimedObstacle) -> None:
         """Takes from `free` (K, cells) those that a moving set may meet."""
-        slanted = mover.normal[2 * len(self.reach) :]
-        along, bounds = self._across(slanted), mover.bounds(len(free)).max(axis=2)  # (N, K)
+        slanted = obstacle.normal[2 * len(self.reach) :]
+        along, bounds = self._across(slanted), obstacle.bounds(len(free)).max(axis=2)  # (N, K)
         for k in np.flatnonzero(bounds[0] > -np.inf).tolist():
             for place in self.rest[k : k + 2] if self.others else self.rest[k : k + 1]:
-                self._take(free[k : k + 1], mover.normal, bounds[:, k], along, place)
+                self._take(free[k : k + 1], obstacle.normal, bounds[:, k], along, place)
 
     def _across(self, normal: Array) -> Array:
         """normal.x over the cells in the slice's own dimensions, for several normals (X, n): (X, cells)."""

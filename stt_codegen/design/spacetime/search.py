@@ -193,8 +193,8 @@ def fields(arena: Arena, centre: Array, width: Array, segments: int, coarsely: b
         cells = Cells(own, axes, rest, arena.clearance + inset)
         first = cells.near(centre)
         free = cells.free(arena)
-        for mover in arena.movers:
-            cells.block(free, mover)
+        for obstacle in arena.timed_obstacles:
+            cells.block(free, obstacle)
         free[0][first] = True  # gamma(0) is known to keep off every set; the middle of its cell may be a little elsewhere
         yield Field(cells, free, cells.inside(goal), first)
 

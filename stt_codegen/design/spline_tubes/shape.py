@@ -17,7 +17,7 @@ import numpy as np
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.linear_programs import INNER, Rows, Solvers, Template, face_bound, least, template_of
-from stt_codegen.design.moving_half_spaces import Mover
+from stt_codegen.design.moving_half_spaces import TimedObstacle
 from stt_codegen.design.routes import Limits, limits_of_tube
 from stt_codegen.designs import LOWER, UPPER
 
@@ -34,14 +34,14 @@ BEZIER = ((1 / 6, 4 / 6, 1 / 6, 0.0), (0.0, 2 / 3, 1 / 3, 0.0), (0.0, 1 / 3, 2 /
 class Shape:
     """Control points of shape (2, n, K + 3) [edge, dimension, point], and by dimension (n,) their paces: the most that an edge
     moves in one segment's time, or for order 2 the most that two such moves differ. limits, width: what it was made within;
-    demands: what a mission asks of it there, beside the arena's movers; seam: as of a design; way: of its centre."""
+    demands: what a mission asks of it there, beside the arena's timed obstacles; seam: as of a design; way: of its centre."""
 
     points: Array
     paces: Array
     limits: Limits
     width: Array
     order: int = 1
-    demands: tuple[Mover, ...] = ()
+    demands: tuple[TimedObstacle, ...] = ()
     seam: int | None = None
     way: Array | None = None
 
@@ -111,7 +111,7 @@ def shape_within(arena: Arena, start: Array, limits: Limits, width: Array, solve
 
 def calmest(arena: Arena, start: Array, shape: Shape) -> Shape:
     """The calmest tube of the same width within the same limits, no dimension faster than it is: the one that bends least."""
-    points, arena = shape.points.copy(), replace(arena, movers=(*arena.movers, *shape.demands), seam=shape.seam)
+    points, arena = shape.points.copy(), replace(arena, timed_obstacles=(*arena.timed_obstacles, *shape.demands), seam=shape.seam)
     edges = shape.limits.coefficients(arena)
     for members in _groups(arena, shape.limits):
         found = _group(arena, start, shape.limits, edges, shape.width, members, None, float(shape.paces[members[0]]))
@@ -143,7 +143,7 @@ def widened_points(segments: int, seam: int | None) -> int:
 
 def _couplings(arena: Arena, limits: Limits) -> list[_Coupling]:
     """What must hold of several dimensions together: beyond the faces in use, within what cuts the space and the target."""
-    faces, count = arena.faces, len(limits.edges)
+    faces, count = arena.oblique_faces, len(limits.edges)
     found = [
         _Coupling(
             tuple(faces.normal[x].tolist()), (face_bound(arena, x),) * 4, tuple(np.nonzero(limits.beyond[:, x])[0].tolist())
@@ -153,12 +153,12 @@ def _couplings(arena: Arena, limits: Limits) -> list[_Coupling]:
     for cuts, where, weights in ((arena.walls, tuple(range(count)), BEZIER), (arena.goals, (count - 1,), BEZIER[-1:])):
         for normal, bound in zip(cuts.normal.tolist(), cuts.bound.tolist(), strict=True):
             found.append(_Coupling(tuple(normal), (bound,) * len(weights), where, weights))
-    for mover, chosen in zip(arena.movers, limits.beside, strict=True):
+    for obstacle, chosen in zip(arena.timed_obstacles, limits.beside, strict=True):
         slanted = np.nonzero(chosen >= 2 * arena.dimension)[0].tolist()
-        bounds = mover.bounds(count) + arena.clearance if slanted else None
+        bounds = obstacle.bounds(count) + arena.clearance if slanted else None
         for k in slanted:
             assert bounds is not None
-            found.append(_Coupling(tuple(mover.normal[chosen[k]].tolist()), tuple(bounds[chosen[k], k].tolist()), (k,)))
+            found.append(_Coupling(tuple(obstacle.normal[chosen[k]].tolist()), tuple(bounds[chosen[k], k].tolist()), (k,)))
     return found
 
 

@@ -242,7 +242,7 @@ def segments_tried(task: Task, arena: Arena) -> tuple[int, ...]:
     """The numbers of segments to try for a task."""
     if task.tube.segments:
         return (task.tube.segments,)
-    return TIMED if arena.movers or task.mission else segments_for(len(arena.names))
+    return TIMED if arena.timed_obstacles or task.mission else segments_for(len(arena.names))
 
 
 def segments_for(unsafe: int) -> tuple[int, ...]:
