@@ -1,6 +1,6 @@
-"""The lemma book: what the certificates rest on, proved about the Program and the code that evaluates it.
+"""The lemma book: the mathematics that certificates rely on, proved about the Program and about the code that evaluates it.
 
-Large because the proofs of a whole book are here; no other room imports a family.
+`stt-codegen prove` runs it. Large because it has all proofs of the book; no other room imports a family.
 """
 
 from stt_codegen.lemmas.book import page, prove_all

@@ -1,6 +1,7 @@
-"""The lemma book: every family's lemmas, proved anew on each run, and the page that they make.
+"""The lemma book: it proves every family's lemmas, and prints them as a page of Markdown or LaTeX.
 
-A family is one module with LEMMAS or several. What is refuted stands beside its repair, in the same family.
+`stt-codegen prove` calls it. A family is one module with LEMMAS, or several. A refuted statement stands beside its repair, in
+the same family. docs/lemmas.md says what the lemmas mean for a robot.
 """
 
 from __future__ import annotations
@@ -21,13 +22,10 @@ from stt_codegen.lemmas.sampling import (
     sampled_windows,
     saturated,
 )
-from stt_codegen.lemmas.sets import constraint_rows as rows
-from stt_codegen.lemmas.sets import moving_bounds as moving
-from stt_codegen.lemmas.sets import shape_supports
-from stt_codegen.lemmas.tube import filtered_tube, input_limits, spline_edges
-from stt_codegen.lemmas.tube import inertial_inputs as inertia
+from stt_codegen.lemmas.sets import constraint_rows, moving_bounds, shape_supports
+from stt_codegen.lemmas.tube import filtered_tube, inertial_inputs, input_limits, spline_edges
 
-# In this order: a step stands before what names it.
+# The order of the book: a lemma stands before those that name it as a step.
 FAMILIES = {
     "reach": ("Reachability tube", reach.LEMMAS),
     "windows": ("Conflict windows, dimension and side", conflict.LEMMAS),
@@ -40,21 +38,27 @@ FAMILIES = {
     "refined": ("Refined tube", spline_edges.LEMMAS),
     "sampled": (
         "Sampled control",
-        tuple(v for m in (first_exit, sampled, sampled_evaluated, sampled_windows, sampled_exact) for v in m.LEMMAS),
+        (
+            *first_exit.LEMMAS,
+            *sampled.LEMMAS,
+            *sampled_evaluated.LEMMAS,
+            *sampled_windows.LEMMAS,
+            *sampled_exact.LEMMAS,
+        ),
     ),
-    "rows": ("Rows, and what the certificate reads off them", rows.LEMMAS),
+    "rows": ("Rows, and what the certificate reads off them", constraint_rows.LEMMAS),
     "limits": ("Limits on u", (*input_limits.LEMMAS, *saturated.LEMMAS)),
-    "filtered": ("Plants of order 2", (*filtered_tube.LEMMAS, *inertia.LEMMAS)),
+    "filtered": ("Plants of order 2", (*filtered_tube.LEMMAS, *inertial_inputs.LEMMAS)),
     "shapes": ("Shapes: normals, supports, distances", shape_supports.LEMMAS),
-    "moving": ("Sets that move: parts of a piece, bounds, places", moving.LEMMAS),
+    "moving": ("Sets that move: parts of a piece, bounds, places", moving_bounds.LEMMAS),
     "kernels": ("What is printed: kernels of the adaptive tube", printed_kernels.LEMMAS),
     "functions": ("What is printed: functions", functions.LEMMAS),
 }
 
 
 @dataclass(frozen=True)
-class Entry:
-    """A lemma with what its proof came to."""
+class BookEntry:
+    """A lemma with the outcome of its proof."""
 
     lemma: Lemma
     outcome: Outcome
@@ -64,43 +68,46 @@ class Entry:
         return self.outcome.verdict
 
 
-def prove_all(progress: Callable[[str], None] = lambda _: None, fresh: bool = True) -> list[Entry]:
-    """Every proof, family by family; fresh=False takes outcomes from the cache where nothing that they rest on has changed."""
+def prove_all(progress: Callable[[str], None] = lambda _: None, fresh: bool = True) -> list[BookEntry]:
+    """Run every proof, family by family, and return the book's entries in its order.
+
+    progress: is called with the title of each family. fresh=False takes outcomes from the cache where no source has changed.
+    """
     cache = Cache(fresh)
-    entries: list[Entry] = []
-    known: dict[str, Verdict] = {}
+    entries: list[BookEntry] = []
+    verdicts: dict[str, Verdict] = {}
     for title, lemmas in FAMILIES.values():
         progress(title)
         for lemma in lemmas:
             outcome = cache.get(lemma.name) or lemma.run()
             cache.put(lemma.name, outcome)
-            outcome = with_steps(lemma, outcome, known)
-            known[lemma.name] = outcome.verdict
-            entries.append(Entry(lemma, outcome))
-    cache.keep()
+            outcome = with_steps(lemma, outcome, verdicts)
+            verdicts[lemma.name] = outcome.verdict
+            entries.append(BookEntry(lemma, outcome))
+    cache.save()
     return entries
 
 
-def page(entries: list[Entry], suffix: str = ".md") -> str:
-    """The book as Markdown (".md") or LaTeX (".tex"), the same on every run."""
+def page(entries: list[BookEntry], suffix: str = ".md") -> str:
+    """Return the book as Markdown (".md") or LaTeX (".tex"), with the same bytes on every run."""
     return latex(entries) if suffix == ".tex" else markdown(entries)
 
 
-def _by_family(entries: list[Entry]) -> Iterator[tuple[str, list[Entry]]]:
+def _by_family(entries: list[BookEntry]) -> Iterator[tuple[str, list[BookEntry]]]:
     for name, (title, _) in FAMILIES.items():
         yield title, [e for e in entries if e.lemma.family == name]
 
 
-def _counts(entries: list[Entry]) -> str:
+def _verdict_counts(entries: list[BookEntry]) -> str:
     return ", ".join(f"{sum(e.verdict is verdict for e in entries)} {verdict.value}" for verdict in Verdict)
 
 
-def markdown(entries: list[Entry]) -> str:
-    """Statement, formula, assumptions, steps, source, verdict, method, evidence."""
+def markdown(entries: list[BookEntry]) -> str:
+    """Return the book as Markdown: of each lemma statement, formula, assumptions, steps, source, method and evidence."""
     lines = [
         "# Lemmas",
         "",
-        f"{_counts(entries)}; made by `stt-codegen prove`, which computes verdicts from these very sources.",
+        f"{_verdict_counts(entries)}; made by `stt-codegen prove`, which computes verdicts from these very sources.",
         'Source "Program": the statement is about the expression that is printed. Refuted are statements as the paper prints',
         "them, or as one might hope; their repairs stand beside them.",
     ]
@@ -111,7 +118,7 @@ def markdown(entries: list[Entry]) -> str:
             if e.lemma.assumptions:
                 lines.append(f"- assumed: {'; '.join(e.lemma.assumptions)}")
             if e.lemma.steps:
-                lines.append(f"- steps: {_numbered(e.lemma.steps)}")
+                lines.append(f"- steps: {_numbered_steps(e.lemma.steps)}")
             lines += [
                 f"- source: {e.lemma.source}",
                 f"- method: {e.outcome.method}",
@@ -120,7 +127,7 @@ def markdown(entries: list[Entry]) -> str:
     return "\n".join(lines) + "\n"
 
 
-LATEX_HEAD = r"""\documentclass[10pt,a4paper]{article}
+LATEX_PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \usepackage[utf8]{inputenc}
 \usepackage{amsmath,amssymb}
 \usepackage[margin=25mm]{geometry}
@@ -133,32 +140,35 @@ LATEX_HEAD = r"""\documentclass[10pt,a4paper]{article}
 """
 
 
-def _numbered(steps: tuple[str, ...]) -> str:
+def _numbered_steps(steps: tuple[str, ...]) -> str:
     return ", ".join(f"{k}. {name}" for k, name in enumerate(steps, 1))
 
 
-def latex(entries: list[Entry]) -> str:
-    """The same as a LaTeX document that needs amsmath and nothing else."""
+def latex(entries: list[BookEntry]) -> str:
+    """Return the book as a LaTeX document; it needs amsmath, amssymb and geometry."""
     lines = [
-        LATEX_HEAD + _plain(f"{_counts(entries)}; made by stt-codegen prove, which computes verdicts from these very sources.")
+        LATEX_PREAMBLE
+        + _escape_latex(
+            f"{_verdict_counts(entries)}; made by stt-codegen prove, which computes verdicts from these very sources."
+        )
     ]
     for title, members in _by_family(entries):
-        lines.append(rf"\section{{{_plain(title)}}}")
+        lines.append(rf"\section{{{_escape_latex(title)}}}")
         for e in members:
             lines += [
-                rf"\paragraph{{{_plain(e.lemma.name)}: {e.verdict.value}.}} {_plain(e.lemma.statement)}",
+                rf"\paragraph{{{_escape_latex(e.lemma.name)}: {e.verdict.value}.}} {_escape_latex(e.lemma.statement)}",
                 rf"\[ {e.lemma.latex} \]",
                 r"\begin{itemize}\small\raggedright",
-                *(rf"\item assumed: {_plain(v)}" for v in e.lemma.assumptions),
-                *([rf"\item steps: {_plain(_numbered(e.lemma.steps))}"] if e.lemma.steps else []),
-                rf"\item source: {_plain(e.lemma.source)}; method: {_plain(e.outcome.method)}",
-                *(rf"\item \texttt{{{_plain(v)}}}" for v in e.outcome.evidence),
+                *(rf"\item assumed: {_escape_latex(v)}" for v in e.lemma.assumptions),
+                *([rf"\item steps: {_escape_latex(_numbered_steps(e.lemma.steps))}"] if e.lemma.steps else []),
+                rf"\item source: {_escape_latex(e.lemma.source)}; method: {_escape_latex(e.outcome.method)}",
+                *(rf"\item \texttt{{{_escape_latex(v)}}}" for v in e.outcome.evidence),
                 r"\end{itemize}",
             ]
     return "\n".join([*lines, r"\end{document}"]) + "\n"
 
 
-_SPECIAL = {
+LATEX_ESCAPES = {
     "\\": r"\textbackslash{}",
     "^": r"\textasciicircum{}",
     "~": r"\textasciitilde{}",
@@ -167,7 +177,9 @@ _SPECIAL = {
 }
 
 
-def _plain(text: str) -> str:
-    """Text with what LaTeX reads as commands written out; a star or bracket may be a place to break the line."""
-    quoted = "".join(_SPECIAL.get(c, rf"\{c}" if c in "&%$#_{}" else c) for c in text)
-    return quoted.replace("*", r"*\allowbreak{}")
+def _escape_latex(text: str) -> str:
+    """Return the text for LaTeX: its special characters are escaped, and a line may break after a star."""
+    escaped = "".join(
+        LATEX_ESCAPES.get(character, rf"\{character}" if character in "&%$#_{}" else character) for character in text
+    )
+    return escaped.replace("*", r"*\allowbreak{}")

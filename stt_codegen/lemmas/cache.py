@@ -1,7 +1,7 @@
-"""Outcomes of proofs that ran before with the very same sources and libraries: to be quick, never to be believed instead.
+"""A file with the outcomes of proofs that ran before, with the very same sources and libraries: it saves time and proves nothing.
 
-The key is the content of every module of this package and the versions of what proves; one changed byte and all is proved again.
-The file may be deleted at any time. Lemmas that were open are never kept.
+`prove_all` of book.py reads and writes it. The key is the content of every module of this package and the versions of the
+provers, so one changed byte has everything proved again. The file may be deleted at any time. Open lemmas are never stored.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ PROVERS = ("sympy", "mpmath", "python-flint", "casadi", "numpy")
 
 
 def folder() -> Path:
-    """Where caches go on this machine (XDG Base Directory Specification)."""
+    """Return the folder for caches on this machine (XDG Base Directory Specification)."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "stt_codegen"
 
 
 def key() -> str:
-    """SHA-256 of the package's sources and the provers' versions."""
+    """Return the SHA-256 of the package's sources and the provers' versions."""
     root = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(root.rglob("*.py")):
@@ -36,35 +36,39 @@ def key() -> str:
 
 
 class Cache:
-    """The outcomes by lemma; fresh: nothing is taken from the file, but it is written anew."""
+    """Outcomes by the name of their lemma. fresh: nothing is read from the file, and `save` overwrites it."""
 
     def __init__(self, fresh: bool) -> None:
+        """Read the file, unless `fresh`; a file that is missing, damaged or of other sources counts as empty."""
         self.path = folder() / "lemmas.json"
         self.key = key()
-        self.known: dict[str, Outcome] = {}
-        self.changed = False
+        self.outcomes: dict[str, Outcome] = {}
+        self.is_changed = False
         if fresh:
             return
         try:
-            kept = json.loads(self.path.read_bytes())
-            if kept["key"] == self.key:
-                self.known = {name: Outcome(Verdict(v), m, tuple(lines)) for name, (v, m, lines) in kept["outcomes"].items()}
+            document = json.loads(self.path.read_bytes())
+            if document["key"] == self.key:
+                self.outcomes = {
+                    name: Outcome(Verdict(verdict), method, tuple(lines))
+                    for name, (verdict, method, lines) in document["outcomes"].items()
+                }
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            self.known = {}
+            self.outcomes = {}
 
     def get(self, name: str) -> Outcome | None:
-        return self.known.get(name)
+        return self.outcomes.get(name)
 
     def put(self, name: str, outcome: Outcome) -> None:
-        if outcome.verdict is not Verdict.OPEN and self.known.get(name) != outcome:
-            self.known[name] = outcome
-            self.changed = True
+        if outcome.verdict is not Verdict.OPEN and self.outcomes.get(name) != outcome:
+            self.outcomes[name] = outcome
+            self.is_changed = True
 
-    def keep(self) -> None:
-        """Write the file, whole or not at all; a machine without a place for it does without."""
-        if not self.changed:
+    def save(self) -> None:
+        """Write the file in one step; where the machine does not allow that, there is no cache."""
+        if not self.is_changed:
             return
-        outcomes = {name: (o.verdict.value, o.method, o.evidence) for name, o in self.known.items()}
+        outcomes = {name: (o.verdict.value, o.method, o.evidence) for name, o in self.outcomes.items()}
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with tempfile.NamedTemporaryFile("w", dir=self.path.parent, delete=False) as file:

@@ -26,9 +26,9 @@ from stt_codegen.cli.main import app
 from stt_codegen.controller.kernels import logarithm
 from stt_codegen.lemmas import book as book_module
 from stt_codegen.lemmas import cache as cache_module
-from stt_codegen.lemmas.book import FAMILIES, Entry, page, prove_all
+from stt_codegen.lemmas.book import FAMILIES, BookEntry, page, prove_all
 from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, positive, sign, with_steps
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_above, prove_identities, prove_positive, with_steps
 from stt_codegen.lemmas.paper import bumps, reach, theorem_4_1, update_function
 from stt_codegen.lemmas.sampling import definite_plants, first_exit, sampled, sampled_windows
 from stt_codegen.paper import adaptive_tube, circumvent, control_law, reach_tube, refined_tube, smooth
@@ -445,7 +445,7 @@ x = sp.Symbol("x", real=True)
 
 @pytest.mark.parametrize("wrong", [x, x**2 - x, sp.exp(x) - 1 - x, sp.tanh(x) - x, sp.Rational(1, 10**12)])
 def test_a_difference_that_is_not_zero_is_no_identity(wrong: Any) -> None:
-    outcome = identity({"right": x - x, "wrong": wrong})
+    outcome = prove_identities({"right": x - x, "wrong": wrong})
     assert outcome.verdict is Verdict.OPEN
     assert outcome.evidence[0].startswith("wrong: ")
 
@@ -454,33 +454,33 @@ def test_an_inequality_is_proved_refuted_or_left_open_but_never_wrongly_proved()
     def touching(v: arb) -> arb:
         return (v - arb(1) / 3) ** 2
 
-    assert positive("x^2 + 1/1000", lambda v: v**2 + arb("0.001"), [(-1.0, 1.0)]).verdict is Verdict.PROVED
-    assert positive("x^2 - 1/1000", lambda v: v**2 - arb("0.001"), [(-1.0, 1.0)]).verdict is Verdict.REFUTED
-    assert positive("(x - 1/3)^2, which is 0 somewhere", touching, [(0.0, 1.0)]).verdict is Verdict.OPEN
-    assert positive("1/x over a pole", lambda v: 1 / v, [(-1.0, 1.0)]).verdict is not Verdict.PROVED
+    assert prove_above("x^2 + 1/1000", lambda v: v**2 + arb("0.001"), [(-1.0, 1.0)]).verdict is Verdict.PROVED
+    assert prove_above("x^2 - 1/1000", lambda v: v**2 - arb("0.001"), [(-1.0, 1.0)]).verdict is Verdict.REFUTED
+    assert prove_above("(x - 1/3)^2, which is 0 somewhere", touching, [(0.0, 1.0)]).verdict is Verdict.OPEN
+    assert prove_above("1/x over a pole", lambda v: 1 / v, [(-1.0, 1.0)]).verdict is not Verdict.PROVED
     assert (
-        positive("x y - 1/2 on the unit square", lambda v, w: v * w - arb("0.5"), [(0.0, 1.0), (0.0, 1.0)]).verdict
+        prove_above("x y - 1/2 on the unit square", lambda v, w: v * w - arb("0.5"), [(0.0, 1.0), (0.0, 1.0)]).verdict
         is Verdict.REFUTED
     )
 
 
 def test_no_evidence_is_no_proof() -> None:
-    for nothing in (lambda: identity({}), lambda: all_of(), lambda: sign({})):
+    for nothing in (lambda: prove_identities({}), lambda: all_of(), lambda: prove_positive({})):
         assert Lemma("a.b", "", "", (), "", nothing).run().verdict is Verdict.OPEN
 
 
 def test_what_holds_for_positive_numbers_alone_is_no_identity() -> None:
     """Forced logarithms would take log x^2 for 2 log x."""
-    assert identity({"log x^2 - 2 log x": sp.log(x**2) - 2 * sp.log(x)}).verdict is Verdict.OPEN
+    assert prove_identities({"log x^2 - 2 log x": sp.log(x**2) - 2 * sp.log(x)}).verdict is Verdict.OPEN
     y = sp.Symbol("y", positive=True)
-    assert identity({"log y^2 - 2 log y": sp.log(y**2) - 2 * sp.log(y)}).verdict is Verdict.PROVED
+    assert prove_identities({"log y^2 - 2 log y": sp.log(y**2) - 2 * sp.log(y)}).verdict is Verdict.PROVED
 
 
 def test_a_sign_is_for_all_values() -> None:
     y = sp.Symbol("y", positive=True)
-    assert sign({"y + sinh y": y + sp.sinh(y)}).verdict is Verdict.PROVED
+    assert prove_positive({"y + sinh y": y + sp.sinh(y)}).verdict is Verdict.PROVED
     for unknown in (x, x**2, y - 1, sp.cosh(y) - 2):
-        assert sign({"good": y, "bad": unknown}).verdict is Verdict.OPEN
+        assert prove_positive({"good": y, "bad": unknown}).verdict is Verdict.OPEN
 
 
 def test_all_of_is_as_good_as_its_worst() -> None:
@@ -529,7 +529,7 @@ def test_an_open_lemma_is_not_kept(tmp_path: Any, monkeypatch: Any) -> None:
     cache_ = cache_module.Cache(fresh=True)
     cache_.put("a.b", Outcome(Verdict.OPEN, "none", ("left",)))
     cache_.put("a.c", Outcome(Verdict.PROVED, "none", ("done",)))
-    cache_.keep()
+    cache_.save()
     again = cache_module.Cache(fresh=False)
     assert again.get("a.b") is None
     assert again.get("a.c") == Outcome(Verdict.PROVED, "none", ("done",))
@@ -542,7 +542,7 @@ def test_the_key_follows_every_source_file(monkeypatch: Any) -> None:
     assert cache_module.key() != before
 
 
-def the_book_in_latex_is_well_formed_and_complete(entries: list[Entry]) -> None:
+def the_book_in_latex_is_well_formed_and_complete(entries: list[BookEntry]) -> None:
     text = page(entries, ".tex")
     assert text.count("{") - text.count(r"\{") == text.count("}") - text.count(r"\}")
     for environment in ("itemize", "document"):

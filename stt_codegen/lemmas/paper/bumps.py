@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 
 t, m = sp.symbols("t m", real=True)
 height, k, r = sp.symbols("B k r", positive=True)
@@ -19,9 +19,9 @@ def _edges() -> Outcome:
     x = sp.Symbol("x", real=True)
     inner = -k * x**2 / (r**2 - x**2)
     return all_of(
-        identity(powers, "SymPy: limits, with k r^2 v for v"),
-        identity({"exponent - (k - k r^2/(r^2 - x^2))": inner - (k - k * r**2 / (r**2 - x**2))}),
-        identity(
+        prove_identities(powers, "SymPy: limits, with k r^2 v for v"),
+        prove_identities({"exponent - (k - k r^2/(r^2 - x^2))": inner - (k - k * r**2 / (r**2 - x**2))}),
+        prove_identities(
             {
                 "d exponent/dx + 2 k r^2 x v^2: each derivative adds a polynomial in x and v": sp.diff(inner, x)
                 + 2 * k * r**2 * x / (r**2 - x**2) ** 2
@@ -34,10 +34,10 @@ def _between() -> Outcome:
     x, w = sp.Symbol("x", real=True), sp.Symbol("w", positive=True)
     rest = 2 * sp.exp(-w / 2) * sp.sinh(w / 2)
     return all_of(
-        identity({"at the middle, less B": BUMP.subs(t, m) - height}),
-        identity({"1 - exp(-w) - 2 exp(-w/2) sinh(w/2)": sp.simplify((1 - sp.exp(-w) - rest).rewrite(sp.exp))}),
-        sign({"exp(-w), the exponent being -w": sp.exp(-w), "2 exp(-w/2) sinh(w/2)": rest}),
-        identity(
+        prove_identities({"at the middle, less B": BUMP.subs(t, m) - height}),
+        prove_identities({"1 - exp(-w) - 2 exp(-w/2) sinh(w/2)": sp.simplify((1 - sp.exp(-w) - rest).rewrite(sp.exp))}),
+        prove_positive({"exp(-w), the exponent being -w": sp.exp(-w), "2 exp(-w/2) sinh(w/2)": rest}),
+        prove_identities(
             {"slope in x^2 of the exponent + k r^2/(r^2 - x^2)^2": sp.diff(-k * x / (r**2 - x), x) + k * r**2 / (r**2 - x) ** 2}
         ),
     )
@@ -47,7 +47,7 @@ def _widening() -> Outcome:
     q, reach, delta = sp.symbols("q D delta", positive=True)
     c = -sp.log(1 - (reach - delta) / height)
     at = height * sp.exp(-k * q**2 / (q**2 * (1 + k / c) - q**2))
-    return identity(
+    return prove_identities(
         {"bump at |t - m| = q with r^2 = q^2 (1 + k/c), less B - (dB - delta)": sp.simplify(at - (height - (reach - delta)))}
     )
 
@@ -57,7 +57,7 @@ def _uncovered() -> Outcome:
     x = arb("0.99")
     value = arb("3.7") * (-arb("0.01") * x**2 / (1 - x**2)).exp()
     at = "k = 0.01, B = 3.7, dB = 0.2, |t - m| = 0.99 r, r the conflict's half width"
-    return counterexample("the bump is at least B - dB = 3.5", at, value < arb("3.5"), f"it is {value.str(5)}")
+    return refute_by_counterexample("the bump is at least B - dB = 3.5", at, value < arb("3.5"), f"it is {value.str(5)}")
 
 
 LEMMAS = (

@@ -15,7 +15,7 @@ from sympy.logic.inference import satisfiable
 from stt_codegen.design.paper_tubes import OVERSHOOT
 from stt_codegen.design.paper_tubes import conflict_windows as shipped
 from stt_codegen.designs import Edge
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_identities, refute_by_counterexample
 
 Box = tuple[Edge, ...]
 
@@ -66,7 +66,7 @@ def _inverse() -> Outcome:
         "shipped t at sigma = 0": _time(sp.Integer(0), t_c),
         "shipped t at sigma = 1, less t_c": _time(sp.Integer(1), t_c) - t_c,
     }
-    return identity(found, "SymPy: the shipped function's code run on formulas; the difference of both sides is 0")
+    return prove_identities(found, "SymPy: the shipped function's code run on formulas; the difference of both sides is 0")
 
 
 def _arguments(start: Edge, target: Edge, unsafe: Edge) -> list[Fraction | None]:
@@ -81,7 +81,7 @@ def _undefined() -> Outcome:
     zero, one, more = terms.count(None), sum(v == 1 for v in known), sum(v > 1 for v in known)
     bad = zero + one + more
     shown = f"{bad} of {len(terms)} are not: {zero} divide by 0, {one} are atanh of 1 or -1, {more} of what lies beyond"
-    return counterexample("every term of (5) is a number", "the case study, X0hat = X0, That = T", bad > 0, shown)
+    return refute_by_counterexample("every term of (5) is a number", "the case study, X0hat = X0, That = T", bad > 0, shown)
 
 
 def _edges(names: str) -> list[tuple[Any, Any, Any]]:
@@ -107,7 +107,7 @@ def _interval() -> Outcome:
     method = "the shipped function by cases: start and slope as symbols, a pair of crossings for each order among them, 0 and 1"
     shown = "its answer and the two inequalities agree at 0, 1, every crossing and between them"
     return all_of(
-        identity({"rho - rho(c) - (T - X0)(sigma - c), so rho passes a bound once": affine}),
+        prove_identities({"rho - rho(c) - (T - X0)(sigma - c), so rho passes a bound once": affine}),
         _by_cases(method, shown, len(upper) * len(lower), wrong),
     )
 
@@ -124,7 +124,7 @@ def _order() -> Outcome:
             f"U = {_text(unsafe)}: {ends} by the {len(a)} terms of 4 that are numbers, in truth sigma in {_text(window)}"
         )
     at = f"X0 = {_text(start)}, T = {_text(target)}"
-    return counterexample("(5) closes when the conflict ends", at, all(fails), "; ".join(shown))
+    return refute_by_counterexample("(5) closes when the conflict ends", at, all(fails), "; ".join(shown))
 
 
 def _apart(a: Edge, b: Edge) -> bool:
@@ -135,7 +135,9 @@ def _dimension() -> Outcome:
     """The set in the way of each dimension; where it holds all of T's side, no That within T would do."""
     held = [[o for o, u in UNSAFE.items() if u[i][0] <= TARGET[i][0] and TARGET[i][1] <= u[i][1]] for i in range(len(TARGET))]
     shown = ", ".join(f"x{i + 1} of T within that of {' and '.join(sets) or 'none'}" for i, sets in enumerate(held))
-    return counterexample("T is apart from all sets in one dimension", "the case study, any That within T", all(held), shown)
+    return refute_by_counterexample(
+        "T is apart from all sets in one dimension", "the case study, any That within T", all(held), shown
+    )
 
 
 def _disjoint() -> Outcome:
@@ -202,7 +204,7 @@ def _shortest() -> Outcome:
         way = f"from {_text(STARTS[s][i])} to {_text(TARGET[i])}, through {_text(UNSAFE[o][i])} by continuity"
         shown.append(f"{s} with {o}: sigma in {_text(windows[0])} and {_text(windows[1])}; x{i + 1} is picked and goes {way}")
     at = "the case study, X0hat = X0, That = T"
-    return counterexample("the dimension that (6) picks can be held", at, all(fails), "; ".join(shown))
+    return refute_by_counterexample("the dimension that (6) picks can be held", at, all(fails), "; ".join(shown))
 
 
 def _from_rho() -> Outcome:
@@ -215,7 +217,7 @@ def _from_rho() -> Outcome:
     shown = f"rho overlaps A for sigma in {_text(during)}; C in x1 for {_text(beside[0])}, in x2 for {_text(beside[1])}"
     shown += f"; with x2 above A, beta_L = {float(edge):g} is within C's {_text(c[1])} meanwhile"
     at = f"A = {_text(*a)}, C = {_text(*c)}, dB = {float(OVERSHOOT):g}"
-    return counterexample("a tube kept off the sets that rho meets is off all", at, held and enters and not met, shown)
+    return refute_by_counterexample("a tube kept off the sets that rho meets is off all", at, held and enters and not met, shown)
 
 
 def _room() -> Outcome:
@@ -229,14 +231,14 @@ def _room() -> Outcome:
         beta = far - sign * (sign * (far - edge) + reach)  # B as (7), (8) have it
         found[f"{name}: from wall to edge, less w_min + spare"] = sign * (beta - wall) - (width + spare)
         found[f"{name}: from edge to the other wall, less dB + beyond"] = sign * (far - beta) - (reach + beyond)
-    return identity(found)
+    return prove_identities(found)
 
 
 def _wall() -> Outcome:
     (wall, _), (edge, _) = WALL
     at = f"X = {_text(WALL[0])}, U = {_text(WALL[1])}, dB = {float(OVERSHOOT):g}"
     fails, shown = wall < edge < wall + OVERSHOOT, f"beta_U = {float(edge - OVERSHOOT):g}"
-    return counterexample("below a set that does not touch the wall, beta_U is within X", at, fails, shown)
+    return refute_by_counterexample("below a set that does not touch the wall, beta_U is within X", at, fails, shown)
 
 
 def _random() -> Outcome:
@@ -244,7 +246,7 @@ def _random() -> Outcome:
     (a, b), at = SQUEEZE, f"A = {_text(*SQUEEZE[0])} pushing up, B = {_text(*SQUEEZE[1])} down, dB = {float(OVERSHOOT):g}"
     low, high = a[1][1] + OVERSHOOT, b[1][0] - OVERSHOOT
     shown = f"beta_L = {float(low):g}, beta_U = {float(high):g}"
-    return counterexample("beta_L < beta_U", at, a[0] == b[0] and low >= high, shown)
+    return refute_by_counterexample("beta_L < beta_U", at, a[0] == b[0] and low >= high, shown)
 
 
 LEMMAS = (

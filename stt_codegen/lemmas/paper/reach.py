@@ -5,7 +5,16 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, positive, sign
+from stt_codegen.lemmas.lemma import (
+    Lemma,
+    Outcome,
+    Verdict,
+    all_of,
+    prove_above,
+    prove_identities,
+    prove_positive,
+    refute_by_counterexample,
+)
 from stt_codegen.paper import reach_tube
 from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
@@ -17,7 +26,7 @@ FASTEST = 0.40607  # of t_c, where sigma is steepest
 def _rate() -> Outcome:
     by_definition = sp.diff(sp.tanh(t / (t_c - t)), t)
     claimed = ((1 + s) ** 2 / sp.cosh(s) ** 2 / t_c).subs(s, t / (t_c - t))
-    return identity({"d sigma/dt - (1 + s)^2 sech(s)^2 / t_c": by_definition - claimed})
+    return prove_identities({"d sigma/dt - (1 + s)^2 sech(s)^2 / t_c": by_definition - claimed})
 
 
 def _limits() -> Outcome:
@@ -26,12 +35,12 @@ def _limits() -> Outcome:
         "rate at t_c": sp.limit(((1 + s) ** 2 * 4 * sp.exp(-2 * s)), s, sp.oo),
         "second derivative at t_c": sp.limit((1 + s) ** 4 * 4 * sp.exp(-2 * s), s, sp.oo),
     }
-    return identity(found, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2")
+    return prove_identities(found, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2")
 
 
 def _monotone() -> Outcome:
     """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s >= 0."""
-    return sign({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
+    return prove_positive({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
 
 
 def _steepest() -> Outcome:
@@ -42,27 +51,27 @@ def _steepest() -> Outcome:
         return arb(1.83489) - ((1 + v) / v.cosh()) ** 2
 
     return all_of(
-        positive("1.83489 - sigmadot t_c", bound, [(0.0, 6.0)]),
-        identity(
+        prove_above("1.83489 - sigmadot t_c", bound, [(0.0, 6.0)]),
+        prove_identities(
             {"d/ds ln((1 + s)^2 exp(-2 s)) + 2 s/(1 + s), so it falls": sp.diff(2 * sp.log(1 + s) - 2 * s, s) + 2 * s / (1 + s)}
         ),
-        positive(
+        prove_above(
             "1.83489 - 4 (1 + s)^2 exp(-2 s), above sech's, from 6 on",
             lambda v: arb(1.83489) - 4 * (1 + v) ** 2 * (-2 * v).exp(),
             [(6.0, 7.0)],
         ),
-        positive(
+        prove_above(
             "sigmadot t_c - 1.83487 near there", lambda v: ((1 + v) / v.cosh()) ** 2 - arb(1.83487), [(at - 1e-4, at + 1e-4)]
         ),
-        identity({"d/ds ((1 + s) tanh s) - tanh s - (1 + s) sech(s)^2": sp.diff((1 + s) * sp.tanh(s), s) - slope}),
-        sign({"tanh s + (1 + s) sech(s)^2": slope}),
+        prove_identities({"d/ds ((1 + s) tanh s) - tanh s - (1 + s) sech(s)^2": sp.diff((1 + s) * sp.tanh(s), s) - slope}),
+        prove_positive({"tanh s + (1 + s) sech(s)^2": slope}),
     )
 
 
 def _hull() -> Outcome:
     start, end, value = sp.symbols("X0 T sigma", real=True)
     (rho,) = formulas(lower(reach_tube.reach_edge()), {"start": start, "end": end, "sigma": value})
-    return identity({"reach_edge - ((1 - sigma) X0 + sigma T)": rho - ((1 - value) * start + value * end)})
+    return prove_identities({"reach_edge - ((1 - sigma) X0 + sigma T)": rho - ((1 - value) * start + value * end)})
 
 
 def _guard() -> Outcome:
@@ -77,7 +86,9 @@ def _guard() -> Outcome:
 def _printed() -> Outcome:
     argument = t / (t_c - t)
     below = sp.denom(sp.together(argument)).subs(t, t_c)
-    return counterexample("tanh's argument t/(t_c - t) is a number", "t = t_c", below == 0, f"its denominator is {below}")
+    return refute_by_counterexample(
+        "tanh's argument t/(t_c - t) is a number", "t = t_c", below == 0, f"its denominator is {below}"
+    )
 
 
 LEMMAS = (

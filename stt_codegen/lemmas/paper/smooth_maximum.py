@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_above, prove_identities, refute_by_counterexample
 from stt_codegen.paper import circumvent, smooth
 from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import branches
@@ -36,15 +36,15 @@ def _built(sign: int) -> Outcome:
         found[label] = sp.simplify(
             sp.expand(sp.exp(sp.expand(nu * sign * branch.outputs[0])) - sp.exp(sp.expand(nu * sign * printed)))
         )
-    return identity(found, "SymPy: exp(nu .) of both forms is the same, by the sign of a - b")
+    return prove_identities(found, "SymPy: exp(nu .) of both forms is the same, by the sign of a - b")
 
 
 def _bounds(sign: int) -> Outcome:
     """nu times the excess over the maximum is ln(1 + y), y = exp(-nu |a - b|): it rises from 0 at y = 0 to ln 2 at y = 1."""
     return all_of(
-        positive("d ln(1 + y)/dy", lambda y: 1 / (1 + y), [(0.0, 1.0)]),
-        identity({"ln(1 + 0)": sp.log(1 + sp.Integer(0)), "ln(1 + 1) - ln 2": sp.log(1 + sp.Integer(1)) - sp.log(2)}),
-        identity(
+        prove_above("d ln(1 + y)/dy", lambda y: 1 / (1 + y), [(0.0, 1.0)]),
+        prove_identities({"ln(1 + 0)": sp.log(1 + sp.Integer(0)), "ln(1 + 1) - ln 2": sp.log(1 + sp.Integer(1)) - sp.log(2)}),
+        prove_identities(
             {"the printed form at a = b is a + ln(2)/nu": sp.simplify(_printed(sign).subs(b, a) - (a + sign * sp.log(2) / nu))}
         ),
     )
@@ -53,7 +53,7 @@ def _bounds(sign: int) -> Outcome:
 def _gradient() -> Outcome:
     gradient = [sp.diff(_printed(1), v) for v in (a, b)]
     weight = 1 / (1 + sp.exp(nu * (b - a)))
-    return identity(
+    return prove_identities(
         {"sum of the weights - 1": sum(gradient) - 1, "weight of a - 1/(1 + exp(nu (b - a)))": gradient[0] - weight},
         "SymPy: weights are logistic, so above 0, and sum to 1",
     )
@@ -64,7 +64,7 @@ def _four_gaps() -> Outcome:
     upper = sp.exp(-nu * p) + sp.exp(-nu * q)
     lower_edge = sp.exp(nu * r) + sp.exp(nu * s)
     gaps = sum(sp.exp(-nu * (x - y)) for x in (p, q) for y in (r, s))
-    return identity(
+    return prove_identities(
         {"exp(-nu gamma_U) exp(nu gamma_L) - sum of exp(-nu gap)": sp.expand(upper * lower_edge) - sp.expand(gaps)},
         "SymPy: exp(-nu (gamma_U - gamma_L)) of both sides",
     )
@@ -76,7 +76,7 @@ def _join() -> Outcome:
     def join(u: Any, v: Any) -> Any:
         return u + v - 1
 
-    return identity(
+    return prove_identities(
         {
             "where one is at rest (exp(0) = 1) the other stays": join(x, 1) - x,
             "associative": join(join(x, y), z) - join(x, join(y, z)),
@@ -96,7 +96,7 @@ def _join_kernel() -> Outcome:
         (branch,) = branches(kernel, given)
         want = sp.exp(nu * x) + sp.exp(nu * y) - 1
         found[label] = sp.simplify(sp.expand(sp.exp(sp.expand(nu * branch.outputs[0])) - want))
-    return identity(found, "SymPy: exp(nu .) of the emitted kernel, by the sign of a - b")
+    return prove_identities(found, "SymPy: exp(nu .) of the emitted kernel, by the sign of a - b")
 
 
 def _plain_max() -> Outcome:
@@ -104,13 +104,13 @@ def _plain_max() -> Outcome:
     t = sp.Symbol("t", real=True)
     slope = sp.diff(sp.Max(1 - t, t), t)
     left, right = (sp.limit(slope, t, sp.Rational(1, 2), side) for side in "-+")
-    return counterexample("max(1 - t, t) has one slope", "t = 1/2", left != right, f"slopes {left} and {right}")
+    return refute_by_counterexample("max(1 - t, t) has one slope", "t = 1/2", left != right, f"slopes {left} and {right}")
 
 
 def _overflow() -> Outcome:
     value = arb(100 * 1.0).exp()
     largest = (2 - 2.0**-23) * 2.0**127
-    return counterexample("exp(nu a) is a float", "nu = 100, a = 1", value > largest, f"exp(100) = {value.str(5)}")
+    return refute_by_counterexample("exp(nu a) is a float", "nu = 100, a = 1", value > largest, f"exp(100) = {value.str(5)}")
 
 
 LEMMAS = (
@@ -152,7 +152,7 @@ LEMMAS = (
         r"d_j > \tfrac{\ln 4}{\nu}\ \Rightarrow\ \gamma_U > \gamma_L",
         ("nu > 0",),
         "ours",
-        lambda: all_of(_four_gaps(), identity({"4 exp(-ln 4) - 1": 4 * sp.exp(-sp.log(4)) - 1})),
+        lambda: all_of(_four_gaps(), prove_identities({"4 exp(-ln 4) - 1": 4 * sp.exp(-sp.log(4)) - 1})),
     ),
     Lemma(
         "smooth.join",

@@ -6,8 +6,8 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
-from stt_codegen.lemmas.pull import least_slope
+from stt_codegen.lemmas.law_slopes import prove_slope_bound
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 
 x, xdot, lower, upper, lower_rate, upper_rate = sp.symbols("x xdot gamma_L gamma_U gammadot_L gammadot_U", real=True)
 S, D, S_RATE, D_RATE = upper + lower, upper - lower, upper_rate + lower_rate, upper_rate - lower_rate
@@ -20,7 +20,7 @@ def _rate(expression: Any) -> Any:
 
 
 def _edot() -> Outcome:
-    return identity(
+    return prove_identities(
         {"edot - (2/gamma_d)(xdot - (gammadot_s + gammadot_d e)/2)": _rate(E) - 2 / D * (xdot - (S_RATE + D_RATE * E) / 2)}
     )
 
@@ -32,7 +32,7 @@ def _vdot() -> Outcome:
     d = sp.Symbol("gamma_d", positive=True)
     phi = sp.Symbol("r", real=True)  # xdot - (gammadot_s + gammadot_d e)/2
     vdot = (sp.diff(epsilon**2 / 2, e) * edot).subs(edot, 2 / d * phi)
-    return identity(
+    return prove_identities(
         {"d(eps^2/2)/dt - eps xi (xdot - (gammadot_s + gammadot_d e)/2)": vdot - epsilon * 4 / (d * (1 - e**2)) * phi}
     )
 
@@ -47,13 +47,13 @@ def _norms() -> Outcome:
         whole = sum(sp.diff(v, c) * rate for c, rate in zip(e, rates, strict=True))
         parts = sum(sp.log((1 + c) / (1 - c)) * 2 / (1 - c**2) * rate for c, rate in zip(e, rates, strict=True))
         found[f"n = {n}: Vdot - sum of eps_i (d eps_i/d e_i) edot_i"] = sp.simplify(whole - parts)
-    return identity(found)
+    return prove_identities(found)
 
 
 def _component() -> Outcome:
     """r <= P - g k v at the upper edge, k v = 4 k q(eps)/gamma_d: below 0 once 4 k g q(eps) > P gamma_d."""
     p, g, k, v, s = sp.symbols("P g k v s", positive=True)
-    return identity({"P - g k v at g k v = P + s, plus s": sp.expand((p - g * k * v).subs(v, (p + s) / (g * k)) + s)})
+    return prove_identities({"P - g k v at g k v = P + s, plus s": sp.expand((p - g * k * v).subs(v, (p + s) / (g * k)) + s)})
 
 
 def _effort() -> Outcome:
@@ -64,7 +64,7 @@ def _effort() -> Outcome:
     held = (p + s) / g  # k h
     y = a / b
     return all_of(
-        identity(
+        prove_identities(
             {
                 "adot = f - g k h - gammadot_L, at k h = (P + s)/g: less (f - gammadot_L - P) - s": sp.expand(
                     push - g * held - low - ((push - low - p) - s)
@@ -76,7 +76,7 @@ def _effort() -> Outcome:
                 "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(h, b) + (1 + 1 / y + sp.log(y))),
             }
         ),
-        least_slope(),
+        prove_slope_bound(),
     )
 
 
@@ -87,7 +87,7 @@ def _skew() -> Outcome:
         v = sp.Matrix(sp.symbols(f"v1:{n + 1}", real=True))
         g = sp.Matrix(n, n, lambda i, j: sp.Symbol(f"g{i}{j}", real=True))
         found[f"n = {n}: v' g v - v' (g + g')/2 v"] = sp.expand((v.T * g * v)[0] - (v.T * ((g + g.T) / 2) * v)[0])
-    return identity(found)
+    return prove_identities(found)
 
 
 def _decrease() -> Outcome:
@@ -95,10 +95,10 @@ def _decrease() -> Outcome:
     w, gain, push, more = sp.symbols("w c P s", positive=True)
     bound = -gain * w**2 + w * push
     return all_of(
-        identity(
+        prove_identities(
             {"at |v| = P/c + s: less -(P + c s) s": sp.expand(bound.subs(w, push / gain + more) + (push + gain * more) * more)}
         ),
-        identity(
+        prove_identities(
             {
                 "bound - (P^2/(4 c) - c (|v| - P/(2 c))^2)": sp.expand(
                     bound - (push**2 / (4 * gain) - gain * (w - push / (2 * gain)) ** 2)
@@ -112,9 +112,9 @@ def _gain() -> Outcome:
     """xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d: so |v| >= (4/max gamma_d) |eps|."""
     e, z = sp.symbols("e z", real=True)
     return all_of(
-        identity({"1/(1 - e^2) - 1 - e^2/(1 - e^2)": 1 / (1 - e**2) - 1 - e**2 / (1 - e**2)}),
-        identity({"1/(1 - e^2) - cosh(z)^2 for e = tanh z": sp.simplify(1 / (1 - sp.tanh(z) ** 2) - sp.cosh(z) ** 2)}),
-        sign({"cosh(z)^2": sp.cosh(z) ** 2}),
+        prove_identities({"1/(1 - e^2) - 1 - e^2/(1 - e^2)": 1 / (1 - e**2) - 1 - e**2 / (1 - e**2)}),
+        prove_identities({"1/(1 - e^2) - cosh(z)^2 for e = tanh z": sp.simplify(1 / (1 - sp.tanh(z) ** 2) - sp.cosh(z) ** 2)}),
+        prove_positive({"cosh(z)^2": sp.cosh(z) ** 2}),
     )
 
 
@@ -124,14 +124,16 @@ def _rayleigh() -> Outcome:
     xi = (sp.Integer(4), 4 / (100 * (1 - sp.Rational(1, 4))))
     claimed, found = max(xi) ** 2 * eps**2, xi[1] ** 2 * eps**2
     shown = f"it says {sp.N(claimed, 5)} <= {sp.N(found, 3)}"
-    return counterexample("the printed step", "gamma_d = diag(1, 100), e = (0, 1/2)", (claimed - found).is_positive, shown)
+    return refute_by_counterexample(
+        "the printed step", "gamma_d = diag(1, 100), e = (0, 1/2)", (claimed - found).is_positive, shown
+    )
 
 
 def _negative() -> Outcome:
     """Remark 4.2: with -g in place of g and -k in place of k the closed loop is the same."""
     g, k, v = sp.symbols("g k v", real=True)
     work = g * (-k * v)
-    return identity({"g (-k v), less the same with -g and -k": work - work.subs({g: -g, k: -k}, simultaneous=True)})
+    return prove_identities({"g (-k v), less the same with -g and -k": work - work.subs({g: -g, k: -k}, simultaneous=True)})
 
 
 LEMMAS = (

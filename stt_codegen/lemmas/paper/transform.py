@@ -11,7 +11,15 @@ import sympy as sp
 from flint import arb
 
 from stt_codegen.controller.kernels import logarithm
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, positive, sign
+from stt_codegen.lemmas.lemma import (
+    Lemma,
+    Outcome,
+    all_of,
+    prove_above,
+    prove_identities,
+    prove_positive,
+    refute_by_counterexample,
+)
 from stt_codegen.paper import control_law
 from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
@@ -25,31 +33,33 @@ e = (a - b) / (a + b)  # with a = x - gamma_L, b = gamma_U - x: (2x - gamma_s)/g
 def _e() -> Outcome:
     upper = x + b
     printed = (2 * x - (upper + low)) / (upper - low)
-    return identity({"(a - b)/(a + b) - (2x - gamma_s)/gamma_d": e.subs(a, x - low) - printed})
+    return prove_identities({"(a - b)/(a + b) - (2x - gamma_s)/gamma_d": e.subs(a, x - low) - printed})
 
 
 def _normalized() -> Outcome:
     (value,) = formulas(lower(control_law.normalized_error()), {"a": a, "b": b, "width": a + b})
-    return identity({"emitted e less (a - b)/(a + b)": value - e})
+    return prove_identities({"emitted e less (a - b)/(a + b)": value - e})
 
 
 def _epsilon() -> Outcome:
     epsilon, _ = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
-    return identity({"exp(emitted epsilon) - (1 + e)/(1 - e)": sp.exp(epsilon) - (1 + e) / (1 - e)}, "SymPy: exp of both sides")
+    return prove_identities(
+        {"exp(emitted epsilon) - (1 + e)/(1 - e)": sp.exp(epsilon) - (1 + e) / (1 - e)}, "SymPy: exp of both sides"
+    )
 
 
 def _xi() -> Outcome:
     _, xi = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
     upper = sp.Symbol("gamma_U", real=True)
     slope = sp.diff(sp.log((x - low) / (upper - x)), x).subs(upper, x + b).subs(low, x - a)
-    return identity(
+    return prove_identities(
         {"emitted xi - d epsilon/dx": xi - slope, "emitted xi - 4/(gamma_d (1 - e^2))": xi - 4 / ((a + b) * (1 - e**2))}
     )
 
 
 def _inverse() -> Outcome:
     z = sp.Symbol("z", real=True)
-    return identity(
+    return prove_identities(
         {
             "e = tanh(epsilon/2), put back into (1 + e)/(1 - e), less exp(epsilon)": (
                 (1 + sp.tanh(z / 2)) / (1 - sp.tanh(z / 2)) - sp.exp(z)
@@ -62,9 +72,11 @@ def _monotone() -> Outcome:
     v, z = sp.symbols("e z", real=True)
     derivative = sp.diff(sp.log((1 + v) / (1 - v)), v)
     return all_of(
-        identity({"d epsilon/de - 2/(1 - e^2)": derivative - 2 / (1 - v**2)}),
-        identity({"2/(1 - e^2) - 2 cosh(z)^2 for e = tanh z": sp.simplify(2 / (1 - sp.tanh(z) ** 2) - 2 * sp.cosh(z) ** 2)}),
-        sign({"2 cosh(z)^2": 2 * sp.cosh(z) ** 2}),
+        prove_identities({"d epsilon/de - 2/(1 - e^2)": derivative - 2 / (1 - v**2)}),
+        prove_identities(
+            {"2/(1 - e^2) - 2 cosh(z)^2 for e = tanh z": sp.simplify(2 / (1 - sp.tanh(z) ** 2) - 2 * sp.cosh(z) ** 2)}
+        ),
+        prove_positive({"2 cosh(z)^2": 2 * sp.cosh(z) ** 2}),
     )
 
 
@@ -75,7 +87,7 @@ def _odd() -> Outcome:
     given = {"k": k, "xi": plain[1], "epsilon": plain[0]}
     other = {"k": -k, "xi": mirrored[1], "epsilon": mirrored[0]}
     law = lower(control_law.law())
-    return identity(
+    return prove_identities(
         {
             "epsilon changes its sign": sp.expand_log(plain[0] + mirrored[0]),
             "xi stays": plain[1] - mirrored[1],
@@ -87,14 +99,14 @@ def _odd() -> Outcome:
 def _law() -> Outcome:
     xi, epsilon = sp.symbols("xi epsilon", real=True)
     (u,) = formulas(lower(control_law.law()), {"k": k, "xi": xi, "epsilon": epsilon})
-    return identity({"u + k xi epsilon": u + k * xi * epsilon})
+    return prove_identities({"u + k xi epsilon": u + k * xi * epsilon})
 
 
 def _clamp() -> Outcome:
     """a >= c (a + b), c = (1 - e_max)/2, is e >= -e_max; and its mirror image."""
     e_max = sp.Symbol("e_max", positive=True)
     c = (1 - e_max) / 2
-    return identity(
+    return prove_identities(
         {
             "(a - c w)/w - (e + e_max)/2": (a - c * (a + b)) / (a + b) - (e + e_max) / 2,
             "((1 - c) w - a)/w - (e_max - e)/2": ((1 - c) * (a + b) - a) / (a + b) - (e_max - e) / 2,
@@ -113,7 +125,9 @@ def _outer() -> Outcome:
     """On the unit circle, which runs through the square |e_i| < 1, the determinant 1 - |e|^2 is 0."""
     vector, matrix = _outer_product()
     determinant = matrix.det().subs(dict(zip(vector, (sp.Rational(4, 5), sp.Rational(3, 5)), strict=True)))
-    return counterexample("I - e e^T is invertible", "e = (4/5, 3/5)", determinant == 0, f"its determinant is {determinant}")
+    return refute_by_counterexample(
+        "I - e e^T is invertible", "e = (4/5, 3/5)", determinant == 0, f"its determinant is {determinant}"
+    )
 
 
 def _outer_jacobian() -> Outcome:
@@ -122,7 +136,9 @@ def _outer_jacobian() -> Outcome:
     half = dict.fromkeys(vector, sp.Rational(1, 2))
     xi = matrix.inv()[0, 1].subs(half)
     slope = sp.diff(sp.log((1 + vector[0]) / (1 - vector[0])), vector[1]).subs(half)
-    return counterexample("xi_12 is d epsilon_1/dx_2", "e = (1/2, 1/2)", xi != slope, f"{xi} times 4/gamma_d, and {slope}")
+    return refute_by_counterexample(
+        "xi_12 is d epsilon_1/dx_2", "e = (1/2, 1/2)", xi != slope, f"{xi} times 4/gamma_d, and {slope}"
+    )
 
 
 def _outer_loop() -> Outcome:
@@ -133,14 +149,16 @@ def _outer_loop() -> Outcome:
     u = (-2 * matrix.inv() * epsilon).subs(at)  # 4/gamma_d = 2
     pushed = all(bool(v > 0) for v in u)
     shown = f"xdot = ({sp.N(u[0], 4)}, {sp.N(u[1], 4)}), away from the middle"
-    return counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
+    return refute_by_counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
 
 
 def _outer_three() -> Outcome:
     """In three dimensions the singular sphere is nearer to every corner still: e = (2/3, 2/3, 1/3)."""
     e = sp.Matrix([sp.Rational(2, 3), sp.Rational(2, 3), sp.Rational(1, 3)])
     determinant = (sp.eye(3) - e * e.T).det()
-    return counterexample("I - e e^T is invertible", "e = (2/3, 2/3, 1/3)", determinant == 0, f"its determinant is {determinant}")
+    return refute_by_counterexample(
+        "I - e e^T is invertible", "e = (2/3, 2/3, 1/3)", determinant == 0, f"its determinant is {determinant}"
+    )
 
 
 def _clamp_cost() -> Outcome:
@@ -150,7 +168,7 @@ def _clamp_cost() -> Outcome:
     near, far = (1 - e_max) / 2 * width, (1 + e_max) / 2 * width
     at_clamp = (1 / near + 1 / far) * sp.log(far / near)
     printed = 4 / (width * (1 - e_max**2)) * sp.log((1 + e_max) / (1 - e_max))
-    return identity(
+    return prove_identities(
         {
             "k h at the clamp, less 4 k ln((1 + e_max)/(1 - e_max))/(gamma_d (1 - e_max^2))": sp.simplify(
                 sp.expand_log(sp.simplify(at_clamp - printed))
@@ -174,22 +192,26 @@ def _logarithm() -> Outcome:
     farthest = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
     bound, c = 2.0**-14.9, arb(float(logarithm.C))
 
-    def room(v: Any, sign: int) -> Any:
-        """bound 2 s + sign D, D = s (2 + C s^2) - 2 atanh s, about the middle of the ball; 2 s <= 2 atanh s."""
+    def room(v: Any, direction: int) -> Any:
+        """bound 2 s + direction D, D = s (2 + C s^2) - 2 atanh s, about the middle of the ball; 2 s <= 2 atanh s."""
         mid = arb(v.mid())
         difference = mid * (2 + c * mid**2) - 2 * mid.atanh()
         slope = 2 + 3 * c * v**2 - 2 / (1 - v**2)
-        return 2 * bound * mid + sign * difference + (2 * bound + sign * slope) * (v - mid)
+        return 2 * bound * mid + direction * difference + (2 * bound + direction * slope) * (v - mid)
 
     small = 2.0**-7  # below: 2 atanh(s) - 2 s is at most 0.67 s^3, and C is
     ln2_error = abs(arb(ln2.p) / ln2.q - arb(2).log())
     return all_of(
-        identity({"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(split) - (count * ln2 + s * around))}),
-        identity({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - m)}),
-        positive("2^-14.9 2 s + D", lambda v: room(v, 1), [(small, farthest)]),
-        positive("2^-14.9 2 s - D", lambda v: room(v, -1), [(small, farthest)]),
-        positive("2^-14.9 - 0.68 s^2/2 below s = 2^-7", lambda v: arb(bound) - arb("0.34") * v**2, [(0.0, small)]),
-        identity({"whether |ln 2 of the Program - ln 2| is above 2^-50": sp.Integer(0 if ln2_error < arb(2) ** -50 else 1)}),
+        prove_identities(
+            {"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(split) - (count * ln2 + s * around))}
+        ),
+        prove_identities({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - m)}),
+        prove_above("2^-14.9 2 s + D", lambda v: room(v, 1), [(small, farthest)]),
+        prove_above("2^-14.9 2 s - D", lambda v: room(v, -1), [(small, farthest)]),
+        prove_above("2^-14.9 - 0.68 s^2/2 below s = 2^-7", lambda v: arb(bound) - arb("0.34") * v**2, [(0.0, small)]),
+        prove_identities(
+            {"whether |ln 2 of the Program - ln 2| is above 2^-50": sp.Integer(0 if ln2_error < arb(2) ** -50 else 1)}
+        ),
     )
 
 

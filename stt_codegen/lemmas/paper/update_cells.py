@@ -20,8 +20,8 @@ import numpy as np
 import sympy as sp
 
 from stt_codegen.certify.adaptive import SLACK, Cell, Curve, ahead, alpha_curves
-from stt_codegen.lemmas.formula import Formula, questions
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression, recorded_comparisons
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 
 METHOD = "SymPy: the evaluated code run on symbols"
 NUMBERS = {
@@ -34,8 +34,8 @@ S = sp.Rational(Fraction(SLACK))
 u, h, psi, theta, share, decay, rush, reach, R = (V[k] for k in ("u", "h", "psi", "theta", "rho", "decay", "rush", "reach", "R"))
 
 
-def _f(name: str, number: float | None = None) -> Formula:
-    return Formula(V[name], NUMBERS[name] if number is None else number)
+def _f(name: str, number: float | None = None) -> EvaluatedExpression:
+    return EvaluatedExpression(V[name], NUMBERS[name] if number is None else number)
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Rooted(Curve):
     at: float = 0.75
 
     def root(self, p: Any, q: Any) -> Any:
-        self.asked.append((p.form, q.form))
+        self.asked.append((p.expression, q.expression))
         return _f("R", self.at)
 
 
@@ -72,18 +72,18 @@ def _rounded() -> Outcome:
         exact = -V["kappa"] * u * (1 - side * taken) + side * taken * u / V["least"]
         found |= {
             f"side {side}: side": sp.sympify(made.side) - side,
-            f"side {side}: share": sp.cancel(made.share.form - taken),
-            f"side {side}: -decay u": sp.cancel(-made.decay.form * u - exact * (1 - side * S)),
-            f"side {side}: rush": made.rush.form - (1 + 2 * V["late"] / V["least"] + S),
-            f"side {side}: reach": made.reach.form - reach,
+            f"side {side}: share": sp.cancel(made.share.expression - taken),
+            f"side {side}: -decay u": sp.cancel(-made.decay.expression * u - exact * (1 - side * S)),
+            f"side {side}: rush": made.rush.expression - (1 + 2 * V["late"] / V["least"] + S),
+            f"side {side}: reach": made.reach.expression - reach,
         }
     z = sp.Symbol("z", positive=True)
     few = z / (1 + z) / 2  # any share below a half
     return all_of(
-        identity(found, METHOD),
+        prove_identities(found, METHOD),
         _steps(),
-        identity({"1/(1 - s) - (1 + s/(1 - s))": sp.cancel(1 / (1 - share) - (1 + share / (1 - share)))}),
-        sign(
+        prove_identities({"1/(1 - s) - (1 + s/(1 - s))": sp.cancel(1 / (1 - share) - (1 + share / (1 - share)))}),
+        prove_positive(
             {
                 "(1 + 2 s)(1 - s) - 1": sp.factor(sp.together((1 + 2 * few) * (1 - few) - 1)),
                 "1 - (1 - 2 s)(1 + s)": sp.factor(sp.together(1 - (1 - 2 * few) * (1 + few))),
@@ -103,7 +103,7 @@ def _steps() -> Outcome:
         least = shortest * (1 - 2 * Fraction(roundoff))
         if not (longest <= Fraction(steps.reach) <= longest * more and least / more <= Fraction(steps.least) <= least):
             wrong.append(f"{steps}: {steps.least!r} to {steps.reach!r}")
-    return cases(len(tried), wrong, "reach is above the longest step, least below the shortest")
+    return outcome_of_cases(len(tried), wrong, "reach is above the longest step, least below the shortest")
 
 
 def _rises() -> Outcome:
@@ -124,7 +124,7 @@ def _rises() -> Outcome:
         name = f"side {side}, {'line' if far else 'jump'}, psi {at}"
         wanted = (line, u, line) if far else (rest, rest, rest)
         for what, got, form in zip(("end", "promise", "extreme"), (after, kept, extreme), wanted, strict=True):
-            found[f"{name}: {what}"] = sp.expand(got.form - form)
+            found[f"{name}: {what}"] = sp.expand(got.expression - form)
         (p, q), *more = curve.asked
         found |= {f"{name}: p": p - psi, f"{name}: q": sp.cancel(q - theta / decay * (1 + side * S))}
         wrong += [f"{name}: {len(more)} roots more"] if more else []
@@ -133,10 +133,10 @@ def _rises() -> Outcome:
     speed, y = sp.symbols("F y", positive=True)
     outside = (theta / R**2 - decay * (R - psi)).subs(theta, decay * (R - psi) * R**2 / (1 + S))
     return all_of(
-        identity(found, METHOD),
-        cases(9, wrong, "one root for a place of rest, and none below 0"),
-        identity({"F at rest, plus decay (R - psi) S/(1 + S)": sp.cancel(outside + decay * (R - psi) * S / (1 + S))}),
-        sign({"h F rush (1 + S) - h F, rush = 1 + y": sp.expand(h * speed * (1 + y) * (1 + S) - h * speed)}),
+        prove_identities(found, METHOD),
+        outcome_of_cases(9, wrong, "one root for a place of rest, and none below 0"),
+        prove_identities({"F at rest, plus decay (R - psi) S/(1 + S)": sp.cancel(outside + decay * (R - psi) * S / (1 + S))}),
+        prove_positive({"h F rush (1 + S) - h F, rush = 1 + y": sp.expand(h * speed * (1 + y) * (1 + S) - h * speed)}),
     )
 
 
@@ -159,9 +159,9 @@ def _falls() -> Outcome:
         found |= {
             f"{name}: p": sp.cancel(p - psi - u / damping),
             f"{name}: q": sp.cancel(q - span * theta / damping),
-            f"{name}: promise": sp.expand(kept.form - least),
-            f"{name}: slope": sp.cancel((after.form - u) / h - (least - u) * (1 - S) / (h + reach)),
-            f"{name}: extreme": extreme.form - u,
+            f"{name}: promise": sp.expand(kept.expression - least),
+            f"{name}: slope": sp.cancel((after.expression - u) / h - (least - u) * (1 - S) / (h + reach)),
+            f"{name}: extreme": extreme.expression - u,
         }
         # at the root theta = (R - p) R^2 damping/span: the slope to a = R - psi over the span, less F there
         a = R - psi
@@ -171,15 +171,15 @@ def _falls() -> Outcome:
         found[f"{name}: slope over the span, less F, less what is spare"] = sp.cancel(rest - spare)
         held = _curve(side, at=at + (4.5 if side > 0 else 2.0**-9))  # a root on the wrong side of u is not kept to
         _, promise, _ = held.cell(_f("u"), _f("h"), _f("psi", at), force)
-        ends[f"{name}: a promise is never beyond u"] = promise.form - u
+        ends[f"{name}: a promise is never beyond u"] = promise.expression - u
     w = sp.Symbol("w", positive=True)
     slow = w / (1 + w)  # rush - 1, from 0 to 1
     return all_of(
-        identity(found, METHOD),
-        identity(ends, METHOD),
-        cases(5, wrong, "one root for a cell"),
-        identity({"rush (2 - rush) - 1 + (rush - 1)^2": sp.expand(rush * (2 - rush) - 1 + (rush - 1) ** 2)}),
-        sign({"span at rush = 1 + w/(1 + w)": sp.factor((h + reach) * (1 - slow))}),
+        prove_identities(found, METHOD),
+        prove_identities(ends, METHOD),
+        outcome_of_cases(5, wrong, "one root for a cell"),
+        prove_identities({"rush (2 - rush) - 1 + (rush - 1)^2": sp.expand(rush * (2 - rush) - 1 + (rush - 1) ** 2)}),
+        prove_positive({"span at rush = 1 + w/(1 + w)": sp.factor((h + reach) * (1 - slow))}),
         _hopeless(),
     )
 
@@ -187,7 +187,9 @@ def _falls() -> Outcome:
 def _hopeless() -> Outcome:
     """Where a step may be late by half of its length nothing is claimed."""
     found = [alpha_curves.curve_values([0.0, 1.0], [0.1, 0.1], [1.0, 1.0], Curve(side, 0.0, 1.0, 2.0, 1.0)) for side in (1, -1)]
-    return cases(2, [] if found == [[float("inf")] * 2, [0.0] * 2] else [f"{found}"], "rush >= 2: above all, above nothing")
+    return outcome_of_cases(
+        2, [] if found == [[float("inf")] * 2, [0.0] * 2] else [f"{found}"], "rush >= 2: above all, above nothing"
+    )
 
 
 def _root() -> Outcome:
@@ -199,14 +201,14 @@ def _root() -> Outcome:
     for side, off in product((1, -1), (0.0, 1e-9)):
         curve = Curve(side, 0.0, 1.0, 1.0, 1.0)
         near = 2.0 * (1 - side * off)
-        with questions() as asked:
-            found_at = curve.beyond(Formula(z, near), Formula(p, 1.0), Formula(q, 4.0))
+        with recorded_comparisons() as asked:
+            found_at = curve.beyond(EvaluatedExpression(z, near), EvaluatedExpression(p, 1.0), EvaluatedExpression(q, 4.0))
         last = asked[-1]
         name = f"side {side}, a guess off by {off:g}"
-        found[f"{name}: left"] = sp.expand(last.left - (found_at.form - p) * found_at.form**2)
+        found[f"{name}: left"] = sp.expand(last.left - (found_at.expression - p) * found_at.expression**2)
         found[f"{name}: right"] = sp.expand(last.right - q * (1 + side * S / 8))
-        wrong += [] if last.answer else [f"{name}: the answer was no"]
-        wrong += [] if (found_at.number - 2.0) * side > 0 else [f"{name}: {found_at.number} is on the wrong side"]
+        wrong += [] if last.holds else [f"{name}: the answer was no"]
+        wrong += [] if (found_at.value - 2.0) * side > 0 else [f"{name}: {found_at.value} is on the wrong side"]
     count = 4
     tried = (0.0, 1e-300, 1e-60, 1e-30, 1e-9, 0.3, 1.0, 7.0, 1e6)
     for side, size, force in product((1, -1), (0.0, 1e-6, 0.5, 3.0, 1e4), tried):
@@ -219,7 +221,9 @@ def _root() -> Outcome:
                     wrong.append(f"side {side}, p {at:g}, q {force:g}: {given!r} is far below p")
                 if side * ((value - Fraction(at)) * value * value - Fraction(force)) < 0:
                     wrong.append(f"side {side}, p {at:g}, q {force:g}: {given!r} is on the wrong side")
-    return all_of(identity(found, METHOD), cases(count, wrong, "the root's bound is on its side, in exact numbers"))
+    return all_of(
+        prove_identities(found, METHOD), outcome_of_cases(count, wrong, "the root's bound is on its side, in exact numbers")
+    )
 
 
 @dataclass(frozen=True)
@@ -264,7 +268,7 @@ def _promise() -> Outcome:
             wrong.append(f"side {side}, reach {reach_}: {values}, not {expected}")
     lost = alpha_curves.curve_values([0.0, 1.0], [0.0, 0.0], [0.0, 0.0], Scripted(1, 0.0, -1.0, 1.0, 1.0, [(1.0, 1.0, 1.0)], []))
     wrong += [] if lost == [float("inf")] * 2 else [f"without decay: {lost}"]
-    return all_of(cases(count, wrong, "promises are kept for as long as they hold, and no longer"), _both(), _ahead())
+    return all_of(outcome_of_cases(count, wrong, "promises are kept for as long as they hold, and no longer"), _both(), _ahead())
 
 
 def _both() -> Outcome:
@@ -276,7 +280,7 @@ def _both() -> Outcome:
     wrong = [] if alpha_curves.upper_curve(*given, 5.0, steps) == above else ["upper_curve"]
     wrong += [] if alpha_curves.lower_curve(*given, 5.0, steps) == [max(v, 0.0) for v in below] else ["lower_curve"]
     wrong += [f"{a} under {b}" for a, b in zip(above, below, strict=True) if a < b]
-    return cases(3, wrong, "one curve above, one below, in this order")
+    return outcome_of_cases(3, wrong, "one curve above, one below, in this order")
 
 
 def _ahead() -> Outcome:
@@ -292,7 +296,7 @@ def _ahead() -> Outcome:
             count += 1
             if got != wanted:
                 wrong.append(f"reach {reach_}: {got}, not {wanted}")
-    return cases(count, wrong, "the worst of a cell and of what lies within reach beyond it")
+    return outcome_of_cases(count, wrong, "the worst of a cell and of what lies within reach beyond it")
 
 
 LEMMAS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 
 psi = sp.Symbol("psi", real=True)
 alpha, theta0, kappa, varsigma, h, p_, q, z = sp.symbols("alpha theta0 kappa varsigma h p q z", positive=True)
@@ -18,15 +18,17 @@ def _jacobian() -> Outcome:
     claimed = -2 * THETA / (psi + alpha) ** 3 - kappa
     y = sp.Symbol("y", real=True)
     return all_of(
-        identity({"d alphadot/d alpha - (-2 theta/(psi + alpha)^3 - kappa)": sp.diff(rate, alpha) - claimed}),
-        identity({"theta/theta0 - 2/(1 + exp(2 y)), so theta > 0": (1 - sp.tanh(y) - 2 / (1 + sp.exp(2 * y))).rewrite(sp.exp)}),
+        prove_identities({"d alphadot/d alpha - (-2 theta/(psi + alpha)^3 - kappa)": sp.diff(rate, alpha) - claimed}),
+        prove_identities(
+            {"theta/theta0 - 2/(1 + exp(2 y)), so theta > 0": (1 - sp.tanh(y) - 2 / (1 + sp.exp(2 * y))).rewrite(sp.exp)}
+        ),
     )
 
 
 def _not_negative() -> Outcome:
     rate = (THETA / (psi + alpha) ** 2 - kappa * alpha).subs(alpha, sp.Symbol("a", real=True))
     at_zero = rate.subs(sp.Symbol("a", real=True), 0)
-    return identity({"alphadot at alpha = 0 less theta/psi^2, which is above 0": at_zero - THETA / psi**2})
+    return prove_identities({"alphadot at alpha = 0 less theta/psi^2, which is above 0": at_zero - THETA / psi**2})
 
 
 def _away() -> Outcome:
@@ -36,15 +38,15 @@ def _away() -> Outcome:
     threshold = speed + kappa * (s + largest)
     y = sp.Symbol("y", nonnegative=True)
     return all_of(
-        identity({"zdot's bound where theta0/s^2 = D + kappa (s + Psi)": zdot.subs(theta0, s**2 * threshold)}),
-        identity({"theta at psi = mu, less theta0": THETA.subs(psi, mu) - theta0}),
-        identity(
+        prove_identities({"zdot's bound where theta0/s^2 = D + kappa (s + Psi)": zdot.subs(theta0, s**2 * threshold)}),
+        prove_identities({"theta at psi = mu, less theta0": THETA.subs(psi, mu) - theta0}),
+        prove_identities(
             {
                 "theta at psi = mu - y/varsigma, less theta0 (1 + tanh y)": THETA.subs(psi, mu - y / varsigma)
                 - theta0 * (1 + sp.tanh(y))
             }
         ),
-        sign({"tanh y, y > 0": sp.tanh(sp.Symbol("y", positive=True))}),
+        prove_positive({"tanh y, y > 0": sp.tanh(sp.Symbol("y", positive=True))}),
     )
 
 
@@ -54,7 +56,7 @@ def _cubic() -> Outcome:
     new = z - psi
     residual = (new - alpha - h * (theta / z**2 - kappa * new)) * z**2 / (1 + h * kappa)
     cubic = (z - (psi + alpha / (1 + h * kappa))) * z**2 - h * theta / (1 + h * kappa)
-    return identity({"backward Euler times z^2/(1 + h kappa) less the cubic": residual - cubic})
+    return prove_identities({"backward Euler times z^2/(1 + h kappa) less the cubic": residual - cubic})
 
 
 def _unique() -> Outcome:
@@ -63,14 +65,14 @@ def _unique() -> Outcome:
     f = (z - p) * z**2 - q
     y = sp.Symbol("y", positive=True)
     return all_of(
-        identity(
+        prove_identities(
             {
                 "f' - z (3 z - 2 p)": sp.diff(f, z) - z * (3 * z - 2 * p),
                 "f at 0 plus q": f.subs(z, 0) + q,
                 "f at p plus q": f.subs(z, p) + q,
             }
         ),
-        identity({"3 z - 2 p at z = p + y, p > 0, less p + 3 y": (3 * z - 2 * p_).subs(z, p_ + y) - (p_ + 3 * y)}),
+        prove_identities({"3 z - 2 p at z = p + y, p > 0, less p + 3 y": (3 * z - 2 * p_).subs(z, p_ + y) - (p_ + 3 * y)}),
     )
 
 
@@ -82,14 +84,14 @@ def _newton_start() -> Outcome:
     first = ((z + m) * z**2 - r**3).subs(z, r)
     second = ((z + m) * z**2 - q).subs(z, sp.sqrt(q / m))
     return all_of(
-        identity({"p >= 0, z = p + r: f less r (p^2 + 2 p r)": above - r * (p_**2 + 2 * p_ * r)}),
-        identity(
+        prove_identities({"p >= 0, z = p + r: f less r (p^2 + 2 p r)": above - r * (p_**2 + 2 * p_ * r)}),
+        prove_identities(
             {
                 "p < 0, z = r: f less m r^2": first - m * r**2,
                 "p < 0, z = sqrt(q/m): f less (q/m)^(3/2)": sp.simplify(second - (q / m) ** sp.Rational(3, 2)),
             }
         ),
-        identity({"f'' - (6 z - 2 p)": sp.diff((z - p_) * z**2, z, 2) - (6 * z - 2 * p_)}),
+        prove_identities({"f'' - (6 z - 2 p)": sp.diff((z - p_) * z**2, z, 2) - (6 * z - 2 * p_)}),
     )
 
 
@@ -97,7 +99,7 @@ def _inverted() -> Outcome:
     """psi constant -1/2, kappa = 5, theta <= 2 theta0 = 0.02: on alpha in [0, 0.1] alphadot < 0 at 0.1, so z stays below -0.4."""
     worst = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
     shown = f"alphadot <= {worst.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
-    return counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
+    return refute_by_counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
 
 
 def _bounded() -> Outcome:
@@ -106,8 +108,8 @@ def _bounded() -> Outcome:
     largest = 2 * theta0 / (kappa * s**2)
     rate = 2 * theta0 / (s + more) ** 2 - kappa * largest
     return all_of(
-        identity({"alphadot's bound there at psi + alpha = s": rate.subs(more, 0)}),
-        identity(
+        prove_identities({"alphadot's bound there at psi + alpha = s": rate.subs(more, 0)}),
+        prove_identities(
             {
                 "at psi + alpha = s + m, plus 2 theta0 (2 s m + m^2)/(s^2 (s + m)^2)": sp.together(
                     rate + 2 * theta0 * (2 * s * more + more**2) / (s**2 * (s + more) ** 2)
@@ -127,7 +129,9 @@ def _printed_lemma() -> Outcome:
         f"psi + alpha is {psi[0].str(2)} and {psi[1].str(2)}, gamma_d = {width.str(4)}; the gap of beta_U and beta_L is in no psi"
     )
     fails = psi[0] > 0 and psi[1] > 0 and width < 0
-    return counterexample("gamma_d > 0 where psi + alpha > 0", "beta_L = 5.2, beta_U = 5, rho = [4.9, 5.3]", fails, shown)
+    return refute_by_counterexample(
+        "gamma_d > 0 where psi + alpha > 0", "beta_L = 5.2, beta_U = 5, rho = [4.9, 5.3]", fails, shown
+    )
 
 
 LEMMAS = (

@@ -9,7 +9,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_identities, prove_positive, refute_by_counterexample
 from stt_codegen.plants import PLANTS, model
 from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
@@ -34,7 +34,7 @@ def _symmetric(g: Any) -> Any:
 def _robot() -> Outcome:
     x, _, g = matrices(ROBOT, 3)
     wanted = sp.diag(sp.cos(x[2]), sp.cos(x[2]), 1)
-    return identity(
+    return prove_identities(
         {f"g_s - diag(cos x3, cos x3, 1), entry {i}{j}": (_symmetric(g) - wanted)[i, j] for i in range(3) for j in range(3)}
     )
 
@@ -43,8 +43,8 @@ def _robot_condition() -> Outcome:
     """The least eigenvalue is min(cos x3, 1) = cos x3: positive inside (-pi/2, pi/2), 0 at its ends."""
     x, z = sp.symbols("x3 z", real=True)
     return all_of(
-        sign({"cos x3, x3 = arctan z": sp.cos(sp.atan(z))}),
-        identity(
+        prove_positive({"cos x3, x3 = arctan z": sp.cos(sp.atan(z))}),
+        prove_identities(
             {
                 "cos(pi/2)": sp.cos(sp.pi / 2),
                 "cos(-pi/2)": sp.cos(-sp.pi / 2),
@@ -56,13 +56,17 @@ def _robot_condition() -> Outcome:
 
 def _robot_norm() -> Outcome:
     _, _, g = matrices(ROBOT, 3)
-    return identity({f"g' g - I, entry {i}{j}": sp.simplify((g.T * g - sp.eye(3))[i, j]) for i in range(3) for j in range(3)})
+    return prove_identities(
+        {f"g' g - I, entry {i}{j}": sp.simplify((g.T * g - sp.eye(3))[i, j]) for i in range(3) for j in range(3)}
+    )
 
 
 def _anywhere() -> Outcome:
     _, _, g = matrices(ROBOT, 3)
     least = min(_symmetric(g.subs(sp.Symbol("x3", real=True), 2)).eigenvals(), key=float)
-    return counterexample("g_s is positive definite", "x3 = 2", bool(least < 0), f"its least eigenvalue is {sp.N(least, 4)}")
+    return refute_by_counterexample(
+        "g_s is positive definite", "x3 = 2", bool(least < 0), f"its least eigenvalue is {sp.N(least, 4)}"
+    )
 
 
 def _over(name: str, plant: Any, box: list[tuple[float, float]], wanted: float) -> Outcome:
@@ -80,8 +84,8 @@ def _robot_coupled() -> Outcome:
     """sampled.coupled needs g_ii > |g_ij| at equal widths: cos x3 > |sin x3|, which is |x3| < pi/4."""
     x, _, g = matrices(ROBOT, 3)
     return all_of(
-        identity({"g_11^2 - g_12^2 - cos(2 x3)": sp.simplify(g[0, 0] ** 2 - g[0, 1] ** 2 - sp.cos(2 * x[2]))}),
-        sign({"cos(2 x3), 2 x3 = arctan z": sp.cos(sp.atan(sp.Symbol("z", real=True)))}),
+        prove_identities({"g_11^2 - g_12^2 - cos(2 x3)": sp.simplify(g[0, 0] ** 2 - g[0, 1] ** 2 - sp.cos(2 * x[2]))}),
+        prove_positive({"cos(2 x3), 2 x3 = arctan z": sp.cos(sp.atan(sp.Symbol("z", real=True)))}),
     )
 
 
@@ -109,8 +113,8 @@ def _weyl() -> Outcome:
     squares = 2 * (p * c * t - q * c**2) ** 2 + (p * t**2 - s * c**2) ** 2 + 2 * (q * t**2 - s * c * t) ** 2
     shown = least_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
     return all_of(
-        identity({"|D|^2 |v|^4 - (v'Dv)^2 - a sum of squares": sp.expand(square - squares)}),
-        identity(
+        prove_identities({"|D|^2 |v|^4 - (v'Dv)^2 - a sum of squares": sp.expand(square - squares)}),
+        prove_identities(
             {"v'(A + D)v - v'Av - v'Dv": sp.expand((vector.T * (sp.eye(2) * 2 + matrix) * vector)[0] - 2 * (c**2 + t**2) - form)}
         ),
         Outcome(

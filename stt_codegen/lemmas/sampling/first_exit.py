@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stt_codegen.lemmas.formula import Formula
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, identity, sign
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
+from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_identities, prove_positive
 from stt_codegen.sampling import Setting, Windows, back
 
 E, h, p, y = sp.symbols("E h p y", positive=True)
@@ -23,8 +23,8 @@ def _first_exit() -> Outcome:
     is; so f(t1 - h) = f(t1) + h (p/2 + y), above E before t1."""
     before = E - h * (-p / 2 - y)
     return all_of(
-        identity({"f(t1 - h) - E - h (p/2 + y)": sp.expand(before - E - h * (p / 2 + y))}),
-        sign({"f(t1 - h) - E": sp.expand(before - E)}),
+        prove_identities({"f(t1 - h) - E - h (p/2 + y)": sp.expand(before - E - h * (p / 2 + y))}),
+        prove_positive({"f(t1 - h) - E": sp.expand(before - E)}),
     )
 
 
@@ -35,8 +35,10 @@ def _integral() -> Outcome:
     moved = sum((most - s) * a for s, a in zip(slack, lengths, strict=True))
     rest = sp.expand(most * sum(lengths) - moved)
     return all_of(
-        identity({"P (h1 + h2 + h3) less what was moved less s1 h1 + s2 h2 + s3 h3": rest - sum(map(sp.Mul, slack, lengths))}),
-        sign({"s1 h1 + s2 h2 + s3 h3": rest}),
+        prove_identities(
+            {"P (h1 + h2 + h3) less what was moved less s1 h1 + s2 h2 + s3 h3": rest - sum(map(sp.Mul, slack, lengths))}
+        ),
+        prove_positive({"s1 h1 + s2 h2 + s3 h3": rest}),
     )
 
 
@@ -58,8 +60,10 @@ def _age() -> Outcome:
         if age * (2 if latency else 1) != min(lengths):
             wrong.append(f"{age} for windows of {lengths} s")
     return all_of(
-        identity({"(t1 - a) - (t_k - w), less y + late + room": (more - (tau - late)) + (tau + room) - (more + late + room)}),
-        sign({"y + late + room": more + late + room}),
+        prove_identities(
+            {"(t1 - a) - (t_k - w), less y + late + room": (more - (tau - late)) + (tau + room) - (more + late + room)}
+        ),
+        prove_positive({"y + late + room": more + late + room}),
         Outcome(
             Verdict.OPEN if wrong else Verdict.PROVED,
             "by cases: the evaluated code",
@@ -73,12 +77,12 @@ def _before() -> Outcome:
     found = {}
     for numbers in ((1.0, 2.0, 3.0), (3.0, 2.0, 1.0), (1.0, 3.0, 2.0)):
         names = sp.symbols("v0:3", real=True)
-        values = np.array([[Formula(s, v)] for s, v in zip(names, numbers, strict=True)], dtype=object)
+        values = np.array([[EvaluatedExpression(s, v)] for s, v in zip(names, numbers, strict=True)], dtype=object)
         for word, worse, pick in (("most", np.maximum, max), ("least", np.minimum, min)):
             for k, v in enumerate(back(values, worse)[:, 0]):
                 wanted = pick((max(k - 1, 0), k), key=lambda j: numbers[j])
-                found[f"{word} for {numbers}, window {k}"] = v.form - names[wanted]
-    return identity(found, "SymPy: the evaluated code run on symbols, for every order of three windows' neighbours")
+                found[f"{word} for {numbers}, window {k}"] = v.expression - names[wanted]
+    return prove_identities(found, "SymPy: the evaluated code run on symbols, for every order of three windows' neighbours")
 
 
 LEMMAS = (

@@ -15,8 +15,8 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
-from stt_codegen.lemmas.pull import least_slope
+from stt_codegen.lemmas.law_slopes import prove_slope_bound
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 
 E = sp.Symbol("E", positive=True)
 a, b, d, k, g, P = sp.symbols("a b d k g P", positive=True)
@@ -36,7 +36,7 @@ def _law() -> Outcome:
     """e = tanh(eps/2), xi = 4/(gamma_d (1 - e^2)); and xi eps is h of the distances."""
     e = sp.tanh(E / 2)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
-    return identity(
+    return prove_identities(
         {
             "xi eps - 4 q(eps)/gamma_d": _exponentials(4 / (d * (1 - e**2)) * E - 4 * Q / d),
             "(1/a + 1/b) gamma_d - 4 cosh(eps/2)^2": _exponentials((1 / far + 1 / near) * d - 4 * sp.cosh(E / 2) ** 2),
@@ -52,7 +52,7 @@ def _rate() -> Outcome:
     vdot = sp.diff(v, E) * epsdot + sp.diff(v, d) * width_rate
     claimed = 16 * sp.diff(Q, E) * sp.cosh(E / 2) ** 2 / d**2 * r - 4 * Q / d**2 * width_rate
     slope = 2 / (1 - sp.tanh(E / 2) ** 2)
-    return identity(
+    return prove_identities(
         {
             "d eps/de - 2 cosh(eps/2)^2": _exponentials(slope - 2 * sp.cosh(E / 2) ** 2),
             "vdot - (16 q' cosh^2 r/gamma_d^2 - 4 q gammadot_d/gamma_d^2)": sp.expand(vdot - claimed),
@@ -63,7 +63,7 @@ def _rate() -> Outcome:
 def _rises() -> Outcome:
     """q' = cosh^2 (1 + E tanh(E/2)): both factors rise, so q and q' cosh^2 do, and bounds at E hold below it."""
     return all_of(
-        identity(
+        prove_identities(
             {
                 "q' - cosh(E/2)^2 (1 + E tanh(E/2))": _exponentials(
                     sp.diff(Q, E) - sp.cosh(E / 2) ** 2 * (1 + E * sp.tanh(E / 2))
@@ -73,7 +73,7 @@ def _rises() -> Outcome:
                 ),
             }
         ),
-        sign({"tanh(E/2)": sp.tanh(E / 2), "E sech(E/2)^2": E / sp.cosh(E / 2) ** 2}),
+        prove_positive({"tanh(E/2)": sp.tanh(E / 2), "E sech(E/2)^2": E / sp.cosh(E / 2) ** 2}),
     )
 
 
@@ -86,10 +86,10 @@ def _norm() -> Outcome:
     equal = n * G.subs(y, E / sp.sqrt(n)) - (E * sp.cosh(E / (2 * sp.sqrt(n))) ** 2) ** 2
     bend = sp.cosh(y / 2) ** 2 * (3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2)
     return all_of(
-        identity({"dG/ds - (cosh^4 + y cosh^3 sinh)": _exponentials(sp.diff(G, y) / (2 * y) - slope)}),
-        identity({"n G(E/sqrt n) - q_n(E)^2": sp.simplify(equal)}),
-        identity({"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _exponentials(sp.diff(slope, y) - bend)}),
-        sign({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": bend}),
+        prove_identities({"dG/ds - (cosh^4 + y cosh^3 sinh)": _exponentials(sp.diff(G, y) / (2 * y) - slope)}),
+        prove_identities({"n G(E/sqrt n) - q_n(E)^2": sp.simplify(equal)}),
+        prove_identities({"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _exponentials(sp.diff(slope, y) - bend)}),
+        prove_positive({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": bend}),
     )
 
 
@@ -97,7 +97,7 @@ def _general() -> Outcome:
     """Vdot <= -k g |v|^2 + |v| (P + G R tau), |v| >= 4 q_n/d+: below 0 by the statement's slack s."""
     v, stale, s = sp.symbols("v Delta s", positive=True)  # |v|, G R tau, slack
     bound = -k * g * v**2 + v * (P + stale)
-    return identity(
+    return prove_identities(
         {"Vdot's bound at k g |v| = P + G R tau + s, plus s |v|": sp.expand(bound.subs(P, k * g * v - stale - s) + s * v)}
     )
 
@@ -107,26 +107,28 @@ def _diagonal() -> Outcome:
     stale, s = sp.symbols("Delta s", positive=True)  # R tau, slack
     v = sp.Symbol("v", positive=True)
     inward = P - g * (k * v - stale)
-    return identity({"r's bound at k v = P/g + R tau + s, plus g s": sp.expand(inward.subs(v, (P / g + stale + s) / k) + g * s)})
+    return prove_identities(
+        {"r's bound at k v = P/g + R tau + s, plus g s": sp.expand(inward.subs(v, (P / g + stale + s) / k) + g * s)}
+    )
 
 
 def _pull_monotone() -> Outcome:
     y = a / b
     return all_of(
-        identity(
+        prove_identities(
             {
                 "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(PULL, a) - (1 + y - sp.log(y))),
                 "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(PULL, b) + (1 + 1 / y + sp.log(y))),
             }
         ),
-        least_slope(),
+        prove_slope_bound(),
     )
 
 
 def _displacement() -> Outcome:
     """While g u <= 0 (u of a sample above the middle): a rises and b falls no faster than P."""
     f, w, u, low, high, F, S, most = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
-    return identity(
+    return prove_identities(
         {
             "P - adot - [(F - f - w) + (S + gammadot_L) - g u]": (F + S)
             - (f + w + g * u - low)
@@ -147,7 +149,7 @@ def _same_side() -> Outcome:
     f, w, u, low, high = sp.symbols("f w u gammadot_L gammadot_U", real=True)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
     middle = f + w + g * u - (low + high) / 2
-    return identity(
+    return prove_identities(
         {
             "(a - b)/2 - (gamma_d/2) tanh(E/2)": _exponentials((far - near) / 2 - d / 2 * sp.tanh(E / 2)),
             "d(x - middle)/dt less [f + w] + [g u] - [mean of edge rates]": middle - (f + w) - g * u + (low + high) / 2,
@@ -177,9 +179,11 @@ def _ends() -> Outcome:
     second = slope_of(slope_of(inverse))
     wanted = de * 2 / left**3 * (2 + left * sp.tanh(E / 2) - left**2 / (2 * sp.cosh(E / 2) ** 2))
     return all_of(
-        identity({"d(y phi)/dy - (phi + (e - e0) phi')": sp.simplify((slope - claimed).doit())}),
-        identity({"ds/de - (phi^3/phi'^2) (1/phi)''": sp.simplify(sp.diff(s, e) - f(e) ** 3 / sp.diff(f(e), e) ** 2 * convex)}),
-        identity(
+        prove_identities({"d(y phi)/dy - (phi + (e - e0) phi')": sp.simplify((slope - claimed).doit())}),
+        prove_identities(
+            {"ds/de - (phi^3/phi'^2) (1/phi)''": sp.simplify(sp.diff(s, e) - f(e) ** 3 / sp.diff(f(e), e) ** 2 * convex)}
+        ),
+        prove_identities(
             {
                 "(4/phi)'' in eps - 2 cosh^2 (2/l^3) (2 + l tanh - l^2 sech^2/2), l = eps - zeta <= eps": _exponentials(
                     second - wanted
@@ -195,16 +199,18 @@ def _above_itself() -> Outcome:
     v = sp.Symbol("v", real=True)
     at = sp.asinh(1)
     return all_of(
-        identity({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, at) - 1}),
-        sign({"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(at) - sp.log(1 + sp.sqrt(2))}),
-        identity({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(at.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
+        prove_identities({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, at) - 1}),
+        prove_positive({"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(at) - sp.log(1 + sp.sqrt(2))}),
+        prove_identities({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(at.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
     )
 
 
 def _sharp() -> Outcome:
     """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c)."""
     s, held = sp.symbols("s h", positive=True)
-    return identity({"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * held).subs(held, (P + s) / (k * g)) + s)})
+    return prove_identities(
+        {"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * held).subs(held, (P + s) / (k * g)) + s)}
+    )
 
 
 def _coupled() -> Outcome:
@@ -218,7 +224,7 @@ def _coupled() -> Outcome:
             - row[0] * u[0]
             - sum(x * y for x, y in zip(row[1:], u[1:], strict=True))
         )
-    return identity(found)
+    return prove_identities(found)
 
 
 def _shift() -> Outcome:
@@ -228,7 +234,7 @@ def _shift() -> Outcome:
     h_a, h_b = sp.diff(PULL, a), sp.diff(PULL, b)
     places = {a: al * d + eta, b: be * d - eta}
     falls = sp.diff(PULL.subs(places), d) * d + (PULL + eta * h_a - eta * h_b).subs(places)
-    return identity(
+    return prove_identities(
         {
             "a dh/da + b dh/db + h": sp.simplify(a * h_a + b * h_b + PULL),
             "d (dh/dd) + h + eta h_a - eta h_b, whose last three terms are positive": sp.simplify(falls),
@@ -239,7 +245,7 @@ def _shift() -> Outcome:
 def _saturated() -> Outcome:
     """min(u_max, k h) > P/g is both; and a u held within u_max never exceeds it."""
     u_max, s = sp.symbols("u_max s", positive=True)
-    return identity({"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + s) / g) + s)})
+    return prove_identities({"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + s) / g) + s)})
 
 
 def _centre_rule() -> Outcome:
@@ -251,7 +257,9 @@ def _centre_rule() -> Outcome:
         steps += 1
     outside = abs(x) > 1
     shown = f"after {steps} periods x = {x.str(4)}, outside (-1, 1)"
-    return counterexample("a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", outside, shown)
+    return refute_by_counterexample(
+        "a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", outside, shown
+    )
 
 
 FIRST_EXIT = ("sampled.first_exit", "theorem.edot")  # so r is not negative at the upper edge

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stt_codegen.lemmas.formula import Formula
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
 from stt_codegen.sampling import STATEMENTS, Law, Setting, Windows
 
 NUMBERS = {
@@ -30,8 +30,8 @@ POINT = {V[name]: value for name, value in NUMBERS.items()}
 METHOD = "SymPy: the evaluated code run on symbols"
 
 
-def symbol(name: str) -> Formula:
-    return Formula(V[name], NUMBERS[name])
+def symbol(name: str) -> EvaluatedExpression:
+    return EvaluatedExpression(V[name], NUMBERS[name])
 
 
 def _row(*names: str) -> Any:
@@ -43,7 +43,7 @@ def setting(n: int, coupled: bool = False) -> Setting:
     """A loop of one window and n components whose every number is a symbol; gains of their own where inputs are coupled. d is the
     least width of the window, n that of the window and the one before."""
     numbers = [str(i + 1) for i in range(n)]
-    zero = Formula(sp.Integer(0), 0.0)
+    zero = EvaluatedExpression(sp.Integer(0), 0.0)
     cross = [[symbol(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
     eta = [symbol(f"eta{i}") for i in numbers]
     gain, limits = (
@@ -101,7 +101,7 @@ def _distances(width: Any, change: Any, reach: Any = None) -> tuple[Any, Any]:
 
 
 def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
-    return np.asarray(conditions[k].values, dtype=object)[place].form
+    return np.asarray(conditions[k].values, dtype=object)[place].expression
 
 
 def _sharp() -> Outcome:
@@ -130,7 +130,7 @@ def _sharp() -> Outcome:
         wanted |= {
             f"{name}, component {at}": _found(conditions, j, (0, i)) - v for name, j, v in zip(names, places, claims, strict=True)
         }
-    return all_of(identity(wanted, METHOD, POINT), _windows())
+    return all_of(prove_identities(wanted, METHOD, POINT), _windows())
 
 
 def _windows() -> Outcome:
@@ -189,7 +189,9 @@ def _windows() -> Outcome:
                 count += 1
                 if not np.allclose(np.asarray(a.values, float)[here], np.asarray(b.values, float), rtol=1e-12, atol=0):
                     wrong.append(f"{statement}, condition {k}, window {w}: {a.values}, alone {b.values}")
-    return cases(count, wrong, "conditions on three windows are, by window, those on it alone, to the roundings of a double")
+    return outcome_of_cases(
+        count, wrong, "conditions on three windows are, by window, those on it alone, to the roundings of a double"
+    )
 
 
 def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any, root: Any = 1) -> tuple[Any, Any]:
@@ -214,7 +216,7 @@ def _diagonal() -> Outcome:
         "decoupled": (_least(conditions, 4), 1e-300),
         "coupled": (_least(coupled, 4), -NUMBERS["c12"]),
     }
-    inside = identity(
+    inside = prove_identities(
         {"inward": _found(conditions, 0, (0, 0)) - main, "what is seen stays inside": _found(conditions, 3, (0, 0)) - near},
         METHOD,
         POINT,
@@ -230,7 +232,9 @@ def _least(conditions: Any, k: int) -> float:
 def _agree(values: dict[str, tuple[float, float]]) -> Outcome:
     """Conditions that are numbers, against what they must be: to 1e-9, more than doubles lose of them."""
     wrong = [f"{name} is {a}, not {b}" for name, (a, b) in values.items() if not abs(a - b) <= 1e-9 * abs(b)]
-    return cases(len(values), wrong, "the other conditions are what the statement asks, and fail where it says nothing")
+    return outcome_of_cases(
+        len(values), wrong, "the other conditions are what the statement asks, and fail where it says nothing"
+    )
 
 
 def _general() -> Outcome:
@@ -249,7 +253,7 @@ def _general() -> Outcome:
         "one gain": (_least(conditions, 4), 1.0),
         "two gains": (_least(apart, 4), -1.0),
     }
-    inside = identity(
+    inside = prove_identities(
         {"inward": _found(conditions, 0, (0,)) - main, "what is seen stays inside": _found(conditions, 3, (0,)) - near},
         METHOD,
         POINT,

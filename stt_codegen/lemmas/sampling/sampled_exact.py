@@ -15,15 +15,17 @@ import numpy as np
 import sympy as sp
 from flint import arb, ctx
 
-from stt_codegen.lemmas.formula import Formula
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.lemmas.sampling.sampled_evaluated import METHOD, NUMBERS, POINT, V, setting, symbol
 from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.sampling import FRACTIONS, Fractions, Law, Setting, Windows, inputs_where_proved, statements
 
 EVERY = (1, 2, 3)  # three components: two others to couple with
 RHO = {f"E{i}": sp.Symbol(f"rho{i}", positive=True) for i in EVERY}
-BELOW, ABOVE = (Formula(sp.Symbol(word, positive=True), 1.0) for word in ("below", "above"))  # of a logarithm's two ends
+BELOW, ABOVE = (
+    EvaluatedExpression(sp.Symbol(word, positive=True), 1.0) for word in ("below", "above")
+)  # of a logarithm's two ends
 ON_SYMBOLS = Fractions(lambda y: (BELOW * y.log(), ABOVE * y.log()))
 HELD = {"u1": 1.25, "u2": 1.75, "u3": 1.5, "P1'": 0.4, "P2'": 0.5, "P3'": 0.6}
 
@@ -35,7 +37,7 @@ def _both() -> tuple[Setting, Setting, Any, Any]:
     """A loop of symbols as the statements see it, the same in fractions, and the reaches of both."""
     loop = setting(len(EVERY), coupled=True)
     reach = np.array([symbol(name) for name in RHO], dtype=object)
-    rho = np.array([Formula(v, float(np.exp(NUMBERS[name]))) for name, v in RHO.items()], dtype=object)
+    rho = np.array([EvaluatedExpression(v, float(np.exp(NUMBERS[name]))) for name, v in RHO.items()], dtype=object)
     return loop, loop.with_law(numbers=ON_SYMBOLS), reach, rho
 
 
@@ -45,10 +47,10 @@ def _there() -> dict[Any, float]:
     return POINT | point | {RHO[name]: round(float(np.exp(NUMBERS[name])), 6) for name in RHO}
 
 
-def _difference(one: Any, other: Any, end: Formula, exactly: bool = True) -> Any:
+def _difference(one: Any, other: Any, end: EvaluatedExpression, exactly: bool = True) -> Any:
     """One less the other, whose logarithms are taken from this end; a number where they differ at a point, since SymPy would take
     minutes over what is not 0. Not exactly: at that point alone, to 12 digits."""
-    other = sp.sympify(other).replace(sp.log, lambda v: end.form * sp.log(v))
+    other = sp.sympify(other).replace(sp.log, lambda v: end.expression * sp.log(v))
     point = _there()
     forms = [sp.sympify(v).subs({V[name]: sp.log(rho) for name, rho in RHO.items()}) for v in (one, other)]
     rest = forms[0] - forms[1]
@@ -69,16 +71,18 @@ def _fractions() -> Outcome:
     """Both on all components, u and P' given: the same six conditions. Of the first component exactly, of the others, for which
     the same code runs, at a point."""
     loop, exact, reach, rho = _both()
-    given = {name: Formula(sp.Symbol(name, positive=True), value) for name, value in HELD.items()}
+    given = {name: EvaluatedExpression(sp.Symbol(name, positive=True), value) for name, value in HELD.items()}
     u, push = (np.array([[given[name] for name in names]], dtype=object) for names in (("u1", "u2", "u3"), ("P1'", "P2'", "P3'")))
     wanted, compared = (list(statements.sharp_under(s, e, symbol("tau"), u, push)) for s, e in ((loop, reach), (exact, rho)))
     found: dict[str, Any] = {}
     wrong = [c.lemma for c in compared if not (c.values > 0).all()]
     for i in range(len(EVERY)):
         for j, (a, b) in enumerate(zip(compared, wanted, strict=True)):
-            one, other = (np.asarray(c.values, dtype=object)[0, i].form for c in (a, b))
+            one, other = (np.asarray(c.values, dtype=object)[0, i].expression for c in (a, b))
             found[f"component {i + 1}, comparison {j + 1}"] = _difference(one, other, BELOW, exactly=i == 0)
-    return all_of(identity(found, METHOD), cases(len(EVERY), wrong, "six comparisons, none of which refuses"), _refuses())
+    return all_of(
+        prove_identities(found, METHOD), outcome_of_cases(len(EVERY), wrong, "six comparisons, none of which refuses"), _refuses()
+    )
 
 
 def _refuses() -> Outcome:
@@ -96,7 +100,7 @@ def _refuses() -> Outcome:
         answer = refusing_condition(**change)
         if answer != place:
             wrong.append(f"{name}: refused by {answer}")
-    return cases(len(tried), wrong, "the condition that fails refuses, and none where all hold")
+    return outcome_of_cases(len(tried), wrong, "the condition that fails refuses, and none where all hold")
 
 
 def refusing_condition(
@@ -171,7 +175,7 @@ def _inputs() -> Outcome:
     loop, exact, reach, rho = _both()
     far, near = Fraction(1023, 1024), Fraction(5, 8)
     for e_max, limited, noisy in product(((far,) * 3, (far, near, far), (near, far, near)), (False, True), (False, True)):
-        shift = np.array([Formula(v.form, 1.0) if noisy else v for v in loop.law.shift], dtype=object)
+        shift = np.array([EvaluatedExpression(v.expression, 1.0) if noisy else v for v in loop.law.shift], dtype=object)
         limits: Any = np.array([symbol("m1"), symbol("m2"), symbol("m3")], dtype=object) if limited else np.full(3, np.inf)
         law = {"e_max": np.array(e_max, dtype=object), "shift": shift, "u_max": limits}
         bounds = [statements.input_bound(s.with_law(**law), e)[0] for s, e in ((loop, reach), (exact, rho))]
@@ -179,12 +183,17 @@ def _inputs() -> Outcome:
         name = f"e_max {e_max}, u_max {'given' if limited else 'none'}, noise {'wide' if noisy else 'small'}"
         for i, limit in zip(EVERY, e_max, strict=True):
             wanted = _expected_input(i, limit, limited, noisy)
-            for kind, u, end in (("E", bounds[0][i - 1], Formula(sp.Integer(1), 1.0)), ("rho", bounds[1][i - 1], ABOVE)):
+            for kind, u, end in (
+                ("E", bounds[0][i - 1], EvaluatedExpression(sp.Integer(1), 1.0)),
+                ("rho", bounds[1][i - 1], ABOVE),
+            ):
                 if wanted is None:
                     wrong += [] if float(u) >= 1e300 else [f"{name}: U = {u}"]
                 else:
-                    found[f"{name}, component {i}, by {kind}"] = _difference(u.form, wanted, end)
-    return all_of(identity(found, METHOD), cases(count, wrong, "as many bounds as components, none where there is none"))
+                    found[f"{name}, component {i}, by {kind}"] = _difference(u.expression, wanted, end)
+    return all_of(
+        prove_identities(found, METHOD), outcome_of_cases(count, wrong, "as many bounds as components, none where there is none")
+    )
 
 
 # ------------------------------------------------------------------------------------------------ what all this stands on
@@ -225,7 +234,7 @@ def _holds() -> Outcome:
         u, bound = inputs_where_proved(loop, rho, age), statements.input_bound(loop, np.array(rho, dtype=object)).max(axis=0)
         if (u is not None) != holds or (u is not None and u != tuple(bound)):
             wrong.append(f"{name}: |u| <= {u}")
-    return cases(count, wrong, "holds where every component is kept in every window, and nowhere else")
+    return outcome_of_cases(count, wrong, "holds where every component is kept in every window, and nowhere else")
 
 
 def _series() -> Outcome:
@@ -244,9 +253,11 @@ def _series() -> Outcome:
         if not (inside and high - low < Fraction(1, 1 << 50)):
             wrong.append(f"ln {y} is not enclosed by {float(low)} and {float(high)}, or widely")
     return all_of(
-        identity({"1/(1 - z^2) less its terms less z^(2N)/(1 - z^2)": sp.cancel(1 / (1 - z**2) - terms - z**left / (1 - z**2))}),
-        sign({"(2N + 1)(1 - z^2) - 1 at z = 1/4, where it is least": (left + 1) * (1 - sp.Rational(1, 16)) - 1}),
-        cases(count, wrong, "ln y is between both ends, which are 2^-50 apart at most"),
+        prove_identities(
+            {"1/(1 - z^2) less its terms less z^(2N)/(1 - z^2)": sp.cancel(1 / (1 - z**2) - terms - z**left / (1 - z**2))}
+        ),
+        prove_positive({"(2N + 1)(1 - z^2) - 1 at z = 1/4, where it is least": (left + 1) * (1 - sp.Rational(1, 16)) - 1}),
+        outcome_of_cases(count, wrong, "ln y is between both ends, which are 2^-50 apart at most"),
     )
 
 

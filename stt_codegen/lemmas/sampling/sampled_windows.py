@@ -18,8 +18,8 @@ import sympy as sp
 from flint import arb, ctx
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign
-from stt_codegen.lemmas.formula import Formula
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
 from stt_codegen.program import FORMATS, round_down
 from stt_codegen.sampling import (
     FRACTIONS,
@@ -74,7 +74,7 @@ def tables() -> Iterator[Table]:
 
 def _table(numbers: Any, seconds: Fraction) -> Table:
     symbols = np.array(sp.symbols(f"beta0:{numbers.size}", real=True), dtype=object).reshape(numbers.shape)
-    make = np.vectorize(Formula, otypes=[object])
+    make = np.vectorize(EvaluatedExpression, otypes=[object])
     return Table(make(symbols, numbers), seconds, Fraction(1, 8))
 
 
@@ -94,13 +94,13 @@ def _wanted(table: Table) -> dict[str, Any]:
             "high": max(high, key=float), "step": _largest(steps), "width_step": _largest([b - a for a, b in pairwise(width)]),
         }  # fmt: skip
         for name, value in row.items():
-            result[name].append(value.form)
+            result[name].append(value.expression)
     return result
 
 
-def _largest(values: list[Formula]) -> Formula:
-    worst = max(values, key=lambda v: abs(v.number))
-    return worst if worst.number >= 0 else -worst
+def _largest(values: list[EvaluatedExpression]) -> EvaluatedExpression:
+    worst = max(values, key=lambda v: abs(v.value))
+    return worst if worst.value >= 0 else -worst
 
 
 def _bezier_rate() -> Outcome:
@@ -108,7 +108,7 @@ def _bezier_rate() -> Outcome:
     s, beta = sp.Symbol("s", real=True), sp.symbols("beta0:4", real=True)
     curve = sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * b for j, b in enumerate(beta))
     slope = sum(sp.binomial(2, j) * s**j * (1 - s) ** (2 - j) * 3 * (beta[j + 1] - beta[j]) for j in range(3))
-    return identity({"slope less its Bezier form": sp.expand(sp.diff(curve, s) - slope)})
+    return prove_identities({"slope less its Bezier form": sp.expand(sp.diff(curve, s) - slope)})
 
 
 def _windows() -> Outcome:
@@ -124,28 +124,33 @@ def _windows() -> Outcome:
         in_doubles = {"narrow": windows.narrow, "wide": windows.wide, "low": windows.low, "high": windows.high}
         for name, forms in wanted.items():
             pairs = zip(forms, getattr(whole, name).ravel(), strict=True)
-            found |= {f"{name} {number}.{j}": form - v.form for j, (form, v) in enumerate(pairs)}
+            found |= {f"{name} {number}.{j}": form - v.expression for j, (form, v) in enumerate(pairs)}
         for name, values in in_doubles.items():
             pairs = zip(wanted[name], values.ravel(), strict=True)
             found |= {
-                f"{name} {number}.{j}, doubles": sp.Rational(given.unit) * form - v.form for j, (form, v) in enumerate(pairs)
+                f"{name} {number}.{j}, doubles": sp.Rational(given.unit) * form - v.expression
+                for j, (form, v) in enumerate(pairs)
             }
         for name, values in (("step", windows.speed), ("width_step", windows.widening)):
             for form, v in zip(wanted[name], values.ravel(), strict=True):
                 count += 1
-                share = sp.cancel(v.form / form) if form != 0 else None
-                if (v.form != 0) if share is None else not (rate <= Fraction(str(share)) <= rate * (1 + Fraction(1, 1 << 40))):
-                    wrong.append(f"{name} is {v.form}, not {rate} times {form}")
+                share = sp.cancel(v.expression / form) if form != 0 else None
+                if (
+                    (v.expression != 0)
+                    if share is None
+                    else not (rate <= Fraction(str(share)) <= rate * (1 + Fraction(1, 1 << 40)))
+                ):
+                    wrong.append(f"{name} is {v.expression}, not {rate} times {form}")
         starts = zip(given.coefficients[0, :, :, 0].ravel(), windows.start.ravel(), strict=True)
-        found |= {f"start {number}.{j}": unit * a.form - b.form for j, (a, b) in enumerate(starts)}
+        found |= {f"start {number}.{j}": unit * a.expression - b.expression for j, (a, b) in enumerate(starts)}
         ends = [float(given.prescribed_time) * k / given.segments for k in range(given.segments + 1)]
         count += 1
         if not np.allclose(windows.times, ends, rtol=1e-15, atol=0):
             wrong.append(f"windows end at {windows.times}, not at {ends}")
     return all_of(
         _bezier_rate(),
-        identity(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
-        cases(count, wrong, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
+        prove_identities(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
+        outcome_of_cases(count, wrong, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
     )
 
 
@@ -184,15 +189,15 @@ def _exact_windows() -> Outcome:
         for k, i in product(range(given.segments + 1), range(n)):
             before = max(k - 1, 0)
             wanted = {
-                "narrow": (made.windows.narrow, unit * narrow[k, i].form),
-                "narrow_seen": (made.narrow, unit * min(narrow[k, i], narrow[before, i], key=float).form),
-                "wide": (made.windows.wide, unit * wide[k, i].form),
-                "speed": (made.push, rate * max(step[k, i], step[before, i], key=float).form),
+                "narrow": (made.windows.narrow, unit * narrow[k, i].expression),
+                "narrow_seen": (made.narrow, unit * min(narrow[k, i], narrow[before, i], key=float).expression),
+                "wide": (made.windows.wide, unit * wide[k, i].expression),
+                "speed": (made.push, rate * max(step[k, i], step[before, i], key=float).expression),
             }
-            found |= {f"{name} {number}.{k}.{i}": getattr(a[k, i], "form", a[k, i]) - b for name, (a, b) in wanted.items()}
+            found |= {f"{name} {number}.{k}.{i}": getattr(a[k, i], "expression", a[k, i]) - b for name, (a, b) in wanted.items()}
     return all_of(
-        identity(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
-        cases(number + 1, wrong, "a window for every segment, and one from t_c on"),
+        prove_identities(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
+        outcome_of_cases(number + 1, wrong, "a window for every segment, and one from t_c on"),
     )
 
 
@@ -274,7 +279,7 @@ def _setting() -> Outcome:
             for name in ("least", "most", "push", "narrow"):
                 near(f"{name} of one component", getattr(alone, name)[:, 0], getattr(made, name)[:, 1])
             near("gain in balls", [float(v) for v in balls.law.gain], law.gain)
-    return cases(count, wrong, "what the statements are told is on the safe side, by 1e-9 of it at most")
+    return outcome_of_cases(count, wrong, "what the statements are told is on the safe side, by 1e-9 of it at most")
 
 
 def _wrong_in_fractions(task: Any, law: Law, shift: list[Fraction]) -> list[str]:

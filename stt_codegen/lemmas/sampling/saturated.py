@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 from stt_codegen.lemmas.sampling.sampled import Q
 
 k, m, u_max, g_min, P, W = sp.symbols("k m u_max g_min P W", positive=True)
@@ -52,7 +52,7 @@ def _work() -> Outcome:
             work + k * factor * (g_min * v.dot(v) + rest.dot(rest))
         )
         found[f"n = {n}: |u|^2 - (k factor)^2 |v|^2"] = sp.expand(u.dot(u) - (k * factor) ** 2 * v.dot(v))
-    return identity(found)
+    return prove_identities(found)
 
 
 def _size() -> Outcome:
@@ -63,14 +63,14 @@ def _size() -> Outcome:
     held = scaled(lesser, FACTOR).subs(m, lesser + less)
     free = scaled(sp.Matrix([m, *others]), 1)
     return all_of(
-        identity(
+        prove_identities(
             {
                 "largest |u_i| - u_max, scaled": sp.simplify(-u[0] - u_max),
                 "|u|^2 - u_max^2 - (u_2^2 + u_3^2), scaled": sp.simplify(u.dot(u) - u_max**2 - (u[1] ** 2 + u[2] ** 2)),
                 "|u|^2 - k^2 |v|^2, not scaled": sp.expand(free.dot(free) - k**2 * (m**2 + sum(v**2 for v in others))),
             }
         ),
-        sign({"u_max - |u_i|": sp.cancel(u_max + held)}),
+        prove_positive({"u_max - |u_i|": sp.cancel(u_max + held)}),
     )
 
 
@@ -82,7 +82,7 @@ def stays() -> Outcome:
     free = size * (s + k * g_min * more)
     pulled = PULLED.subs(Q, own)
     return all_of(
-        identity(
+        prove_identities(
             {
                 "scaled: Vdot's bound, plus s |v|": sp.expand(vdot(size, u_max).subs(u_max, (P + s) / g_min) + s * size),
                 "not scaled: Vdot's bound, plus |v| (s + k g_min more)": sp.expand(
@@ -90,8 +90,8 @@ def stays() -> Outcome:
                 ),
             }
         ),
-        sign({"s |v|": s * size, "|v| (s + k g_min more)": free}),
-        sign({"4 q_i/W_i - 4 q_i/W": sp.cancel(pulled.subs(W, width) - pulled.subs(W, width + s))}),
+        prove_positive({"s |v|": s * size, "|v| (s + k g_min more)": free}),
+        prove_positive({"4 q_i/W_i - 4 q_i/W": sp.cancel(pulled.subs(W, width) - pulled.subs(W, width + s))}),
     )
 
 
@@ -117,7 +117,7 @@ def _clipped() -> Outcome:
     work = sum(v[i] * v[j] * arb(g[i, j].p) / arb(g[i, j].q) for i in range(2) for j in range(2))
     falls = -work / max(map(abs, v))  # of the scaled law: k v is above u_max in both components
     clips = all(abs(value) > 1 for value in v)
-    return counterexample(
+    return refute_by_counterexample(
         "V falls under clipped u",
         f"g = {g.tolist()}, f = w = 0, u_max = 1, k >= 1, x = {RISES_AT}",
         _definite(g) and clips and rises > 0 and falls < 0,
@@ -133,7 +133,7 @@ def _clipped_leaves() -> Outcome:
     time = (1 - LEAVES_FROM[0]) / rate[0] if rate[0] > 0 else sp.oo
     end = LEAVES_FROM[1] + rate[1] * time
     least = _law_at((LEAVES_FROM[0], end)) if -1 < end < 0 else [arb(0), arb(0)]
-    return counterexample(
+    return refute_by_counterexample(
         "clipped u keeps the tube",
         f"g = {g.tolist()}, f = w = 0, u_max = 1, k >= 1, x(0) = {LEAVES_FROM}",
         _definite(g) and least[0] > 1 and least[1] < -1,
@@ -148,7 +148,7 @@ def _nominal() -> Outcome:
     half = (product + product.T) / 2
     v = sp.Matrix([1, 1])
     work = (v.T * half * v)[0]
-    return counterexample(
+    return refute_by_counterexample(
         "M^-1 Mhat has a positive definite symmetric part",
         f"M = {inertia.tolist()}, Mhat = {nominal.tolist()}, v = (1, 1)",
         _definite(inertia) and _definite(nominal) and work < 0,
@@ -170,7 +170,7 @@ def _near_nominal() -> Outcome:
         inverse = inertia.inv()
         rest = inverse * nominal - sp.eye(n) + nominal_error(inverse, inertia, nominal)
         found |= {f"n = {n}: M^-1 Mhat - I + D, entry {i}{j}": sp.cancel(rest[i, j]) for i in range(n) for j in range(n)}
-    return identity(found)
+    return prove_identities(found)
 
 
 LEMMAS = (

@@ -20,8 +20,8 @@ import sympy as sp
 from stt_codegen import constraints as rows
 from stt_codegen.certify import slack
 from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
-from stt_codegen.lemmas.formula import Formula
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.properties import Property
 from stt_codegen.task.sets import BoxSet, Grown, low_of
 
@@ -51,7 +51,7 @@ def _plain() -> Outcome:
     fast, bend = (sp.symbols(f"{name}1:{N + 1}", positive=True) for name in ("fast", "bend"))
     start, space, target = (_box(name) for name in ("start", "space", "target"))
     x = tuple(sp.Symbol(f"x{i + 1}", real=True) for i in range(N))
-    tube = SimpleNamespace(min_width=Formula(width, 0.25))
+    tube = SimpleNamespace(min_width=EvaluatedExpression(width, 0.25))
     bounds = {"max_speed": fast, "max_acceleration": bend, "space_cuts": (), "target_cuts": ()}
     task: Any = SimpleNamespace(dimension=N, tube=tube, initial_state=x, start=start, free_space=space, target=target, **bounds)
     low, high = EDGE[:, LOWER], EDGE[:, UPPER]
@@ -59,7 +59,7 @@ def _plain() -> Outcome:
     def inside(box: Any) -> list[Any]:
         return [v for i in range(N) for v in (low[i] - box.lower[i], box.upper[i] - high[i])]
 
-    wide = [rows.Row(r.terms, r.bound.form) for r in rows.width_rows(task)]  # type: ignore[attr-defined]
+    wide = [rows.Row(r.terms, r.bound.expression) for r in rows.width_rows(task)]  # type: ignore[attr-defined]
     speed, second = rows.speed_rows(task), rows.acceleration_rows(task)
     found = _same("P1 width", wide, [high[i] - low[i] - width for i in range(N)])
     found |= _same("P2 x(0)", rows.state_rows(task), [v for i in range(N) for v in (x[i] - low[i], high[i] - x[i])])
@@ -87,7 +87,8 @@ def _plain() -> Outcome:
     wrong += ["P6 without a bound"] if rows.speed_rows(task) or rows.acceleration_rows(task) else []
     count = sum(map(len, every.values())) + len(speed) + len(second) + N + 2
     return all_of(
-        identity(found, METHOD), cases(count, wrong, "edges or rates as asked, distances undivided, no width below the least")
+        prove_identities(found, METHOD),
+        outcome_of_cases(count, wrong, "edges or rates as asked, distances undivided, no width below the least"),
     )
 
 
@@ -137,7 +138,9 @@ def _apart() -> Outcome:
         len(chosen) != 2
     )
     return all_of(
-        identity(found, METHOD), sign(signs), cases(len(normals) + 4, wrong, "every pattern of signs; rows of every set")
+        prove_identities(found, METHOD),
+        prove_positive(signs),
+        outcome_of_cases(len(normals) + 4, wrong, "every pattern of signs; rows of every set"),
     )
 
 
@@ -161,7 +164,8 @@ def _moved() -> Outcome:
     )
     wrong += [f"{r}: needs {r.needed}" for r, v in ((width, 2), (far, 1)) if r.needed != v]
     return all_of(
-        identity(found, METHOD), cases(5, wrong, "a row is about one dimension or several; an error counts |c|/per times")
+        prove_identities(found, METHOD),
+        outcome_of_cases(5, wrong, "a row is about one dimension or several; an error counts |c|/per times"),
     )
 
 
@@ -203,7 +207,8 @@ def _support() -> Outcome:
         if (larger.apart(low, high), larger.covers(low, high)) != (gap, held):
             wrong.append(f"{solid} grown by {body} beside {low}, {high}")
     return all_of(
-        identity(found, METHOD), cases(count, wrong, "faces are supports, reached at a corner; grown boxes are grown sets")
+        prove_identities(found, METHOD),
+        outcome_of_cases(count, wrong, "faces are supports, reached at a corner; grown boxes are grown sets"),
     )
 
 
@@ -224,15 +229,15 @@ def _told() -> Outcome:
         numbers = np.array([[[[*order], [9 + 2.5 * v for v in order[::-1]]]] * 2], dtype=float).reshape(1, 2, 2, 4)
         numbers[0, 1] += np.array([0.25, 0.5, 1.0, 2.0])
         symbols = np.array(sp.symbols("beta0:16", real=True), dtype=object).reshape(numbers.shape)
-        pieces = np.vectorize(Formula, otypes=[object])(symbols, numbers)
+        pieces = np.vectorize(EvaluatedExpression, otypes=[object])(symbols, numbers)
         for kind, given in (("edges", plain), ("rows", mixed)):
             told = slack.RowBlock.of(given, half).told(pieces)
             for r, row in enumerate(given):
                 left = [sum(c * pieces[0, i, side, j] for i, side, c in row.terms) for j in range(4)]
                 bound = -((-(row.bound + row.keep)) // half)
-                wanted = (min(left, key=float).form - sp.Integer(int(bound))) / row.per
-                found[f"{kind}, order {count}, row {r}"] = sp.expand(told[0, r].form - wanted)
-    return all_of(identity(found, METHOD), _whole())
+                wanted = (min(left, key=float).expression - sp.Integer(int(bound))) / row.per
+                found[f"{kind}, order {count}, row {r}"] = sp.expand(told[0, r].expression - wanted)
+    return all_of(prove_identities(found, METHOD), _whole())
 
 
 def _whole() -> Outcome:
@@ -260,7 +265,7 @@ def _whole() -> Outcome:
             alone = slack.RowBlock.choice(sets[:1], Fraction(1, 2))
             good = good and alone.told_of(alone.told(pieces))[k] == max(by_set[k][0])
             wrong += [] if good else [f"{made}: {least[k]}, {best[k]}"]
-    return cases(count, wrong, "whole units, rounded down; the worst row, and of the best rows of the sets the worst")
+    return outcome_of_cases(count, wrong, "whole units, rounded down; the worst row, and of the best rows of the sets the worst")
 
 
 def _drawn(draw: random.Random) -> rows.Row:
@@ -303,7 +308,7 @@ def _subdivided() -> Outcome:
                     wrong.append(f"{float(least.slack)} is said to be there, {float(min(points))} is")
                 if required > least.slack and min(points) > required + 2 and len(groups[0]) == 1:
                     wrong.append(f"{required} is there: {float(min(points))}, and {float(least.slack)} was said")
-    return cases(count, wrong, "what is said to be there is there at every 16th of a segment")
+    return outcome_of_cases(count, wrong, "what is said to be there is there at every 16th of a segment")
 
 
 def _in_chunks(bezier: Any, block: slack.RowBlock, error: Fraction) -> slack.Least:

@@ -11,7 +11,7 @@ import sympy as sp
 
 from stt_codegen import constraints as rows
 from stt_codegen.certify import moving_slack as moving
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
 from stt_codegen.lemmas.sets.constraint_rows import METHOD, N
 from stt_codegen.task.sets import Course, Leg
 
@@ -27,7 +27,7 @@ def _parts() -> Outcome:
         return sum(sp.binomial(3, j) * at**j * (1 - at) ** (3 - j) * v for j, v in enumerate(coefficients))
 
     part = moving.cut(np.array(c, dtype=object), a, b)
-    return identity({"the part": sp.expand(value(list(part), r) - value(c, a + (b - a) * r))}, METHOD)
+    return prove_identities({"the part": sp.expand(value(list(part), r) - value(c, a + (b - a) * r))}, METHOD)
 
 
 def _bounds() -> Outcome:
@@ -62,8 +62,8 @@ def _bounds() -> Outcome:
         if [[v * length for v in row] for row in lines.at(t / time)] != wanted:
             wrong.append(f"{leg} at {t}")
     return all_of(
-        identity({"a place between": sp.expand(between - (1 - share) * ends[0] - share * ends[1])}, METHOD),
-        cases(DRAWN, wrong, "bound, clearance, displacement and growth"),
+        prove_identities({"a place between": sp.expand(between - (1 - share) * ends[0] - share * ends[1])}, METHOD),
+        outcome_of_cases(DRAWN, wrong, "bound, clearance, displacement and growth"),
     )
 
 
@@ -92,7 +92,7 @@ def _places() -> Outcome:
                 )
                 if told != most:
                     wrong.append(f"{course} at {t} along {normal}")
-    return cases(DRAWN, wrong, "as far as the farthest reading of the clock; asked for while one is in the window")
+    return outcome_of_cases(DRAWN, wrong, "as far as the farthest reading of the clock; asked for while one is in the window")
 
 
 LEMMAS = (

@@ -11,7 +11,7 @@ from typing import Any
 import sympy as sp
 
 from stt_codegen import constraints as rows
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
 from stt_codegen.lemmas.sets.constraint_rows import EDGE, METHOD, N
 from stt_codegen.properties import Property
 from stt_codegen.task.sets import Hull, Polytope, Prism, Round, Segment, cut_box, dot, size, spanned
@@ -41,7 +41,9 @@ def _behind() -> Outcome:
             left = sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.keep
             found[f"{what} {normal}"] = sp.expand(left - (bound - most))
             found[f"{what} {normal}: per"] = sp.expand(row.per - sum(map(abs, normal)))
-    return all_of(identity(found, METHOD), cases(2, wrong, "a row for every half-space, after those of the box"))
+    return all_of(
+        prove_identities(found, METHOD), outcome_of_cases(2, wrong, "a row for every half-space, after those of the box")
+    )
 
 
 def _round() -> Outcome:
@@ -65,8 +67,10 @@ def _round() -> Outcome:
         if Round(ends, radius).support(normal) != max(dot(normal, p) for p in ends) + radius * size(normal):
             wrong.append(f"{ends}, {radius}: {normal}")
     return all_of(
-        identity({"|n|^2 |u|^2 - (n.u)^2": sp.expand(left - squares)}, METHOD),
-        cases(len(normals) + DRAWN, wrong, "size(n) is |n|_2 rounded up by less than 2^-32; h(n) is reached at an end"),
+        prove_identities({"|n|^2 |u|^2 - (n.u)^2": sp.expand(left - squares)}, METHOD),
+        outcome_of_cases(
+            len(normals) + DRAWN, wrong, "size(n) is |n|_2 rounded up by less than 2^-32; h(n) is reached at an end"
+        ),
     )
 
 
@@ -86,7 +90,7 @@ def _nearest() -> Outcome:
         reach = sum(abs(b - a) for a, b in zip(*ends, strict=True)) / 256
         if told > min(found) or float(min(found)) ** 0.5 > float(told) ** 0.5 + float(reach) + 1e-12:
             wrong.append(f"{ends}, {lower}, {upper}")
-    return cases(DRAWN, wrong, "the least over the segment, between what a grid of 129 places allows")
+    return outcome_of_cases(DRAWN, wrong, "the least over the segment, between what a grid of 129 places allows")
 
 
 def _hull() -> Outcome:
@@ -104,7 +108,7 @@ def _hull() -> Outcome:
         left = {v.point for v in cut_box(*box, hull.faces)}
         if not behind or left != {v.point for v in hull.corners}:
             wrong.append(f"{points}")
-    return cases(count, wrong, "the half-spaces of the faces meet in the hull of the corners")
+    return outcome_of_cases(count, wrong, "the half-spaces of the faces meet in the hull of the corners")
 
 
 def _prism() -> Outcome:
@@ -123,7 +127,7 @@ def _prism() -> Outcome:
                 corners.append(tuple(place.get(i, v) for i, v in enumerate(ends)))
             if prism.support(normal) != max(dot(normal, p) for p in corners):
                 wrong.append(f"{points} in {axes}: {normal}")
-    return cases(DRAWN * 3**N, wrong, "h(n) of a prism is the greatest over its vertices")
+    return outcome_of_cases(DRAWN * 3**N, wrong, "h(n) of a prism is the greatest over its vertices")
 
 
 LEMMAS = (

@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered, pressed
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.lemmas.sampling import refusing_condition
 from stt_codegen.sampling import FRACTIONS, extent, inertial_motion
 
@@ -32,7 +32,7 @@ def _inside() -> Outcome:
     start = sp.Symbol("b_0(0)", positive=True)
     grown = sp.Symbol("growth", positive=True)  # the integral of e^(lambda s) b(s) from 0 to t
     return all_of(
-        identity(
+        prove_identities(
             {
                 "b_0' - (b - lambda b_0)": sp.expand(sp.diff(b0, t) - (b - lam * b0)),
                 "a_0' - (a - lambda a_0)": sp.expand(sp.diff(a0, t) - (a - lam * a0)),
@@ -40,7 +40,7 @@ def _inside() -> Outcome:
                 "a + b - (W' + lambda W)": sp.expand(a + b - (sp.diff(R - L, t) + lam * (R - L))),
             }
         ),
-        sign({"e^(-lambda t) (b_0(0) + growth)": sp.exp(-lam * t) * (start + grown)}),
+        prove_positive({"e^(-lambda t) (b_0(0) + growth)": sp.exp(-lam * t) * (start + grown)}),
     )
 
 
@@ -49,7 +49,7 @@ def _largest() -> Outcome:
     more = sp.Symbol("more", positive=True)
     held = sp.diff(R, t) + lam * R + more  # v + lambda x
     out = (held - lam * R) - sp.diff(R, t)  # v - R' at x = R
-    return all_of(identity({"v - R' at the edge": sp.expand(out - more)}), sign({"v - R'": more}))
+    return all_of(prove_identities({"v - R' at the edge": sp.expand(out - more)}), prove_positive({"v - R'": more}))
 
 
 def _exit() -> Outcome:
@@ -59,7 +59,7 @@ def _exit() -> Outcome:
     rate_a = q_ - bend_l + lam * far - lam**2 * m0
     rate_b = bend_r - q_ + lam * near - lam**2 * p0
     pushed = (far * (lam**2 * p0 - bend_r) + near * (-bend_l - lam**2 * m0)) / (far + near)
-    return identity(
+    return prove_identities(
         {
             "a' as it is": sp.expand(sp.diff(a, t) - (q - sp.diff(L, t, 2) + lam * a - lam**2 * a0)),
             "b' as it is": sp.expand(sp.diff(b, t) - (sp.diff(R, t, 2) - q + lam * b - lam**2 * b0)),
@@ -78,8 +78,8 @@ def _pushed() -> Outcome:
     rest = (far * room + near * more) / (far + near) + lam**2 * lesser
     told = lam**2 * (width - lesser) - (lam**2 * width - (top - room)) - ((top - room) - lam**2 * lesser)
     return all_of(
-        identity({"P - the mean": sp.together(top - mean - rest), "lambda^2 (R - x) - R''": sp.expand(told)}),
-        sign({"what is left": rest}),
+        prove_identities({"P - the mean": sp.together(top - mean - rest), "lambda^2 (R - x) - R''": sp.expand(told)}),
+        prove_positive({"what is left": rest}),
     )
 
 
@@ -92,13 +92,15 @@ def _ages() -> Outcome:
     rate_b = bend_r - ((F - force) - own) + lam * more - lam**2 * (width - left)
     first, last = F - bend_l + lam * z, F - bend_r + lam**2 * width
     return all_of(
-        identity(
+        prove_identities(
             {
                 "P_d - a'": sp.expand(first - rate_a - (force + own + lam * lesser + lam**2 * left)),
                 "P_d + b'": sp.expand(last + rate_b - (force + own + lam * more + lam**2 * left)),
             }
         ),
-        sign({"P_d - a'": force + own + lam * lesser + lam**2 * left, "P_d + b'": force + own + lam * more + lam**2 * left}),
+        prove_positive(
+            {"P_d - a'": force + own + lam * lesser + lam**2 * left, "P_d + b'": force + own + lam * more + lam**2 * left}
+        ),
     )
 
 
@@ -106,7 +108,7 @@ def _middle() -> Outcome:
     """z less its middle moves at q - c'' + lambda (v - c'); v - c' is the difference of numbers below Z/2 and lambda W/2."""
     c = (L + R) / 2
     held = (v + lam * x) - (sp.diff(c, t) + lam * c)
-    return identity(
+    return prove_identities(
         {
             "(z - middle)'": sp.expand(sp.diff(held, t) - (q - sp.diff(c, t, 2) + lam * (v - sp.diff(c, t)))),
             "v - c'": sp.expand((v - sp.diff(c, t)) - (held - lam * (x - c))),
@@ -121,7 +123,7 @@ def _rest() -> Outcome:
     """At rest a = lambda a_0 - L' and b = lambda b_0 + R', positive for every x inside where L' <= 0 <= R'."""
     inside, out, up = sp.symbols("x-L -L' R'", nonnegative=True)
     place = sp.Symbol("a_0", positive=True)
-    return sign({"a": lam * place + out, "b": lam * place + up + 0 * inside})
+    return prove_positive({"a": lam * place + out, "b": lam * place + up + 0 * inside})
 
 
 def _random_design(draw: random.Random) -> RefinedDesign:
@@ -162,7 +164,7 @@ def _evaluated() -> Outcome:
                     own_ = sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(given))
                     if sp.expand(own_ - polynomial) != 0:
                         wrong.append(f"{design} segment {k}")
-    return cases(DESIGNS, wrong, "A, B, lambda^2 W + L'' and R'' - lambda^2 W are these polynomials")
+    return outcome_of_cases(DESIGNS, wrong, "A, B, lambda^2 W + L'' and R'' - lambda^2 W are these polynomials")
 
 
 def _components() -> Outcome:
@@ -192,7 +194,7 @@ def _components() -> Outcome:
                     lengths = float(every.seen[k, i]) - 1e-9 * abs(z) <= z <= most + 1e-9 * abs(z)
                     good = lengths and all(m >= d - 1e-9 * abs(d) for m, d in zip(told, (at_edge, aged, turned), strict=True))
                     wrong += [] if good else [f"{design} window {k}"]
-    return cases(DESIGNS, wrong, "width and pushes of every window bound what is there")
+    return outcome_of_cases(DESIGNS, wrong, "width and pushes of every window bound what is there")
 
 
 def _places() -> Outcome:
@@ -209,7 +211,7 @@ def _places() -> Outcome:
             wrong.append(f"{name}: not refused by condition {place}")
     if refusing_condition(pushes=(small, small, small)) is not None:
         wrong.append("refused where nothing pushes much")
-    return cases(len(tried) + 1, wrong, "P_m is in the first condition, P_x in the limit, P_d in the drift")
+    return outcome_of_cases(len(tried) + 1, wrong, "P_m is in the first condition, P_x in the limit, P_d in the drift")
 
 
 LEMMAS = (

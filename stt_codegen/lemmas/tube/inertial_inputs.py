@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, counterexample, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, prove_identities, prove_positive, refute_by_counterexample
 from stt_codegen.lemmas.sampling import saturated
 from stt_codegen.lemmas.tube.filtered_tube import L, R, a, a0, b, b0, lam, q, t, v, x
 
@@ -34,7 +34,7 @@ def _vdot() -> Outcome:
     rates = sp.diff(a, t) * b - sp.diff(b, t) * a  # epsdot a b
     rest = sp.cancel(REST * (a + b))
     exit_mean = a * (lam**2 * b0 - sp.diff(R, t, 2)) + b * (-sp.diff(L, t, 2) - lam**2 * a0)
-    return identity(
+    return prove_identities(
         {
             "(a'/a - b'/b) a b - (a + b)(vdot + rest)": sp.expand(rates - (a + b) * q - rest),
             "(a + b) rest - (a + b) times the mean of the exit inequality": sp.expand(rest - exit_mean),
@@ -46,13 +46,15 @@ def _bounded() -> Outcome:
     """What v lacks of both bounds is a distance of z and lambda times one of x. The solution has no other way to infinity."""
     distances = sp.symbols("a b x-L R-x", positive=True)
     return all_of(
-        identity(
+        prove_identities(
             {
                 "R' + lambda W - v - (b + lambda (x - L))": sp.expand(FASTEST - v - (b + lam * a0)),
                 "v - L' + lambda W - (a + lambda (R - x))": sp.expand(v - SLOWEST - (a + lam * b0)),
             }
         ),
-        sign({"b + lambda (x - L)": distances[1] + lam * distances[2], "a + lambda (R - x)": distances[0] + lam * distances[3]}),
+        prove_positive(
+            {"b + lambda (x - L)": distances[1] + lam * distances[2], "a + lambda (R - x)": distances[0] + lam * distances[3]}
+        ),
     )
 
 
@@ -71,21 +73,23 @@ def _saturated() -> Outcome:
     rises = (force - lack_f) - (force + mean + room) + (mean - lack_m)
     less = asked * more / (Z + more)
     return all_of(
-        identity(
+        prove_identities(
             {
                 "h at a/b = e^E, less 4 q/Z": sp.simplify((law - asked.rewrite(sp.exp)).expand()),
                 "4 q/Z - 4 q/Z_+": sp.together(asked - asked_at(e, Z + more) - less),
                 "eps' a b/(a + b)": sp.expand(rises + room + lack_f + lack_m),
             }
         ),
-        sign({"4 q/Z - 4 q/Z_+": less.subs(sp.cosh(e / 2), sp.Symbol("cosh", positive=True)), "room": room + lack_f + lack_m}),
+        prove_positive(
+            {"4 q/Z - 4 q/Z_+": less.subs(sp.cosh(e / 2), sp.Symbol("cosh", positive=True)), "room": room + lack_f + lack_m}
+        ),
     )
 
 
 def _gain() -> Outcome:
     """1/a + 1/b less 4/(a + b) is a square over positive numbers."""
     xi = 1 / far + 1 / near
-    return identity(
+    return prove_identities(
         {"xi - 4/(a + b) - (a - b)^2/(a b (a + b))": sp.cancel(xi - PULL - (far - near) ** 2 / (far * near * (far + near)))}
     )
 
@@ -99,8 +103,10 @@ def _forever() -> Outcome:
     nearer = (narrow + wider) / (1 + (1 + grown) / (1 + less))  # b = Z/(1 + e^eps) for any Z >= Z_min, eps <= E
     room = sp.cancel(nearer - narrow / (2 + grown))
     return all_of(
-        identity({"Vdot's bound, plus y times what it falls": sp.expand(-k * g_min * size**2 + size * Phi + size * falls)}),
-        sign({"what it falls": falls, "b - Z_min/(1 + e^E)": sp.factor(room)}),
+        prove_identities(
+            {"Vdot's bound, plus y times what it falls": sp.expand(-k * g_min * size**2 + size * Phi + size * falls)}
+        ),
+        prove_positive({"what it falls": falls, "b - Z_min/(1 + e^E)": sp.factor(room)}),
     )
 
 
@@ -119,7 +125,7 @@ def _differences() -> Outcome:
     at_start = WEIGHT.subs(s, t - tau) * value - before
     bent = at_end - at_start  # the integral of the weight times vdot
     return all_of(
-        identity(
+        prove_identities(
             {
                 "d/ds (weight x'(s) - x(s)) - weight x''(s)": sp.expand(sp.diff(by_parts, s) - WEIGHT * sp.diff(place(s), s, 2)),
                 "(x_s - x_{s-1})/tau - v + integral/tau": sp.expand((now - before) / tau - rate + bent / tau),
@@ -128,7 +134,7 @@ def _differences() -> Outcome:
                 ),
             }
         ),
-        sign({"weight times (A - vdot)": WEIGHT.subs(s, t - tau + more) * slack}),
+        prove_positive({"weight times (A - vdot)": WEIGHT.subs(s, t - tau + more) * slack}),
     )
 
 
@@ -146,10 +152,10 @@ def _stamped() -> Outcome:
     error = (speed * (2 * late - y) - (i - A * true**2 / 2) + (noise - p) - (r - noise)) / measured
     lacks = (speed * y + i + p + r) / measured
     return all_of(
-        identity(
+        prove_identities(
             {"the bound - (v^ - v) - what it lacks": sp.expand(stamped_bound(speed, noise, late, measured, true) - error - lacks)}
         ),
-        sign({"what it lacks": lacks}),
+        prove_positive({"what it lacks": lacks}),
     )
 
 
@@ -161,7 +167,7 @@ def _nominal_period() -> Outcome:
     nominal, true = PERIODS
     speed, bound = Fraction(1), Fraction(1)  # |vdot| = 0 is at most 1
     error, claimed = abs(speed * true / nominal - speed), bound * max(PERIODS) / 2
-    return counterexample(
+    return refute_by_counterexample(
         "|v^ - v| <= A tau/2", f"v = 1, A = 1, periods {nominal} and {true} s", error > claimed, f"{error}, and {claimed}"
     )
 
@@ -174,7 +180,7 @@ def _stamps_alone() -> Outcome:
     true, most = Fraction(1, 50), Fraction(2)
     error = most * true**2 / 2 / (true - 2 * LATE)  # x_{s-1} = x_s + A tau^2/2
     claimed = most * true / 2
-    return counterexample(
+    return refute_by_counterexample(
         "|v^ - v| <= A tau/2 + 2 |v| delta/tau_s", f"v = 0, vdot = 2, tau = {true}, delta = {LATE}", error > claimed,
         f"{error}, and {claimed}",
     )  # fmt: skip
@@ -190,7 +196,7 @@ def _forward() -> Outcome:
     claimed = jerk + lam * (force + bend)
     rate = (jerk - less) - lam * (-(force - lesser) - (bend - least))
     return all_of(
-        identity(
+        prove_identities(
             {
                 "(z - middle)' - (vdot - fed forward)": sp.expand(sp.diff(middle, t) - (q - FORWARD)),
                 "(a + b)(rest + fed forward) + (a - b) Z'/2": sp.expand(left + (a - b) * widens / 2),
@@ -199,7 +205,7 @@ def _forward() -> Outcome:
                 ),
             }
         ),
-        sign({"|c'''| + lambda (A + |c''|) - its rate": sp.expand(claimed - rate)}),
+        prove_positive({"|c'''| + lambda (A + |c''|) - its rate": sp.expand(claimed - rate)}),
     )
 
 
@@ -217,7 +223,7 @@ def _forward_held() -> Outcome:
     without, with_it = max(map(abs, ends)), abs(ends[0] - ends[1])
     saved = bends + (WIDTH + WIDTH) / 2  # |c''| + lambda (Z + lambda W)/2
     stale = SPAN * (abs(JERK) + (bends + bends))  # tau (|c'''| + lambda (A + |c''|)); A is at least |c''|, which is |vdot| here
-    return counterexample(
+    return refute_by_counterexample(
         "held feed-forward takes away more than it adds",
         f"c = {JERK} t^3/6, W = {WIDTH}, lambda = 1, v = c', tau = {SPAN}",
         sp.diff(fed, t, 2) == 0 and with_it > without and stale > saved,

@@ -12,7 +12,7 @@ import sympy as sp
 
 from stt_codegen import constraints as rows
 from stt_codegen.designs import LOWER, UPPER
-from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, cases, identity, sign
+from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.program import round_down
 from stt_codegen.task import Task
 
@@ -24,7 +24,7 @@ TASKS = 60  # random ones
 def _exit() -> Outcome:
     """d eps/dt = adot/a - bdot/b with adot = xdot - Ldot, bdot = Rdot - xdot."""
     epsilon_rate = (x_rate - rise_L) / a - (rise_R - x_rate) / b
-    return identity(
+    return prove_identities(
         {"epsdot a b/(a + b) - (xdot - (b Ldot + a Rdot)/(a + b))": epsilon_rate * a * b / (a + b)
          - (x_rate - (b * rise_L + a * rise_R) / (a + b))}
     )  # fmt: skip
@@ -37,8 +37,8 @@ def _saturated() -> Outcome:
     pushed = F - (F + p + room)
     exit_rate = pushed - (b * (p_L - p) + a * (p_R - p)) / (a + b)
     return all_of(
-        identity({"left": exit_rate + room + (b * p_L + a * p_R) / (a + b)}),
-        sign({"what is left below 0": room + (b * p_L + a * p_R) / (a + b)}),
+        prove_identities({"left": exit_rate + room + (b * p_L + a * p_R) / (a + b)}),
+        prove_positive({"what is left below 0": room + (b * p_L + a * p_R) / (a + b)}),
     )
 
 
@@ -48,8 +48,8 @@ def _needed() -> Outcome:
     falls, less = (F - g * u) - rise_R, sp.Symbol("less", positive=True)
     most = (F - rise_R - room) / g
     return all_of(
-        identity({"at the limit": sp.expand(falls.subs(u, most) - room)}),
-        sign({"at the limit": room, "at less": sp.expand(falls.subs(u, most - less)) - room}),
+        prove_identities({"at the limit": sp.expand(falls.subs(u, most) - room)}),
+        prove_positive({"at the limit": room, "at less": sp.expand(falls.subs(u, most - less)) - room}),
     )
 
 
@@ -77,7 +77,7 @@ def _rows() -> Outcome:
             here = [row for row in rows.limit_rows(task) if row.dimension == i]
             wanted = [rows.Row(((i, LOWER, -1),), -most, order=1), rows.Row(((i, UPPER, 1),), -most, order=1)]
             wrong += [] if here == wanted else [f"{plant}, u_max {u_max}: {here}"]
-    return cases(TASKS, wrong, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
+    return outcome_of_cases(TASKS, wrong, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
 
 
 LEMMAS = (

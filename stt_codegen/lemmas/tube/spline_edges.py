@@ -13,7 +13,16 @@ import sympy as sp
 from stt_codegen.certify import slack
 from stt_codegen.controller import edge_errors as arithmetic
 from stt_codegen.designs import RefinedDesign
-from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, cases, identity, positive, sign
+from stt_codegen.lemmas.lemma import (
+    Lemma,
+    Outcome,
+    Verdict,
+    all_of,
+    outcome_of_cases,
+    prove_above,
+    prove_identities,
+    prove_positive,
+)
 from stt_codegen.paper import refined_tube
 from stt_codegen.program import FORMATS
 from stt_codegen.program.convert import lower
@@ -35,20 +44,22 @@ def _weights() -> tuple[sp.Expr, ...]:
 
 def _shipped() -> Outcome:
     found = {f"w{j} less 6 times the cubic B-spline": w - f(s) for j, (w, f) in enumerate(zip(_weights(), WEIGHTS, strict=True))}
-    return identity(found | {"sum - 6": sum(_weights()) - 6})
+    return prove_identities(found | {"sum - 6": sum(_weights()) - 6})
 
 
 def _rates() -> Outcome:
     rates = formulas(lower(refined_tube.basis_rate()), {"s": s})
-    return identity({f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))})
+    return prove_identities(
+        {f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))}
+    )
 
 
 def _convex() -> Outcome:
     """The middle two are at least 1 on [0, 1]; the outer two are cubes of numbers that are not negative."""
     return all_of(
-        positive("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
-        positive("w2", WEIGHTS[2], [(0.0, 1.0)], 0.99),
-        identity({"w0 - (1 - s)^3": _weights()[0] - (1 - s) ** 3, "w3 - s^3": _weights()[3] - s**3}),
+        prove_above("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
+        prove_above("w2", WEIGHTS[2], [(0.0, 1.0)], 0.99),
+        prove_identities({"w0 - (1 - s)^3": _weights()[0] - (1 - s) ** 3, "w3 - s^3": _weights()[3] - s**3}),
     )
 
 
@@ -59,7 +70,7 @@ def _smooth() -> Outcome:
         start = [sp.diff(w, s, order).subs(s, 0) for w in _weights()]
         found |= {f"derivative {order}: w{j + 1}(1) - w{j}(0)": end[j + 1] - start[j] for j in range(3)}
         found |= {f"derivative {order}: w0(1)": end[0], f"derivative {order}: w3(0)": start[3]}
-    return identity(found)
+    return prove_identities(found)
 
 
 def _bezier() -> Outcome:
@@ -67,7 +78,7 @@ def _bezier() -> Outcome:
     points = (q[0] + 4 * q[1] + q[2], 4 * q[1] + 2 * q[2], 2 * q[1] + 4 * q[2], q[1] + 4 * q[2] + q[3])
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
     curve = sum(w * v for w, v in zip(_weights(), q, strict=True))
-    return identity({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
+    return prove_identities({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
 
 
 def _hull() -> Outcome:
@@ -75,8 +86,8 @@ def _hull() -> Outcome:
     inside = z / (1 + z)  # any number from 0 to 1
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
     return all_of(
-        identity({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
-        identity(
+        prove_identities({"sum of the Bernstein polynomials - 1": sum(bernstein) - 1}),
+        prove_identities(
             {
                 f"s^{j} (1 - s)^{3 - j} at 0 and 1, but for the 1": (s**j * (1 - s) ** (3 - j)).subs(s, e)
                 for j in (1, 2)
@@ -84,7 +95,7 @@ def _hull() -> Outcome:
             }
         ),
         *(
-            sign({f"s^{j} (1 - s)^{3 - j} at s = z/(1 + z)": sp.together((s**j * (1 - s) ** (3 - j)).subs(s, inside))})
+            prove_positive({f"s^{j} (1 - s)^{3 - j} at s = z/(1 + z)": sp.together((s**j * (1 - s) ** (3 - j)).subs(s, inside))})
             for j in range(4)
         ),
     )
@@ -94,7 +105,7 @@ def _blend() -> Outcome:
     kernel = lower(refined_tube.blend())
     w = sp.symbols("w0:4", real=True)
     (edge,) = formulas(kernel, dict(zip((v.name for v in kernel.inputs), (*w, *q), strict=True)))
-    return identity({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
+    return prove_identities({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
 
 
 def _bezier_shipped() -> Outcome:
@@ -105,7 +116,7 @@ def _bezier_shipped() -> Outcome:
         rows = tuple((((1 if j == k else 0), 0),) for j in range(4))
         coefficients = RefinedDesign(Fraction(1), 1, 0, rows).bezier()[0, 0, 0]
         found[f"table entry {k}"] = _weights()[k] - sum(int(c) * f for c, f in zip(coefficients, bernstein, strict=True))
-    return identity(found, "SymPy: the certificate's own map, by linearity")
+    return prove_identities(found, "SymPy: the certificate's own map, by linearity")
 
 
 def _halves() -> Outcome:
@@ -115,7 +126,7 @@ def _halves() -> Outcome:
         sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *slack.halves(piece))
     ]
     whole, early, late = curves
-    return identity(
+    return prove_identities(
         {
             "early half less the curve at s/2": early - whole.subs(s, s / 2),
             "late half less that at (1 + s)/2": late - whole.subs(s, (1 + s) / 2),
@@ -127,11 +138,11 @@ def _halves() -> Outcome:
 def _integers() -> Outcome:
     """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
     function is run on every such pattern: n, m over a range, r on a grid."""
-    wrong, cases = [], 0
+    wrong, comparison_count = [], 0
     for m, r, unit in product(range(-3, 4), [Fraction(k, 7) for k in range(7)], (Fraction(1), Fraction(1, 1 << 18), Fraction(4))):
         value = (m + r) * unit
         for n in range(-5, 6):
-            cases += 1
+            comparison_count += 1
             if (n >= slack.units_above(value, unit)) != (n * unit >= value):
                 wrong.append((m, r, unit, n))
     verdict = Verdict.PROVED if not wrong else Verdict.OPEN
@@ -139,7 +150,7 @@ def _integers() -> Outcome:
     return Outcome(
         verdict,
         method,
-        (f"{cases} comparisons of integers agree with those of numbers, {len(wrong)} do not", *map(str, wrong[:2])),
+        (f"{comparison_count} comparisons of integers agree with those of numbers, {len(wrong)} do not", *map(str, wrong[:2])),
     )
 
 
@@ -157,7 +168,7 @@ def _late() -> Outcome:
         if arithmetic.time_error(design, scalar) != arithmetic.late(Fraction(segments), form.roundoff) + form.tiny:
             wrong.append(f"{scalar}, {segments} segments")
     return all_of(
-        identity(
+        prove_identities(
             {
                 "(1 + a)(1 + b) - 1 - (a + b + a b)": (1 + a) * (1 + b) - 1 - (a + b + a * b),
                 "(1 + a)(1 + b)(1 + c) - 1 less its seven terms": (1 + a) * (1 + b) * (1 + c)
@@ -166,13 +177,13 @@ def _late() -> Outcome:
                 "given - 2 K (2 eps + eps^2) - 2 K eps^2": given - 2 * k * (2 * eps + eps**2) - 2 * k * eps**2,
             }
         ),
-        sign(
+        prove_positive(
             {
                 "given - K (3 eps + 3 eps^2 + eps^3)": sp.factor(sp.together(given - k * (3 * eps + 3 * eps**2 + eps**3))),
                 "given - 2 eps K": sp.factor(sp.together(given - 2 * eps * k)),
             }
         ),
-        cases(len(forms), wrong, "what P7 takes is this bound and the least subnormal"),
+        outcome_of_cases(len(forms), wrong, "what P7 takes is this bound and the least subnormal"),
     )
 
 
