@@ -3,7 +3,7 @@
     import stt_codegen as stt
     controller = stt.build("cart.toml")
 
-The names are those of `stt_codegen.api`, taken from there when they are first used: importing this package costs next to nothing.
+The names are those of `stt_codegen.api`. Their first use imports it; importing this package alone takes no time.
 """
 
 import sys
@@ -19,8 +19,10 @@ __all__ = [
 
 
 class _Face(ModuleType):
-    """Python puts a package's folders into its names as they are imported; `design` and `certify` are folders too. As properties
-    the interface's functions come first, whatever has been imported."""
+    """A module whose functions `design` and `certify` come before the folders of the same names.
+
+    Python sets an imported folder as an attribute of its package. A property stays in front of it.
+    """
 
     def __getattr__(self, name: str) -> Any:
         if name in __all__:

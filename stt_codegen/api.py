@@ -5,7 +5,7 @@ controller = stt.build(task)                    # a certified controller
 lower, upper = controller.tube(t)               # t a number or an array
 controller.write("src")                         # cart.h, cart.c, cart.py, cart.certificate.json
 
-Long because the documentation of every name is here; the work is done elsewhere.
+The file is long because it documents every name; pipeline.py and the rooms do the work.
 """
 
 from __future__ import annotations
@@ -67,31 +67,31 @@ def parse(text: str) -> Task:
     return parse_task(text)
 
 
-def _task(given: Task | str | Path) -> Task:
-    """A task, or the one in a file."""
-    if isinstance(given, Task):
-        return given
-    if not isinstance(given, str | Path):
-        raise BadInput(f"task: is a {type(given).__name__}; a Task or the path of a task file is needed")
-    return load(given)
+def _load_if_path(task: Task | str | Path) -> Task:
+    """Return the task itself, or the task in the file of that path."""
+    if isinstance(task, Task):
+        return task
+    if not isinstance(task, str | Path):
+        raise BadInput(f"task: is a {type(task).__name__}; a Task or the path of a task file is needed")
+    return load(task)
 
 
 def design(task: Task | str | Path) -> Design:
-    """Find a tube for the task, as `tube.design` says: the numbers that fix it, not yet certified.
+    """Find a tube of the kind `tube.design` for the task: the numbers that fix it, not yet certified.
 
     Raises
     ------
     NotCertified
-        No tube is found: with the reason and, where there is one, the option that would do.
+        There is no tube. The message has the reason and, where one works, the option to change.
     BadInput
-        The task asks for something that its kind of tube does not offer.
+        The task uses an option that its kind of tube does not offer.
 
     Examples
     --------
     >>> design(load("tasks/omni_s2.toml")).kind
     'refined'
     """
-    task = _task(task)
+    task = _load_if_path(task)
     pipeline.require_supported(task)
     return pipeline.design_tube(task)
 
@@ -102,12 +102,13 @@ def certify(task: Task | str | Path, tube: Design) -> Certificate:
     Returns
     -------
     Certificate
-        `holds` says whether all of them do, `findings` which and by how much.
+        `holds` is true when every property holds; `findings` has each property with its margin.
 
     Raises
     ------
     BadInput
-        The task asks for something that its kind of tube does not offer, as for `design` and `build`.
+        The task uses an option that its kind of tube does not offer, or the tube is not of the kind, dimension, order or
+        prescribed time that the task states.
 
     Examples
     --------
@@ -115,9 +116,10 @@ def certify(task: Task | str | Path, tube: Design) -> Certificate:
     >>> certify(task, design(task)).holds
     True
     """
-    task = _task(task)
+    task = _load_if_path(task)
     pipeline.require_supported(task)
-    task = pipeline.settled(task, tube)
+    pipeline.require_design_for(task, tube)
+    task = pipeline.with_chosen_gain(task, tube)
     return pipeline.certify(task, tube, pipeline.build_program(task, tube))
 
 
@@ -129,12 +131,12 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     task
         A task, or the path of its file.
     uncertified
-        Make the controller also where the certificate fails; every file then says so.
+        Make the controller even where the certificate fails; every file then says so.
 
     Raises
     ------
     NotCertified
-        No tube is found or, unless `uncertified`, the certificate fails.
+        There is no tube or, unless `uncertified`, the certificate fails.
     BadInput
         The task's file is refused.
 
@@ -143,9 +145,12 @@ def build(task: Task | str | Path, *, uncertified: bool = False) -> Controller:
     >>> build("tasks/omni_s2.toml").certificate.holds
     True
     """
-    made = pipeline.build_task(_task(task), uncertified)
     source = None if isinstance(task, Task) else Path(task).resolve()
-    return Controller(made.task, made.design, made.program, made.certificate, made.files, source)
+    return _controller(pipeline.build_task(_load_if_path(task), uncertified), source)
+
+
+def _controller(emitted: pipeline.EmittedController, source: Path | None = None) -> Controller:
+    return Controller(emitted.task, emitted.design, emitted.program, emitted.certificate, emitted.files, source)
 
 
 def certify_tube(
@@ -155,26 +160,26 @@ def certify_tube(
     samples: tuple[Any, Any, Any] | None = None,
     uncertified: bool = False,
 ) -> Controller:
-    """Certify and emit a tube of your own, like one that was designed. Give `points` or `samples`.
+    """Certify and emit a tube of your own, as `build` does with a designed one. Give `points` or `samples`.
 
     Parameters
     ----------
     points
         Control points of uniform cubic B-splines over [0, t_c], of shape (K + 3, n, 2) for K segments, lower edge first, in the
-        task's units. The last equals the last but two, for the tube rests at t_c. They are rounded inwards, to
+        task's units. The last equals the last but two, for the tube rests at t_c. They are rounded inwards to
         the tube's grid.
     samples
-        (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c: of any curves, a cubic spline on knots of its
-        own as well. The nearest spline tube is taken, of tube.segments segments or 32; `Controller.distance` says how far it is.
+        (t, lower, upper) of shapes (M,), (M, n), (M, n), t rising from 0 to t_c, of any curves. The nearest spline tube is
+        certified, of tube.segments segments or 32; `Controller.distance` gives its distance from your curves.
     uncertified
         As in `build`.
 
     Raises
     ------
     BadInput
-        Other shapes, no real and finite numbers, or a tube that still moves at t_c.
+        Wrong shapes, numbers that are not real and finite, or a tube that still moves at t_c.
     NotCertified
-        The tube does not do: with property, time and amount.
+        The tube fails a property; the message has the property, the time and the amount.
 
     Examples
     --------
@@ -182,25 +187,24 @@ def certify_tube(
 
     >>> import numpy as np
     >>> from scipy.interpolate import CubicSpline
-    >>> way = [0.25, 0.25], [0.5, 1.2], [1.1, 2.0], [2.4, 2.0], [3.5, 2.7], [4.2, 3.7], [4.75, 4.75]
-    >>> t, middle = np.linspace(0, 9, 600), CubicSpline(np.linspace(0, 9, 7), way, bc_type="clamped")
+    >>> waypoints = [0.25, 0.25], [0.5, 1.2], [1.1, 2.0], [2.4, 2.0], [3.5, 2.7], [4.2, 3.7], [4.75, 4.75]
+    >>> t, middle = np.linspace(0, 9, 600), CubicSpline(np.linspace(0, 9, 7), waypoints, bc_type="clamped")
     >>> samples = t, middle(t) - 0.1, middle(t) + 0.1
-    >>> own = certify_tube(load("tasks/omni_s2.toml"), samples=samples)
-    >>> own.certificate.holds, bool(own.distance(*samples).max() < 0.001)
+    >>> controller = certify_tube(load("tasks/omni_s2.toml"), samples=samples)
+    >>> controller.certificate.holds, bool(controller.distance(*samples).max() < 0.001)
     (True, True)
     """
     if (points is None) == (samples is None):
         raise BadInput("certify_tube: give points or samples")
-    task = _task(task)
+    task = _load_if_path(task)
     if not task.tube.capabilities.accepts_user_tubes:
         raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
-    own = spline_tube(task, points) if samples is None else fitted_tube(task, *_samples(samples))
-    made = pipeline.build_task(task, uncertified, own)
-    return Controller(made.task, made.design, made.program, made.certificate, made.files)
+    tube = spline_tube(task, points) if samples is None else fitted_tube(task, *_require_three_arrays(samples))
+    return _controller(pipeline.build_task(task, uncertified, tube))
 
 
-def _samples(samples: Any) -> tuple[Any, Any, Any]:
-    """The three arrays of `certify_tube`'s samples. Raises `BadInput` where they are not three."""
+def _require_three_arrays(samples: Any) -> tuple[Any, Any, Any]:
+    """Return t, lower and upper of `certify_tube`'s samples. Raises `BadInput` where there are not three."""
     if not isinstance(samples, list | tuple):
         raise BadInput(f"samples: is a {type(samples).__name__}; a tuple of three arrays is needed, (t, lower, upper)")
     if len(samples) != 3:
@@ -210,13 +214,13 @@ def _samples(samples: Any) -> tuple[Any, Any, Any]:
 
 @dataclass(frozen=True, repr=False)
 class Controller(pipeline.EmittedController):
-    """A task's controller: the emitted functions, vectorised, and what one does with them.
+    """A task's controller: its emitted functions over arrays, and what you can write, draw and simulate with it.
 
-    n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,); then
-    states are of shape (n,) or (P, n), and so are results. Other shapes raise `BadInput`, and so do arrays that are not of real
-    numbers: complex or masked ones, texts, booleans. Emitted functions answer a NaN or an infinity with status 2 or NaN. Values
-    are those of the emitted Python, in double arithmetic; of a controller in integers at the nearest tick, for the nearest unit
-    of x.
+    n is the dimension; t is in seconds, everything else in the task's units. Times t are a number or an array of shape (P,);
+    states and results have the shape (n,) or (P, n). Other shapes raise `BadInput`, and so do arrays that are not of real
+    numbers: complex or masked ones, texts, booleans. For a NaN or an infinity the status is 2, or the value NaN. Values
+    are those of the emitted Python, in double arithmetic. A controller in integers is evaluated at the nearest tick and the
+    nearest unit of x.
 
     Examples
     --------
@@ -225,7 +229,7 @@ class Controller(pipeline.EmittedController):
     <Controller omni_s2: refined tube, 32 segments, certified, least width 0.5, float>
     """
 
-    source: Path | None = None  # the task's file, of what `build` made of one
+    source: Path | None = None  # the task's file, where `build` read one
 
     def __repr__(self) -> str:
         verdict = "certified" if self.certificate.holds else "NOT CERTIFIED"
@@ -241,18 +245,18 @@ class Controller(pipeline.EmittedController):
         return data.getvalue()
 
     def __getstate__(self) -> dict[str, Any]:
-        """For pickle: the emitted Python is loaded anew from its text."""
+        """Leave out the emitted Python for pickle: it is loaded again from its text."""
         return {name: value for name, value in self.__dict__.items() if name != "module"}
 
     # ---- the emitted functions
 
     @cached_property
     def module(self) -> Any:
-        """The emitted Python, as a module."""
+        """The emitted Python as a module."""
         return load_module(self.task.name, self.files[f"{self.task.name}.py"])
 
     def alpha(self, t: npt.ArrayLike) -> Array:
-        """The update function alpha of an adaptive or literal tube by emitted steps from 0, as long as the certificate allows.
+        """Evaluate the update function alpha of an adaptive or literal tube, by emitted steps of the certificate's longest size.
 
         Returns
         -------
@@ -269,17 +273,17 @@ class Controller(pipeline.EmittedController):
         times, single = self._times(t, finite=True)
         steps = self.certificate.steps
         longest = float(steps[1]) if steps is not None else float(self.task.prescribed_time) / 2000
-        now, alpha, found = 0.0, self.module.alpha_init(), {}
-        for later in np.unique(np.maximum(times, 0.0)):
-            count = int(np.ceil((later - now) / longest)) if later > now else 0
+        start, alpha, alpha_at = 0.0, self.module.alpha_init(), {}
+        for end in np.unique(np.maximum(times, 0.0)):
+            count = int(np.ceil((end - start) / longest)) if end > start else 0
             for k in range(count):
-                alpha = self.module.alpha_step(now + k * (later - now) / count, (later - now) / count, alpha)
-            now, found[float(later)] = float(later), alpha
-        rows = np.array([found[float(v)] for v in np.maximum(times, 0.0)])
+                alpha = self.module.alpha_step(start + k * (end - start) / count, (end - start) / count, alpha)
+            start, alpha_at[float(end)] = float(end), alpha
+        rows = np.array([alpha_at[float(t)] for t in np.maximum(times, 0.0)])
         return rows[0] if single else rows
 
     def tube(self, t: npt.ArrayLike) -> tuple[Array, Array]:
-        """Lower and upper edges of the tube at times t, each of shape (n,) or (P, n).
+        """Evaluate the lower and upper edges of the tube at times t, each of shape (n,) or (P, n).
 
         Examples
         --------
@@ -291,14 +295,14 @@ class Controller(pipeline.EmittedController):
         return lower, upper
 
     def tube_rate(self, t: npt.ArrayLike) -> tuple[Array, Array]:
-        """Rates of the edges at times t, each of shape (n,) or (P, n), in units per second."""
+        """Evaluate the rates of the edges at times t, each of shape (n,) or (P, n), in units per second."""
         if self.program.tick is not None:
             raise BadInput(f"{self.task.name}: a controller in integers has no rates of its edges")
         lower, upper = self._at("tube_rate", t)
         return lower, upper
 
     def control(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> tuple[Any, Array]:
-        """Status and input at times t for states x, of order 2 with their speeds v, of x's shape.
+        """Evaluate status and input at times t for states x and, for plants of order 2, their velocities v of x's shape.
 
         Returns
         -------
@@ -317,15 +321,20 @@ class Controller(pipeline.EmittedController):
         return status, u
 
     def filtered_tube(self, t: npt.ArrayLike) -> tuple[Array, Array]:
-        """Of order 2, lower and upper edges for v + lambda x at times t, each of shape (n,) or (P, n), in units per second."""
+        """Evaluate the lower and upper edges of v + lambda x at times t, for plants of order 2.
+
+        Each is of shape (n,) or (P, n), in units per second.
+        """
         if self.task.order == 1:
             raise BadInput(f"{self.task.name}: is of order 1; only a plant of order 2 has a filtered tube")
         lower, upper = self._at("filtered_tube", t)
         return lower, upper
 
     def margin(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Any:
-        """How far x is from leaving the tube, as a share of its width: 0.5 in the middle, 0 at an edge; a number, or (P,). Of
-        order 2 the lesser of that and the same of v + lambda x in its own tube.
+        """Return the distance of x from the nearest edge as a share of the tube's width: a number, or (P,).
+
+        0.5 is in the middle, 0 at an edge. For plants of order 2 it is the smaller one of that and the share of v + lambda x
+        in its filtered tube.
 
         Examples
         --------
@@ -336,7 +345,7 @@ class Controller(pipeline.EmittedController):
         return share
 
     def margins(self, t: npt.ArrayLike, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Array:
-        """`margin` by component, which tells the axis that is near its edge: of shape (n,) or (P, n).
+        """Return `margin` by component, which shows the axis that is near an edge: of shape (n,) or (P, n).
 
         Examples
         --------
@@ -347,9 +356,11 @@ class Controller(pipeline.EmittedController):
         return np.asarray(shares)
 
     def covered(self, x: npt.ArrayLike, v: npt.ArrayLike | None = None) -> Any:
-        """Whether the guarantee covers a start at the measured x, of order 2 with its speed v: a truth value, or (P,) of them.
-        With `control.period` that is the proof of sampling (P9), else Theorem 4.1 where the clamp does not act. Always false
-        where the controller is not certified. Raises `BadInput` for adaptive and literal tubes, which have no such bounds.
+        """Return whether the guarantee covers a start at the measured x: a truth value, or (P,) of them.
+
+        v is the velocity, for plants of order 2. With `control.period` the guarantee is the proof for held inputs (P9), else
+        Theorem 4.1 where the clamp does not act. The answer is false where the controller is not certified. Raises `BadInput`
+        for adaptive and literal tubes, which have no such bounds.
 
         Examples
         --------
@@ -362,11 +373,15 @@ class Controller(pipeline.EmittedController):
         return inside
 
     def unwrap(self, x_before: npt.ArrayLike, x: npt.ArrayLike) -> Array:
-        """A measured x with the turns of its closed axes counted on from x_before, the last unwrapped state and at first the
-        initial one: what `control`, `margin` and `covered` take. Both of shape (n,). Raises `BadInput` where no axis closes."""
+        """Return a measured x with the turns of its closed axes counted: the state that `control`, `margin` and `covered` take.
+
+        x_before is the last unwrapped state, at first the initial one. All are of shape (n,). Raises `BadInput` where no axis
+        closes.
+        """
         if not self.task.closed:
             raise BadInput(f"{self.task.name}: no axis closes (periodic); take x as it is measured")
-        before, state = as_floats("x_before", x_before), as_floats("x", x, finite=False)
+        before = as_floats("x_before", x_before)
+        state = as_floats("x", x, finite=False)
         for label, values in (("x_before", before), ("x", state)):
             if values.shape != (self.task.dimension,):
                 raise BadInput(
@@ -375,60 +390,68 @@ class Controller(pipeline.EmittedController):
         return np.asarray(self.module.unwrap(before.tolist(), state.tolist()))
 
     def distance(self, t: npt.ArrayLike, lower: npt.ArrayLike, upper: npt.ArrayLike) -> Array:
-        """How far the tube's edges are, at most, from others at times t: by dimension, (n,), in the task's units."""
+        """Return the largest distance of the tube's edges from lower and upper at times t: (n,), in the task's units."""
         times, single = self._times(t, finite=True)
-        wanted = (self.task.dimension,) if single else (len(times), self.task.dimension)
+        expected_shape = (self.task.dimension,) if single else (len(times), self.task.dimension)
         edges = [as_floats(name, value) for name, value in (("lower", lower), ("upper", upper))]
         for name, edge in zip(("lower", "upper"), edges, strict=True):
-            if edge.shape != wanted:
-                raise BadInput(f"{name}: has shape {edge.shape}; {wanted} is needed, one row for each time")
-        far = np.abs(np.stack(self.tube(times[0] if single else times)) - np.stack(edges)).reshape(-1, self.task.dimension)
-        found: Array = far.max(axis=0)
-        return found
+            if edge.shape != expected_shape:
+                raise BadInput(f"{name}: has shape {edge.shape}; {expected_shape} is needed, one row for each time")
+        distances = np.abs(np.stack(self.tube(times[0] if single else times)) - np.stack(edges))
+        return np.asarray(distances.reshape(-1, self.task.dimension).max(axis=0))
 
     def _times(self, t: npt.ArrayLike, finite: bool = False) -> tuple[Array, bool]:
-        """As an array of one axis, and whether it was a number. Emitted functions take times that are not finite, too."""
+        """Return t as an array of one axis, and whether it was a number. finite: refuse a NaN or an infinity."""
         times = as_floats("t", t, finite)
         if times.ndim > 1 or not times.size:
             raise BadInput(f"t: has shape {times.shape}; a number or an array of one axis is needed, with one time or more")
         return np.atleast_1d(times), times.ndim == 0
 
     def _at(self, name: str, t: npt.ArrayLike, *state: npt.ArrayLike | None) -> list[Any]:
-        """An emitted function at every time; outputs without the first axis where t is a number and x is one state."""
+        """Evaluate an emitted function at every time.
+
+        Outputs have no first axis where t is a number and x is a single state. state: x and v, as far as the function takes them.
+        """
         times, single = self._times(t)
-        n, arguments = self.task.dimension, list[Any]()
-        given = [(label, v) for label, v in zip(("x", "v"), state, strict=False) if v is not None or self.task.order == 2]
-        if len(given) > self.task.order:
+        labelled = [(label, v) for label, v in zip(("x", "v"), state, strict=False) if v is not None or self.task.order == 2]
+        if len(labelled) > self.task.order:
             raise BadInput("v: the plant is of order 1, whose law takes x alone")
-        for label, value in given:
-            states = as_floats(label, np.nan if value is None else value, finite=False)
-            if states.ndim not in (1, 2) or states.shape[-1] != n or (states.ndim == 2 and len(times) not in (1, len(states))):
-                wanted = f"({n},) or ({'P' if single else len(times)}, {n})"
-                told = "is missing" if value is None else f"has shape {states.shape}"
-                raise BadInput(f"{label}: {told}; {wanted} is needed, one number for each dimension")
+        arguments = []
+        for label, value in labelled:
+            states = self._states(label, value, times, single)
             single = single and states.ndim == 1
             count = len(states) if states.ndim == 2 else len(times)
-            times, states = np.broadcast_to(times, count), np.broadcast_to(states, (count, n))
-            arguments.append(states)
+            times = np.broadcast_to(times, count)
+            arguments.append(np.broadcast_to(states, (count, self.task.dimension)))
         if self.design.is_stateful:
             arguments = [np.atleast_2d(self.alpha(times)), *arguments]
         function = getattr(self.module, name)
         if self.program.tick is not None:
             columns = self._in_integers(name, times, arguments)
             return [c[0] for c in columns] if single else columns
-        timed = name != "covered"
-        rows = [function(*([float(v)] if timed else []), *(a[k] for a in arguments)) for k, v in enumerate(times)]
-        several = isinstance(rows[0], tuple) and name != "margins"
-        columns = [np.array(c) for c in zip(*rows, strict=True)] if several else [np.array(rows)]
+        takes_time = name != "covered"
+        rows = [function(*([float(v)] if takes_time else []), *(a[k] for a in arguments)) for k, v in enumerate(times)]
+        has_columns = isinstance(rows[0], tuple) and name != "margins"
+        columns = [np.array(c) for c in zip(*rows, strict=True)] if has_columns else [np.array(rows)]
         return [c[0] for c in columns] if single else columns
 
+    def _states(self, label: str, value: npt.ArrayLike | None, times: Array, single: bool) -> Array:
+        """Return x or v as an array, (n,) or (P, n). Raises `BadInput` where it is missing or does not fit the times."""
+        n = self.task.dimension
+        states: Array = as_floats(label, np.nan if value is None else value, finite=False)
+        if states.ndim not in (1, 2) or states.shape[-1] != n or (states.ndim == 2 and len(times) not in (1, len(states))):
+            expected_shape = f"({n},) or ({'P' if single else len(times)}, {n})"
+            problem = "is missing" if value is None else f"has shape {states.shape}"
+            raise BadInput(f"{label}: {problem}; {expected_shape} is needed, one number for each dimension")
+        return states
+
     def _in_integers(self, name: str, times: Array, states: list[Any]) -> list[Any]:
-        """The emitted function of ticks and units at the nearest ones, and what it gives in the task's units."""
+        """Evaluate a function in integers at the nearest tick and units; return its values in the task's units."""
         assert self.program.tick is not None
         module, tick = self.module, float(self.program.tick)
         for label, values in (("t", times), *zip(("x", "v"), states, strict=False)):
             if not np.isfinite(values).all():
-                raise BadInput(f"{label}: has a number that is not finite, which a controller in integers cannot be given")
+                raise BadInput(f"{label}: has a number that is not finite; a controller in integers takes finite ones only")
         ticks = np.clip(np.rint(times / tick), 0, 2**32 - 1).astype(np.int64)
         units = [np.clip(np.rint(np.ldexp(a, module.X_BITS)), -(2**31), 2**31 - 1).astype(np.int64) for a in states]
         if name == "covered":
@@ -441,18 +464,17 @@ class Controller(pipeline.EmittedController):
             return [first, np.ldexp(second.astype(float), -module.U_BITS)]
         return [np.ldexp(edge.astype(float), -module.X_BITS) for edge in (first, second)]
 
-    # ---- what one does with it
+    # ---- CasADi, files, pictures, closed loops
 
     def casadi(self) -> Mapping[str, Any]:
-        """Every emitted function of seconds as a CasADi function, from the very statements that are printed, and the derivatives
-        `du_dx` and `du_dt` of u. Columns in, columns out; call them with numbers, SX or MX.
+        """Return the emitted functions of seconds as CasADi functions, made of the printed statements, and du_dx and du_dt of u.
 
-        Keys: tube, tube_rate, control, margin, transform; for adaptive tubes, whose functions take alpha too, alpha_rate (the
-        update equation and its Jacobian) and alpha_step.
+        Inputs and outputs are columns; call them with numbers, SX or MX. Keys: tube, tube_rate, control, margin, transform. The
+        functions of adaptive tubes take alpha too, and have alpha_rate (the update equation and its Jacobian) and alpha_step.
 
         Examples
         --------
-        u along a symbolic state, for an optimisation problem of one's own:
+        The input u for a symbolic state, for your own optimisation problem:
 
         >>> import casadi as ca
         >>> x = ca.MX.sym("x", 2)
@@ -470,22 +492,22 @@ class Controller(pipeline.EmittedController):
         from stt_codegen.program.convert import casadi_function
 
         names = [f.name for f in self.program.functions if all(p.type is REAL for p in f.params) and f.inputs]
-        found = {name: casadi_function(self.program, name) for name in names}
-        law = found["control"]
+        functions = {name: casadi_function(self.program, name) for name in names}
+        law = functions["control"]
         symbols = [ca.SX.sym(law.name_in(k), *law.size_in(k)) for k in range(law.n_in())]
         _, u = law(*symbols)
         for name, by in (("du_dx", "x"), ("du_dt", "t")):
             jacobian = ca.jacobian(u, symbols[law.index_in(by)])
-            found[name] = ca.Function(name, symbols, [jacobian], law.name_in(), [name])
-        return found
+            functions[name] = ca.Function(name, symbols, [jacobian], law.name_in(), [name])
+        return functions
 
     def write(self, folder: str | Path) -> list[Path]:
-        """Write the files into a folder, all or none.
+        """Write the files into a folder, all of them or none.
 
         Returns
         -------
         list of Path
-            What was written.
+            The files.
 
         Raises
         ------
@@ -505,7 +527,7 @@ class Controller(pipeline.EmittedController):
         return [Path(folder) / name for name in self.files]
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the tube: the whole picture as a matplotlib Figure, or the arena alone into `ax`. No backend is changed.
+        """Draw the tube: all panels as a matplotlib Figure, or the arena alone into `ax`. The backend of matplotlib stays.
 
         Examples
         --------
@@ -525,7 +547,7 @@ class Controller(pipeline.EmittedController):
         return ax
 
     def simulate(self, plant: Any = "integrator", **scenario: Any) -> Any:
-        """Drive a plant with the compiled C, held between samples.
+        """Simulate a plant in closed loop with the compiled C; the input is held between samples.
 
         Parameters
         ----------
@@ -533,7 +555,7 @@ class Controller(pipeline.EmittedController):
             A name, the path of a Python file, or a `Plant`.
         scenario
             Fields of `loop.simulate.Scenario`: rate in Hz, disturbance, strength, noise, noise_v, lost, latency, lag, start,
-            seed, clock. Rate, noise and latency that are not given are the task's (1 kHz, 0 and 0 where it says nothing).
+            seed, clock. Rate, noise and latency that you leave out are the task's (1 kHz, 0 and 0 where it has none).
 
         Returns
         -------
@@ -543,7 +565,7 @@ class Controller(pipeline.EmittedController):
         Raises
         ------
         BadInput
-            A scenario or a plant that is none.
+            No such field of a scenario, or no such plant.
         MissingTool
             There is no C compiler.
 
@@ -559,29 +581,29 @@ class Controller(pipeline.EmittedController):
         if not all(hasattr(model, name) for name in ("name", "f", "g", "w_max", "dimension", "order", "constants", "mixing")):
             raise BadInput(f"plant: is a {type(plant).__name__}; a name, a Python file or a `stt_codegen.plants.Plant` is needed")
         try:
-            asked = Scenario(**{**of_task(self.task), **scenario})
+            conditions = Scenario(**{**of_task(self.task), **scenario})
         except TypeError:
-            known = [one.name for one in fields(Scenario)]
-            wrong = [name for name in scenario if name not in known] or list(scenario)
-            raise BadInput(f"simulate: {wrong[0]}: is not understood; known are {', '.join(known)}") from None
-        return Loop(self, model).run(asked, trace=True)
+            known = [field.name for field in fields(Scenario)]
+            unknown = [name for name in scenario if name not in known] or list(scenario)
+            raise BadInput(f"simulate: {unknown[0]}: is not understood; known are {', '.join(known)}") from None
+        return Loop(self, model).run(conditions, trace=True)
 
     def report(self, path: str | Path | None = None, *, plant: str | None = None, show: bool = True) -> Path:
-        """Write the page that `stt-codegen report` writes, and open it in a browser.
+        """Write the page of `stt-codegen report`, and open it in a browser.
 
         Parameters
         ----------
         path
             The page; by default <name>.report.html in the current folder.
         plant
-            What is driven in the page and what its statements are about, by name or Python file; by default [plant].
+            The plant that the page simulates and is about, by name or Python file; by default the table [plant].
         show
             Whether to open it.
 
         Returns
         -------
         Path
-            The page that was written.
+            The page.
 
         Raises
         ------
@@ -604,8 +626,8 @@ class Controller(pipeline.EmittedController):
         from stt_codegen.report.page import evidence, page
 
         model = None if plant is None else plant_of(plant, self.task.dimension, self.task.order)
-        made = Path(path) if path is not None else Path(f"{self.task.name}.report.html")
-        write_files(made.parent, {made.name: page(self, design_report(self, 0.0), evidence(self, self.source), model)})
+        target = Path(path) if path is not None else Path(f"{self.task.name}.report.html")
+        write_files(target.parent, {target.name: page(self, design_report(self, 0.0), evidence(self, self.source), model)})
         if show:
-            webbrowser.open(made.resolve().as_uri())
-        return made
+            webbrowser.open(target.resolve().as_uri())
+        return target

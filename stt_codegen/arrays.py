@@ -1,7 +1,7 @@
-"""What an array-like of the Python API may be: real numbers, all of them there. One place, for tasks, tubes, states and plants.
+"""The check of array-likes from Python: they must hold real numbers. Tasks, tubes, states and plants all use it.
 
-NumPy turns much into floats without a word: it drops imaginary parts and masks, reads texts, and counts True as 1. Here these are
-refused, with what they are. NumPy is imported only where there is an array, so that a task file is read without it.
+NumPy converts much to floats silently: it drops imaginary parts and masks, reads texts, and counts True as 1. This file refuses
+these with a message. It imports NumPy only where there is an array, so that reading a task file needs no NumPy.
 """
 
 from __future__ import annotations
@@ -25,13 +25,15 @@ NOT_REAL = {
 
 
 def is_array(value: object) -> bool:
-    """Whether it is an array, or turns itself into one, as those of NumPy, pandas and xarray do."""
+    """Return whether the value is an array or converts itself to one, as the arrays of NumPy, pandas and xarray do."""
     return hasattr(value, "__array__") and not isinstance(value, type)
 
 
 def real_array(value: Any, symbols: bool = False) -> Any:
-    """An array, or what turns itself into one, as an array of NumPy's integers or floats. symbols: one of objects will do too.
-    Raises ValueError with what it is where it is none of real numbers, or has masked entries."""
+    """Convert an array to one of NumPy's integers or floats.
+
+    symbols: accept an array of objects too. Raises ValueError where entries are masked or no real numbers.
+    """
     import numpy as np
 
     if isinstance(value, np.ma.MaskedArray):
@@ -51,9 +53,11 @@ def real_array(value: Any, symbols: bool = False) -> Any:
 
 
 def as_floats(name: str, value: Any, finite: bool = True, texts: bool = False) -> Any:
-    """An array-like, as nested lists, tuples and arrays of numbers are, as an array of doubles. Raises `BadInput` with its name
-    where it is no such thing or, if `finite`, where a number is not finite. texts: a list may hold decimals as text, as a task
-    may."""
+    """Convert nested lists, tuples or arrays of numbers to an array of doubles.
+
+    name: begins the message. finite: refuse a NaN or an infinity. texts: accept decimals as text in a list, as tasks do. Raises
+    `BadInput` where the value is no such thing.
+    """
     import numpy as np
 
     try:
@@ -74,7 +78,7 @@ def as_floats(name: str, value: Any, finite: bool = True, texts: bool = False) -
 
 
 def _leaves(value: Any) -> Iterator[Any]:
-    """What stands in nested lists and tuples."""
+    """Yield the entries of nested lists and tuples."""
     if not isinstance(value, list | tuple):
         yield value
         return
@@ -90,7 +94,7 @@ def _is_decimal(text: str) -> bool:
 
 
 def require_real(value: Any, symbols: bool = False) -> None:
-    """Raises ValueError, with what it is, for an entry that is no real number and no array of them."""
+    """Raise ValueError where an entry is neither a real number nor an array of them."""
     if is_array(value):
         real_array(value, symbols)
     elif isinstance(value, bool):
@@ -98,12 +102,12 @@ def require_real(value: Any, symbols: bool = False) -> None:
     elif isinstance(value, complex):
         raise ValueError("has complex numbers in it; give their real part, if that is what is meant")
     elif not isinstance(value, int | float | Fraction | Decimal):
-        what = f"the text {value!r:.40}" if isinstance(value, str) else f"a {type(value).__name__}"
-        raise ValueError(f"has {what} in it; numbers are needed")
+        entry = f"the text {value!r:.40}" if isinstance(value, str) else f"a {type(value).__name__}"
+        raise ValueError(f"has {entry} in it; numbers are needed")
 
 
 def rows_of(value: Any) -> Any:
-    """An array as lists of lists of NumPy's numbers, each of which still means its shortest decimal; what is no array stays."""
+    """Convert an array to nested lists of NumPy's numbers, which keep their shortest decimals; return anything else unchanged."""
     if not is_array(value):
         return value
     array = real_array(value)

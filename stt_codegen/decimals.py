@@ -1,4 +1,4 @@
-"""Exact numbers as decimals: for messages, for emitted text, and rounded to a safe side for statements."""
+"""Exact numbers as decimals: for messages, for emitted text, and rounded up or down for what is claimed."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from fractions import Fraction
 
 
 def decimal(value: Fraction) -> str:
-    """A fraction as a decimal: exact where that takes at most 15 digits, else nearest with 9."""
+    """Write a fraction as a decimal: exact where that needs at most 15 digits, else the nearest with 9."""
     short = f"{float(value):.15g}"
     return short if Fraction(short) == value else f"{float(value):.9g}"
 
 
 def exact_decimal(value: Fraction) -> str:
-    """A fraction that came from a decimal, in all its digits; as `decimal` where it is short."""
+    """Write a fraction that was read from a decimal with all its digits."""
     short = f"{float(value):.15g}"
     if Fraction(short) == value:
         return short
@@ -26,17 +26,17 @@ def exact_decimal(value: Fraction) -> str:
 
 
 def nine_digits(value: Fraction) -> float:
-    """The nearest number of nine digits."""
+    """Return the nearest number of nine digits."""
     return float(f"{float(value):.9g}")
 
 
 def below(value: Fraction, digits: int = 6) -> float:
-    """The largest decimal of so many digits that is not above `value`."""
+    """Return the largest decimal of so many digits that is not above `value`."""
     return _toward(value, digits, math.floor)
 
 
 def above(value: Fraction, digits: int = 6) -> float:
-    """The smallest decimal of so many digits that is not below `value`."""
+    """Return the smallest decimal of so many digits that is not below `value`."""
     return _toward(value, digits, math.ceil)
 
 
@@ -48,6 +48,6 @@ def _toward(value: Fraction, digits: int, direction: Callable[[Fraction], int]) 
 
 
 def by_component(values: Sequence[Fraction | float]) -> str:
-    """Numbers for people, as in a task file: one where all agree, else [0.5, 0.25]."""
+    """Write numbers as a task file does: a single number where all agree, else [0.5, 0.25]."""
     shown = [decimal(v) if isinstance(v, Fraction) else f"{v:g}" for v in values]
     return shown[0] if len(set(shown)) == 1 else f"[{', '.join(shown)}]"

@@ -1,11 +1,11 @@
-"""The one exception family. Every stage raises these; `cli.main` alone turns them into exit codes."""
+"""The exceptions of the package. Every stage raises them; `cli.main` alone turns them into exit codes."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
 
 class SttError(Exception):
-    """Anything the user can act on. The message says what was found, where, and what would be right."""
+    """An error that the user can act on. The message says what is wrong, where, and what would be right."""
 
     exit_code = 5
 
@@ -17,20 +17,20 @@ class BadInput(SttError):
 
 
 class NotCertified(SttError):
-    """The task is infeasible, or the tube found does not satisfy its certificate (exit code 3)."""
+    """The task is infeasible, or the tube fails its certificate (exit code 3)."""
 
     exit_code = 3
 
 
 class MissingTool(SttError):
-    """A tool outside the package is needed and absent (exit code 4)."""
+    """A tool that does not come with the package is needed and not installed (exit code 4)."""
 
     exit_code = 4
 
 
 @contextmanager
 def about(where: object) -> Iterator[None]:
-    """Errors of the block begin with the file that they are about."""
+    """Put the file that they are about before the messages of errors in the block."""
     try:
         yield
     except SttError as error:
@@ -39,7 +39,7 @@ def about(where: object) -> Iterator[None]:
 
 @contextmanager
 def noted(notes: Iterable[str]) -> Iterator[None]:
-    """Errors of the block end with notes that may explain them."""
+    """Put notes that may explain them behind the messages of errors in the block."""
     try:
         yield
     except SttError as error:

@@ -2,7 +2,7 @@
 
     load_task       task.toml -> Task                      task/     the question, checked; sets by their normals and supports
     design_tube     Task -> Design                         design/   refined: route, sides, linear programs, rounding, and once
-                                                                     more where P7 takes more than was left for it;
+                                                                     more where P7 needs more than was left for it;
                                                                      adaptive: search; literal: the paper's rule
                                                            designs/  what a design is; constraints.py what it must satisfy;
                                                                      design_kinds.py what each kind offers to a task
@@ -10,15 +10,15 @@
     certify         Task, Design, Program -> Certificate   certify/  refined: exact P1-P6, rounding bound P7; else enclosures
     render          all of these -> files                  emit/     C, Python, certificate (templates/ place the text)
 
-Each stage is a plain function from frozen data to frozen data; none reaches back. What stands beside it:
+Each stage is a plain function from frozen data to frozen data; no stage calls an earlier one. Other rooms use the result:
 
-    reference.py, compare/      the same equations once more in plain NumPy, and every backend held against them
-    lemmas/                     the lemma book: what all of this rests on, proved about the Program
-    sampling/, plants.py        what held inputs, late samples and noise do to a tube: statements, periods, gains
-    report/, record/            what is told of a controller, and how it is kept under check
-    loop/, board/               the emitted C driving a plant, and run on emulated boards; benchmarks/ measures by the hundred
+    reference.py, compare/      the same equations once more in plain NumPy, compared with every backend
+    lemmas/                     the lemma book: statements about the Program that a machine proves
+    sampling/, plants.py        what held inputs, late samples and noise do to a tube: sampling conditions, periods, gains
+    report/, record/            what a person reads about a controller, and the files that keep it under check
+    loop/, board/               the emitted C with a plant in closed loop, and on emulated boards; benchmarks/ measures both
 
-Imports run one way; the order of all rooms stands in pyproject.toml and is tested.
+Imports run one way: pyproject.toml has the order of all rooms, tests/test_layers.py checks it.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stt_codegen.certify import Certificate
+from stt_codegen.decimals import decimal
 from stt_codegen.design_kinds import DesignKind
 from stt_codegen.designs import Design, RefinedDesign, require_adaptive, require_refined
 from stt_codegen.errors import BadInput, NotCertified, about, noted
@@ -53,8 +54,9 @@ def build(
     uncertified: bool = False,
     language: str | None = None,
 ) -> EmittedController:
-    """From a task file to a controller's files (nothing is written). `design` and `scalar` override the task's options,
-    `language` is one that is printed too.
+    """Make the controller of a task file; nothing is written.
+
+    `design` and `scalar` replace the task's options. `language` adds a language to those that are printed.
 
     Raises `BadInput` (exit code 2), and `NotCertified` (3) when the task is infeasible or, unless `uncertified`, when
     the certificate fails.
@@ -67,23 +69,25 @@ def build(
 
 
 def build_task(task: Task, uncertified: bool = False, tube: Design | None = None) -> EmittedController:
-    """As `build`, for a task already loaded; `tube`: one that is there already, in place of the search."""
+    """Make the controller of a task, as `build` does of a file. tube: a design to use instead of a search."""
     require_supported(task)
+    if tube is not None:
+        require_design_for(task, tube)
     design = tube or design_tube(task)
-    task = settled(task, design)
+    task = with_chosen_gain(task, design)
     program = build_program(task, design)
     certificate = certify(task, design, program)
     if not certificate.holds and not uncertified:
         raise NotCertified(certificate.refusal() + " (or --uncertified writes it with a banner)")
     if not certificate.holds:
-        from stt_codegen.controller import covering_nothing
+        from stt_codegen.controller import without_covered_starts
 
-        program = covering_nothing(program)
+        program = without_covered_starts(program)
     return EmittedController(task, design, program, certificate, render_files(task, design, program, certificate))
 
 
 def require_supported(task: Task) -> None:
-    """Refuse what the task format knows and this version cannot do yet, rather than leave it out silently."""
+    """Raise `BadInput` where the task uses an option that its kind of tube does not offer."""
     offered = task.tube.capabilities
     if task.emit.math == "inline" and not offered.inlines_logarithm:
         raise BadInput(
@@ -98,37 +102,59 @@ def require_supported(task: Task) -> None:
         raise BadInput(f"control.period: is proved for refined tubes only; leave it out for a {task.tube.design} one")
 
 
-def settled(task: Task, design: Design) -> Task:
-    """The task with its gain chosen for this tube, where that is "auto"."""
+def require_design_for(task: Task, tube: Design) -> None:
+    """Raise `BadInput` where the tube is not of the kind, dimension, order or prescribed time that the task states.
+
+    What a certificate must prove depends on the kind: one that proves no period would hold for a task that asks for one.
+    """
+    if tube.kind != task.tube.design:
+        raise BadInput(
+            f'tube: is of the kind "{tube.kind}"; the task has tube.design = "{task.tube.design}", design the tube for this task'
+        )
+    if tube.dimension != task.dimension:
+        raise BadInput(f"tube: has dimension {tube.dimension}; the task has {task.dimension}, design the tube for this task")
+    if (order := 2 if tube.filter else 1) != task.order:
+        raise BadInput(f"tube: is for a plant of order {order}; the task's is of order {task.order}, design the tube for this task")
+    if tube.prescribed_time != task.prescribed_time:
+        raise BadInput(
+            f"tube: ends at {decimal(tube.prescribed_time)} s; the task has prescribed_time = {decimal(task.prescribed_time)}, "
+            "design the tube for this task"
+        )
+
+
+def with_chosen_gain(task: Task, design: Design) -> Task:
+    """Return the task with the gain that is chosen for this tube, where the task leaves it open ("auto")."""
     if not task.gain_chosen or not design.capabilities.proves_periods:
         return task
-    from stt_codegen.certify.sampled import chosen_gain
+    from stt_codegen.certify.sampled import choose_gain
     from stt_codegen.controller import errors_of_tube
 
     refined = require_refined(design)
-    if task.emit.scalar == "fixed":  # whose law has no constants before there is a gain
-        return task.with_gain(chosen_gain(task, refined, *errors_of_tube(refined, None, task.emit.tick_period)))
-    return task.with_gain(chosen_gain(task, refined, *errors_of_tube(refined, build_program(task, refined))))
+    if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
+        return task.with_gain(choose_gain(task, refined, *errors_of_tube(refined, None, task.emit.tick_period)))
+    return task.with_gain(choose_gain(task, refined, *errors_of_tube(refined, build_program(task, refined))))
 
 
 def design_tube(task: Task) -> Design:
-    """Choose the numbers that fix a tube, as `tube.design` says. Raises `NotCertified` with the reason where none is found."""
+    """Find a tube of the kind `tube.design`. Raises `NotCertified` with the reason where there is none."""
     return STAGES[task.tube.design].design_tube(task)
 
 
 def build_program(task: Task, design: Design) -> Program:
-    """The controller as typed single assignments, which every printer and prover reads."""
+    """Return the controller as typed single assignments, which every printer and prover reads."""
     return STAGES[design.kind].build_program(task, design)
 
 
 def certify(task: Task, design: Design, program: Program) -> Certificate:
-    """P1 to P7, P8 and P9 where limits or a period ask for them, P10 where there is a mission, with margins; the certificate
-    may fail, `build` decides what that means."""
+    """Certify the tube and the program: P1 to P7, P8 with limits, P9 with a period, P10 with a mission, each with its margin.
+
+    The certificate may fail; `build` decides what follows from that.
+    """
     return replace(STAGES[design.kind].certify(task, design, program), axes=task.axis_words)
 
 
 def render_files(task: Task, design: Design, program: Program, certificate: Certificate) -> dict[str, bytes]:
-    """The text of the emitted files, by name."""
+    """Return the contents of the emitted files by name."""
     from stt_codegen.emit import render
 
     return render(task, design, program, certificate)
@@ -139,7 +165,7 @@ def render_files(task: Task, design: Design, program: Program, certificate: Cert
 
 @dataclass(frozen=True)
 class Stages:
-    """How a tube of one kind is designed, programmed and certified."""
+    """The functions that design, program and certify a tube of one kind."""
 
     design_tube: Callable[[Task], Design]
     build_program: Callable[[Task, Design], Program]
@@ -153,8 +179,10 @@ def _design_refined(task: Task) -> Design:
 
 
 def with_enough_allowance(task: Task, design: RefinedDesign) -> RefinedDesign:
-    """Return the design, or where it is so fast that the arithmetic takes more than was left for it, one that leaves more and
-    whose edges are certified. Where there is none, the design stays, and its certificate says what is missing."""
+    """Return the design, or a wider one where the edges are so fast that rounding needs more than the design left for it.
+
+    The edges of the wider one are certified. Where there is none, the design stays, and its certificate says what is missing.
+    """
     from stt_codegen.certify.rounding_allowance import certify_edges, needed_allowance_factor
     from stt_codegen.design import refine_with_allowance
 
@@ -174,8 +202,10 @@ def _refined_program(task: Task, design: Design) -> Program:
 
 
 def within_32_bits(program: Program) -> Program:
-    """A program of integers, of which it is proved that none of them leaves 32 bits, whatever the arguments. Raises `BadInput`
-    where that cannot be shown."""
+    """Return the program of integers after a proof that none of them leaves 32 bits, for any arguments.
+
+    Raises `BadInput` where there is no such proof.
+    """
     from stt_codegen.program.analyse import OutOfRange, ranges
 
     for function in program.functions:
@@ -211,7 +241,7 @@ def _adaptive_program(task: Task, design: Design) -> Program:
 
 
 def _certify_adaptive(task: Task, design: Design, _program: Program) -> Certificate:
-    """Falsify at samples, which is quick, and what fails there fails for certain; else prove by enclosures."""
+    """Look for a failure at samples, which is quick and certain; where there is none, prove by enclosures."""
     from stt_codegen.certify.adaptive import certify_enclosed, falsify
 
     falsified = falsify(task, require_adaptive(design))

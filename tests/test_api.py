@@ -646,3 +646,17 @@ def test_what_is_not_built_is_not_certified() -> None:
     for refuse in (stt.build, lambda sampled: stt.certify(sampled, tube)):
         with pytest.raises(stt.BadInput, match=r"control\.period: is proved for refined tubes only"):
             refuse(task.changed(control={"period": Fraction(1, 2)}))
+
+
+def test_a_tube_that_was_designed_for_another_kind_of_task_is_refused() -> None:
+    """What a certificate must prove follows from the task: a tube of another kind, size, order or time would be asked for less."""
+    tube = stt.design(ROOT / "tasks" / "omni_s1.toml")
+    task = stt.load(ROOT / "tasks" / "omni_s1.toml")
+    for changed, problem in (
+        (task.changed(tube={"design": "adaptive"}), r'kind "refined"; .*tube\.design = "adaptive"'),
+        (task.changed(prescribed_time=Fraction(10)), r"ends at .*prescribed_time = 10"),
+        (stt.load(ROOT / "tasks" / "drone.toml"), "has dimension 2; the task has 3"),
+        (stt.load(ROOT / "tasks" / "crane.toml"), "order 1; the task's is of order 2"),
+    ):
+        with pytest.raises(stt.BadInput, match=problem):
+            stt.certify(changed, tube)

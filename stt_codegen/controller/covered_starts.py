@@ -66,7 +66,7 @@ class Starts:
         return tuple(tables)
 
 
-def covering_nothing(program: Program) -> Program:
+def without_covered_starts(program: Program) -> Program:
     """The same program, whose `covered` is always false: for a controller that is written although it is not certified."""
     empty = (replace(t, values=(Fraction(0),) * len(t.values)) if t.name in NAMES else t for t in program.tables)
     return replace(program, tables=tuple(empty))

@@ -41,7 +41,7 @@ TRIED = (Fraction(0), Fraction(1, 10**6), Fraction(1, 10**4), Fraction(1, 10**3)
 
 # What overflows in a search is infinite, and proves nothing; what is said was shown in fractions. So NumPy need not warn.
 @np.errstate(all="ignore")
-def chosen_gain(
+def choose_gain(
     task: Task, design: RefinedDesign, edge_error: tuple[Fraction, ...], rate: Sequence[Fraction] = ()
 ) -> tuple[Fraction, ...]:
     """control.gain = "auto": the most room at the period. Where no gain is proved for it, that of the longest period, and the
