@@ -114,7 +114,9 @@ def require_design_for(task: Task, tube: Design) -> None:
     if tube.dimension != task.dimension:
         raise BadInput(f"tube: has dimension {tube.dimension}; the task has {task.dimension}, design the tube for this task")
     if (order := 2 if tube.filter else 1) != task.order:
-        raise BadInput(f"tube: is for a plant of order {order}; the task's is of order {task.order}, design the tube for this task")
+        raise BadInput(
+            f"tube: is for a plant of order {order}; the task's is of order {task.order}, design the tube for this task"
+        )
     if tube.prescribed_time != task.prescribed_time:
         raise BadInput(
             f"tube: ends at {decimal(tube.prescribed_time)} s; the task has prescribed_time = {decimal(task.prescribed_time)}, "
