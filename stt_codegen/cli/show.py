@@ -64,8 +64,8 @@ def show_design(report: DesignReport) -> None:
     for note in report.notes:
         _indented(console, f"[yellow]note[/yellow]: {escape(note)}")
     table = Table(box=None, pad_edge=True, header_style="bold")
-    for heading in ("", "property", "holds", "to spare", "least at"):
-        table.add_column(heading, justify="right" if heading == "to spare" else "left")
+    for heading in ("", "property", "holds", "margin", "smallest at"):
+        table.add_column(heading, justify="right" if heading == "margin" else "left")
     for p in report.properties:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
         table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
