@@ -155,7 +155,7 @@ def inside(task: Task, name: str, x: Array, room: float) -> Array:
     """Which points are in a region, larger by `room`."""
     region = task.regions[name]
     assert not isinstance(region, Choice)
-    x = x[:, list(task.own_axes(region))]
+    x = x[:, list(task.axis_indices(region))]
     if hasattr(region, "radius"):
         return np.sqrt(((x - [float(v) for v in region.centre]) ** 2).sum(axis=1)) <= float(region.radius) + room
     if hasattr(region, "lower"):

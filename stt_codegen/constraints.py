@@ -119,7 +119,7 @@ def mission_rows(task: Task, state: State) -> tuple[Avoidance, ...]:
         return tuple(Avoidance(str(state), _open_rows(*box)) for box in left_over(inner, spans, n))
     region = regions[inner.region]
     assert isinstance(region, Unsafe)
-    own = task.own_axes(region)
+    own = task.axis_indices(region)
     if inner.kept:
         convex = region.within(task.state_space, own).grown(task.half_extents)
         return (Avoidance(str(state), apart_rows(convex, task.tube.clearance)),)
@@ -133,7 +133,7 @@ def _span(task: Task, one: In) -> tuple[Vector, Vector]:
     edges."""
     region = task.regions[one.region]
     assert isinstance(region, UnsafeSet)
-    own = dict(zip(task.own_axes(region), zip(region.lower, region.upper, strict=True), strict=True))
+    own = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
     far = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
     keep = [h + task.tube.clearance if one.kept else Fraction(0) for h in task.half_extents]
     ends = [own.get(i, (-far, far)) for i in range(task.dimension)]

@@ -44,7 +44,7 @@ def _inside(task: Task, name: str, x: Array, grown: bool = False) -> Flags:
     """Which states are in a region; grown: with which the body meets it."""
     region = task.regions[name]
     assert isinstance(region, Unsafe)
-    own = list(task.own_axes(region))
+    own = list(task.axis_indices(region))
     half = np.array([float(task.half_extents[i]) if grown else 0.0 for i in own])
     if isinstance(region, UnsafeBall):
         away = np.maximum(np.abs(x[:, own] - [float(v) for v in region.centre]) - half, 0.0)

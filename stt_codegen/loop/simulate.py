@@ -308,14 +308,14 @@ def doubtful(task: Task) -> list[str]:
     faces that are not known here."""
     grown = any(task.half_extents)
     found = [s for s, table in zip(task.obstacles, task.unsafe, strict=True) if (grown or table.spread) and not s.radius]
-    return [s.name for s in found if len(s.own) > SOLID and any(sum(map(bool, normal)) > 1 for normal in s.normals)]
+    return [s.name for s in found if len(s.bounded_axes) > SOLID and any(sum(map(bool, normal)) > 1 for normal in s.normals)]
 
 
 def _bounding(convex: ConvexSet) -> list[HalfSpace]:
     """The half-spaces of a polytope in the dimensions that it bounds; none of a round set."""
     if convex.radius:
         return []
-    others = [i for i in range(convex.dimension) if i not in convex.own]
+    others = [i for i in range(convex.dimension) if i not in convex.bounded_axes]
     return [(normal, offset) for normal, offset in convex.faces if not any(normal[i] for i in others)]
 
 
@@ -324,7 +324,7 @@ def _ends(convex: ConvexSet, task: Task) -> Array:
     free."""
     ends, half = np.zeros((2, task.dimension)), np.full(task.dimension, np.inf)
     if convex.radius:
-        for i in convex.own:
+        for i in convex.bounded_axes:
             ends[:, i] = [float(end[i]) for end in convex.line]
             half[i] = float(task.half_extents[i])
     return np.vstack([ends, half])

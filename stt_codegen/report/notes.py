@@ -39,7 +39,7 @@ def _hull_note(task: Task, table: UnsafePolytope) -> str:
     added = added_area(table.vertices)
     if added is None:
         return "its vertices are not all corners of their hull; the hull is what is avoided"
-    units = {(task.units or ("",) * task.dimension)[i] for i in task.own_axes(table)}
+    units = {(task.units or ("",) * task.dimension)[i] for i in task.axis_indices(table)}
     unit = f" {units.pop()}^2" if len(units) == 1 and units != {""} else ""
     return f"its hull is {float(added):.3g}{unit} larger than its outline; list convex parts if that space is needed"
 

@@ -34,7 +34,7 @@ def walls(task: Task, plane: Plane) -> list[Array]:
     ends = [(space.lower[i], space.upper[i]) for i in plane]
     lower, upper = (tuple(e[k] for e in ends) for k in (0, 1))
     found = []
-    for normal, offset in space.cuts(task.own_axes(space), task.dimension):
+    for normal, offset in space.cuts(task.axis_indices(space), task.dimension):
         own = tuple(normal[i] for i in plane)
         if sum(1 for c in normal if c) != sum(1 for c in own if c):
             continue

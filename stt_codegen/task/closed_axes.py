@@ -104,7 +104,7 @@ class _Speller:
 
     def _bounds_target(self, i: int) -> bool:
         target = self.task.target_set
-        return target is not None and (bool(target.lower) or i in self.task.own_axes(target))
+        return target is not None and (bool(target.lower) or i in self.task.axis_indices(target))
 
     def _axis(self, i: int, period: Fraction, low: Fraction, high: Fraction) -> ClosedAxis:
         """What is chosen for an axis, with the state space set to what it is then. low, high: the target's edges."""
@@ -144,14 +144,14 @@ class _Speller:
 
     # ---- unsafe sets
 
-    def closed_own(self, table: Unsafe) -> list[ClosedAxis]:
+    def closed_axes_of(self, table: Unsafe) -> list[ClosedAxis]:
         """The closed axes that a set is in."""
-        axes = self.task.own_axes(table)
+        axes = self.task.axis_indices(table)
         return [axis for axis in self.axes if axis.index in axes]
 
     def images(self, j: int, table: Unsafe) -> Iterator[tuple[Unsafe, Image]]:
         """The images of unsafe set j but for itself, each with its turns in the closed axes that it is in."""
-        closed, own = self.closed_own(table), self.task.own_axes(table)
+        closed, own = self.closed_axes_of(table), self.task.axis_indices(table)
         ranges = [self._turns(table, own.index(axis.index), axis) for axis in closed]
         count = math.prod(map(len, ranges))
         if count > MAX_IMAGES:
@@ -171,7 +171,7 @@ class _Speller:
         """By how many turns the set, wherever it ever is, can come near the state space; 0 among them. at: the axis's place in
         the set's own."""
         i, task = axis.index, self.task
-        ends = table.own((), ()).span(at)
+        ends = table.to_convex_set((), ()).span(at)
         by = [point.by[at] for point in table.motion or ()] or [Fraction(0)]
         growth = (table.spread or 0) * (task.prescribed_time + (table.timing or 0) + task.start_delay)
         reach = task.tube.clearance + self.body[i] + growth + REACH * axis.period
@@ -181,18 +181,18 @@ class _Speller:
 
     def as_points(self, j: int, table: Unsafe) -> Unsafe:
         """Half-spaces in a closed axis as the corners of what they leave of the other axes' state space; all else as it is."""
-        closed = {axis.index: axis.period for axis in self.closed_own(table)}
+        closed = {axis.index: axis.period for axis in self.closed_axes_of(table)}
         if not closed or table.point_fields:
             return table
         if not isinstance(table, UnsafeHalfSpaces):
             field = next(name for name in fields_of_shape(type(table)))
             raise BadInput(f"unsafe[{j}].{field}: is not known in an axis that closes; leave it out, or periodic")
-        own, state = self.task.own_axes(table), self.task.initial_state
+        own, state = self.task.axis_indices(table), self.task.initial_state
         far = [LONGEST_SET * closed.get(i, Fraction(0)) for i in own]
         lower = tuple(state[i] - d if i in closed else self.lower[i] for i, d in zip(own, far, strict=True))
         upper = tuple(state[i] + d if i in closed else self.upper[i] for i, d in zip(own, far, strict=True))
         try:
-            corners = table.own(lower, upper).vertices
+            corners = table.to_convex_set(lower, upper).vertices
         except ValueError as error:
             raise BadInput(f"unsafe[{j}].{error}") from None
         for at, i in enumerate(own):
@@ -213,7 +213,7 @@ class _Speller:
         moved = [axis for axis in self.axes if axis.target_turns]
         if target is None or not moved:
             return target
-        own = self.task.own_axes(target)
+        own = self.task.axis_indices(target)
         by = {axis.index: axis.target_turns * axis.period for axis in moved}
         less = {axis.index: abs(axis.target_turns) * axis.drift for axis in moved}
         if not any(less.values()):
@@ -266,7 +266,9 @@ def spelled_out(task: TaskTables) -> tuple[dict[str, Any], tuple[ClosedAxis, ...
     space = task.state_space.model_copy(update={"lower": tuple(speller.lower), "upper": tuple(speller.upper)})
     target = speller.moved_target(task.model_copy(update={"state_space": space}))
     sets = [speller.as_points(j, table) for j, table in enumerate(task.unsafe)]
-    images = [pair for j, table in enumerate(sets) for pair in (speller.images(j, table) if speller.closed_own(table) else ())]
+    images = [
+        pair for j, table in enumerate(sets) for pair in (speller.images(j, table) if speller.closed_axes_of(table) else ())
+    ]
     _require_names(task, images)
     sources = [Image(j, ()) for j in range(len(sets))] + [image for _, image in images]
     axes = tuple(_measured(task, speller, axis, [(image, sets[image.source]) for _, image in images]) for axis in speller.axes)
@@ -298,7 +300,7 @@ def _measured(task: TaskTables, speller: _Speller, axis: ClosedAxis, images: lis
     |k| u P; y, the product and the sum are rounded, u P, u |k| P, u (|k| + 1) P, and a few u^2: together (3 |k| + 3) u P.
     """
     i, period, u = axis.index, axis.period, ROUNDOFF[task.emit.scalar]
-    pairs = (zip(speller.closed_own(table), image.turns, strict=True) for image, table in images)
+    pairs = (zip(speller.closed_axes_of(table), image.turns, strict=True) for image, table in images)
     turns = [abs(k) for pair in pairs for closed, k in pair if closed.index == i]
     farthest = max(abs(speller.lower[i]), abs(speller.upper[i]))
     far, name = int(farthest / period) + 2, task.axis_names[i]

@@ -380,7 +380,7 @@ class TaskTables(Table):
     def target_at_rest(self) -> BoxSet:
         """The target set, or the box that is cut to it, before it is displaced."""
         target = self.target_set
-        return self.free_space if target is None else target.box(self.free_space, self.own_axes(target))
+        return self.free_space if target is None else target.box(self.free_space, self.axis_indices(target))
 
     @property
     def target(self) -> BoxSet:
@@ -394,7 +394,7 @@ class TaskTables(Table):
     def space_cuts(self) -> tuple[HalfSpace, ...]:
         """The half-spaces that cut the state space, moved in by `body`."""
         half = self.half_extents
-        given = self.state_space.cuts(self.own_axes(self.state_space), self.dimension)
+        given = self.state_space.cuts(self.axis_indices(self.state_space), self.dimension)
         return tuple((n, h - sum((abs(c) * v for c, v in zip(n, half, strict=True)), Fraction(0))) for n, h in given)
 
     @property
@@ -403,7 +403,7 @@ class TaskTables(Table):
         if self.target_set is None:
             return self.space_cuts
         by = self.target_course.displaced(self.prescribed_time)
-        given = self.target_set.cuts(self.own_axes(self.target_set), self.dimension)
+        given = self.target_set.cuts(self.axis_indices(self.target_set), self.dimension)
         return tuple((n, h + sum((c * v for c, v in zip(n, by, strict=True)), Fraction(0))) for n, h in given)
 
     @property
@@ -447,7 +447,7 @@ class TaskTables(Table):
         return both(*self.formulas) if self.mission else None
 
     def _course(self, table: Unsafe | Region, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
-        own, n = self.own_axes(table), self.dimension
+        own, n = self.axis_indices(table), self.dimension
         motion = getattr(table, "motion", None)
         knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in motion or ()] or [(Fraction(0), {})]
         return course_of(
@@ -462,13 +462,13 @@ class TaskTables(Table):
     @property
     def bare(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets as they are, in the order of the file."""
-        return tuple(s.within(self.state_space, self.own_axes(s)) for s in self.unsafe)
+        return tuple(s.within(self.state_space, self.axis_indices(s)) for s in self.unsafe)
 
     def unsafe_field(self, j: int) -> str:
         """Where the file has unsafe set j."""
         return f"unsafe[{j}]"
 
-    def own_axes(self, table: Unsafe | Region) -> tuple[int, ...]:
+    def axis_indices(self, table: Unsafe | Region) -> tuple[int, ...]:
         """The dimensions that a set is in; its axes are known to be of the task's."""
         return tuple(self.axis_names.index(name) for name in table.axes or self.axis_names)
 

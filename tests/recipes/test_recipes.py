@@ -52,7 +52,7 @@ SET = Sample(
     def half_spaces(self) -> Sequence[HalfSpace]:
         return Diamond(self.middle, self.reach).faces
 
-    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+    def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
         return Diamond(self.middle, self.reach, self.name)
 
 
@@ -94,8 +94,8 @@ def corners_left''',
         "tests/task/test_shapes.py": [
             ('    "ball": (SPACE,', '    "diamond": (FLAT, ("middle = [2.5, 2.4]\\nreach = 1.5",)),\n    "ball": (SPACE,'),
             (
-                "    own, d = task.own_axes(unsafe), len(lower)\n",
-                """    own, d = task.own_axes(unsafe), len(lower)
+                "    own, d = task.axis_indices(unsafe), len(lower)\n",
+                """    own, d = task.axis_indices(unsafe), len(lower)
     if hasattr(unsafe, "reach"):  # the hull of its corners
         (x, y), r = unsafe.middle, unsafe.reach
         unsafe = UnsafePolytope(vertices=[(x - r, y), (x + r, y), (x, y - r), (x, y + r)])

@@ -345,7 +345,7 @@ def test_what_the_period_differs_is_kept_at_every_turn() -> None:
     for image in task.unsafe[2:]:
         k = int(image.name[-2:])
         source = next(s for s in task.stated.unsafe if image.name.startswith(s.name))
-        (a, b), (c, d) = (s.own(*((Fraction(0),) * 2,) * 2).span(1) for s in (source, image))
+        (a, b), (c, d) = (s.to_convex_set(*((Fraction(0),) * 2,) * 2).span(1) for s in (source, image))
         assert (c - a, d - b) == (k * axis.period,) * 2
     exact = parse_task(with_period(TURNER, "6.4"))
     assert exact.closed[0].drift == 0

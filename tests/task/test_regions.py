@@ -92,7 +92,7 @@ TEXTS = {
 
 def outside(task: Task, region, low: np.ndarray, high: np.ndarray, body: bool) -> float:
     """By how much a corner of boxes (T, n), the body added, is beyond what cuts a region at most, in doubles: of points by qhull."""
-    own = list(task.own_axes(region))
+    own = list(task.axis_indices(region))
     if getattr(region, "centre", None) is not None:
         centre = np.array(region.centre, dtype=float)
         far = np.maximum(abs(low[:, own] - centre), abs(high[:, own] - centre))

@@ -71,7 +71,7 @@ class PolygonTable(Unsafe):
     def problem(self) -> str | None:
         return None if len(self.corners) > 2 else "corners: are fewer than three"
 
-    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+    def to_convex_set(self, lower: Vector, upper: Vector) -> ConvexSet:
         return Polygon(list(self.corners), self.name)
 
 
@@ -235,7 +235,7 @@ def test_a_way_that_only_the_true_shapes_leave_is_found_and_certified(controller
                 *(
                     UnsafeSet(name=t.name, lower=[v[0] for v in s], upper=[v[1] for v in s])
                     for t in (RIGHT, LEFT)
-                    for s in [[t.own((), ()).span(i) for i in (0, 1)]]
+                    for s in [[t.to_convex_set((), ()).span(i) for i in (0, 1)]]
                 )
             )
         )

@@ -87,7 +87,7 @@ def checked(text: str, files: dict[str, bytes], folder: Path) -> int:
 
 def least_gap(task: Task, unsafe: Unsafe, low: np.ndarray, high: np.ndarray) -> float:
     """The least over boxes (T, n) of `gap`."""
-    own, body = list(task.own_axes(unsafe)), np.array([float(v) for v in task.half_extents])
+    own, body = list(task.axis_indices(unsafe)), np.array([float(v) for v in task.half_extents])
     lower, upper = (low - body)[:, own], (high + body)[:, own]
     if not isinstance(unsafe, UnsafeBall | UnsafeCapsule):
         return min(gap(task, unsafe, a, b) for a, b in zip(lower, upper, strict=True))
@@ -118,7 +118,7 @@ def nearest(ends: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarra
 def gap(task: Task, unsafe: Unsafe, lower: np.ndarray, upper: np.ndarray) -> float:
     """How much a box may grow, in the largest component, until it meets an unsafe set in its own dimensions, negative where it
     does: by what the table says of it, as a linear program."""
-    own, d = task.own_axes(unsafe), len(lower)
+    own, d = task.axis_indices(unsafe), len(lower)
     if isinstance(unsafe, UnsafePolytope):  # x = sum of weights times points
         points = np.array(unsafe.vertices, dtype=float)
         count = len(points)

@@ -39,7 +39,7 @@ def scene(controller: EmittedController, mission: tuple[Served, ...], cycle: tup
         for bare, large, course in zip(task.bare, task.obstacles, task.courses, strict=True)
     ]
     regions = [
-        _set(name, shape.within(task.state_space, task.own_axes(shape)), planes, None, round_)
+        _set(name, shape.within(task.state_space, task.axis_indices(shape)), planes, None, round_)
         for name, shape in task.regions.items()
         if isinstance(shape, Unsafe)
     ]
@@ -137,7 +137,11 @@ def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | Non
         found["knots"] = [[float(at), *_numbers(by)] for at, by in course.knots]
         found["window"] = None if course.window is None else _numbers(course.window)
         found["clock"] = [float(course.early), float(course.late)]
-        found["growth"] = [float(course.spread), [int(k in convex.own) for k in range(convex.dimension)], convex.radius > 0]
+        found["growth"] = [
+            float(course.spread),
+            [int(k in convex.bounded_axes) for k in range(convex.dimension)],
+            convex.radius > 0,
+        ]
     return found
 
 
@@ -153,9 +157,12 @@ def _judged(convex: ConvexSet, grown: bool) -> dict[str, Any]:
     """Half-spaces that hold a set, grown by the body; round: what a round one is about, [ends, radius, its own dimensions];
     exact: whether a point in all of that is in the set, and not only near it."""
     flat = all(sum(map(bool, normal)) == 1 for normal in convex.normals)
-    found = {"faces": _half_spaces(convex.faces), "exact": bool(convex.radius) or flat or not grown or len(convex.own) < SOLID}
+    found = {
+        "faces": _half_spaces(convex.faces),
+        "exact": bool(convex.radius) or flat or not grown or len(convex.bounded_axes) < SOLID,
+    }
     if convex.radius:
-        found["round"] = [[_numbers(end) for end in convex.line], float(convex.radius), list(convex.own)]
+        found["round"] = [[_numbers(end) for end in convex.line], float(convex.radius), list(convex.bounded_axes)]
     return found
 
 

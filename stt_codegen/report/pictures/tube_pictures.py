@@ -228,7 +228,7 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
         axis.add_patch(Polygon(target_outline(task, plane), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
     for name, region in task.regions.items():
         if isinstance(region, Unsafe):
-            shape = region.within(task.state_space, task.own_axes(region))
+            shape = region.within(task.state_space, task.axis_indices(region))
             axis.add_patch(patch(shape, COLOURS["region"], plane, fill=False, linewidth=1.2, linestyle="--"))
             if len(task.regions) <= NAMED:
                 named(axis, shape, name, plane, "black", 2)

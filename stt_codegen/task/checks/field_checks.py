@@ -308,7 +308,7 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
     if target is not None:
         boxes.append(("target_set", target, task.target_at_rest))
     for field, region, box in boxes:
-        own, cuts = task.own_axes(region), tuple(region.half_spaces())
+        own, cuts = task.axis_indices(region), tuple(region.half_spaces())
         left = corners_left(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
         if left is not None and (not left or spanned(left) < len(own)):
             told = region.points[0]
@@ -368,7 +368,7 @@ def unsafe_problem(task: TaskTables) -> str | None:
             return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
         seen[name] = j
         try:
-            unsafe.within(task.state_space, task.own_axes(unsafe))
+            unsafe.within(task.state_space, task.axis_indices(unsafe))
         except ValueError as error:
             return f"{task.unsafe_field(j)}.{error}"
     start, target, body = task.start, task.target, any(task.half_extents)

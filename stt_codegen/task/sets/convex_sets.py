@@ -65,7 +65,7 @@ class ConvexSet(ABC):
     # ---- what follows from these, where nothing better is known
 
     @property
-    def own(self) -> tuple[int, ...]:
+    def bounded_axes(self) -> tuple[int, ...]:
         """The dimensions that it bounds; all others may be anything."""
         return tuple(range(self.dimension))
 
@@ -105,7 +105,7 @@ class ConvexSet(ABC):
 
     def spread(self, by: Fraction) -> ConvexSet:
         """The set larger by so much on every side, in its own dimensions: a round one by a ball, others by a box."""
-        return self.grown([by if i in self.own else ZERO for i in range(self.dimension)])
+        return self.grown([by if i in self.bounded_axes else ZERO for i in range(self.dimension)])
 
     def apart(self, lower: Vector, upper: Vector) -> bool:
         """True only where the box and the set have no point in common, edges included; true wherever they have none if the faces
@@ -175,7 +175,7 @@ class Prism(ConvexSet):
         return len(self.lower)
 
     @property
-    def own(self) -> tuple[int, ...]:
+    def bounded_axes(self) -> tuple[int, ...]:
         return self.axes
 
     def _full(self, own: Sequence[int]) -> tuple[int, ...]:
@@ -297,5 +297,5 @@ class Grown(ConvexSet):
         return super().covers(lower, upper) and not any(self.apart(c, c) for c in corners)
 
     @property
-    def own(self) -> tuple[int, ...]:
-        return self.inner.own
+    def bounded_axes(self) -> tuple[int, ...]:
+        return self.inner.bounded_axes

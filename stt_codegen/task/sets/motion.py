@@ -123,8 +123,8 @@ class Moved(ConvexSet):
         return self.inner.dimension
 
     @property
-    def own(self) -> tuple[int, ...]:
-        return self.inner.own
+    def bounded_axes(self) -> tuple[int, ...]:
+        return self.inner.bounded_axes
 
     @property
     def normals(self) -> tuple[Normal, ...]:

@@ -216,7 +216,7 @@ class Unsafe(Table):
         """What makes these numbers no set, in words; None where they are one."""
 
     @abstractmethod
-    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+    def to_convex_set(self, lower: Vector, upper: Vector) -> ConvexSet:
         """The set in its dimensions, of which the state space has these edges."""
 
     def half_spaces(self) -> Sequence[HalfSpace]:
@@ -225,7 +225,7 @@ class Unsafe(Table):
 
     def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
         """The set in a state space, its dimensions by number: in those that are not its own as long as that, all that counts."""
-        base = self.own(*(tuple(edges[k] for k in own) for edges in (space.lower, space.upper)))
+        base = self.to_convex_set(*(tuple(edges[k] for k in own) for edges in (space.lower, space.upper)))
         if tuple(own) == tuple(range(len(space.lower))):
             return base
         return Prism(base, tuple(own), space.lower, space.upper, self.name)
@@ -247,7 +247,7 @@ class UnsafeSet(Unsafe):
     def half_spaces(self) -> Sequence[HalfSpace]:
         return BoxSet(self.lower, self.upper).faces
 
-    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+    def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
         return BoxSet(self.lower, self.upper, self.name)
 
 
@@ -271,7 +271,7 @@ class UnsafePolytope(Unsafe):
     def half_spaces(self) -> Sequence[HalfSpace]:
         return Hull.of(self.vertices).faces
 
-    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+    def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
         return Polytope(self.vertices, self.name)
 
 
@@ -294,7 +294,7 @@ class UnsafeHalfSpaces(Unsafe):
     def half_spaces(self) -> Sequence[HalfSpace]:
         return half_spaces(self.normals, self.offsets)
 
-    def own(self, lower: Vector, upper: Vector) -> ConvexSet:
+    def to_convex_set(self, lower: Vector, upper: Vector) -> ConvexSet:
         """Raises `ValueError` where nothing of the state space is in all half-spaces."""
         found = corners_left(lower, upper, tuple(half_spaces(self.normals, self.offsets)))
         if not found:
@@ -333,7 +333,7 @@ class UnsafeBall(Unsafe):
     def half_spaces(self) -> Sequence[HalfSpace]:
         return inscribed(self.centre, self.radius)
 
-    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+    def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
         return Round((self.centre,), self.radius, self.name)
 
 
@@ -354,7 +354,7 @@ class UnsafeCapsule(Unsafe):
             return "segment: its ends are the same; use centre"
         return None
 
-    def own(self, _lower: Vector, _upper: Vector) -> ConvexSet:
+    def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
         return Round(self.segment, self.radius, self.name)
 
 
