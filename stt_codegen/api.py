@@ -5,7 +5,7 @@ controller = stt.build(task)                    # a certified controller
 lower, upper = controller.tube(t)               # t a number or an array
 controller.write("src")                         # cart.h, cart.c, cart.py, cart.certificate.json
 
-The file is long because it documents every name; pipeline.py and the rooms do the work.
+Long because it documents every name; pipeline.py and the rooms do the work.
 """
 
 from __future__ import annotations
