@@ -312,7 +312,9 @@ def the_search_agrees() -> bool:
 
 
 def the_book_agrees() -> bool:
-    return all(proof().verdict is Verdict.PROVED for proof in (sampled_evaluated._sharp, sampled_exact._inputs))
+    return all(
+        proof().verdict is Verdict.PROVED for proof in (sampled_evaluated._prove_sharp_evaluated, sampled_exact._prove_inputs)
+    )
 
 
 LAWS: dict[str, Callable[[], bool]] = {

@@ -13,7 +13,7 @@ v = sp.Symbol("v", positive=True)  # 1/(r^2 - (t - m)^2), which grows without bo
 BUMP = height * sp.exp(-k * (t - m) ** 2 / (r**2 - (t - m) ** 2))
 
 
-def _edges() -> Outcome:
+def _prove_edges() -> Outcome:
     """Every derivative is exp(-k (t-m)^2 v) times a polynomial in t and v; the exponent is k - k r^2 v."""
     powers = {f"limit of v^{j} exp(-k r^2 v)": sp.limit(v**j * sp.exp(-v), v, sp.oo) for j in range(8)}
     x = sp.Symbol("x", real=True)
@@ -30,7 +30,7 @@ def _edges() -> Outcome:
     )
 
 
-def _between() -> Outcome:
+def _prove_between() -> Outcome:
     x, w = sp.Symbol("x", real=True), sp.Symbol("w", positive=True)
     rest = 2 * sp.exp(-w / 2) * sp.sinh(w / 2)
     return all_of(
@@ -43,7 +43,7 @@ def _between() -> Outcome:
     )
 
 
-def _widening() -> Outcome:
+def _prove_widening() -> Outcome:
     q, reach, delta = sp.symbols("q D delta", positive=True)
     c = -sp.log(1 - (reach - delta) / height)
     at = height * sp.exp(-k * q**2 / (q**2 * (1 + k / c) - q**2))
@@ -52,7 +52,7 @@ def _widening() -> Outcome:
     )
 
 
-def _uncovered() -> Outcome:
+def _refute_printed_window() -> Outcome:
     """k = 0.01, B = 3.7, dB = 0.2: at 99 % of the half width the printed bump is below B - dB, where the set still is."""
     x = arb("0.99")
     value = arb("3.7") * (-arb("0.01") * x**2 / (1 - x**2)).exp()
@@ -67,7 +67,7 @@ LEMMAS = (
         r"\lim_{|t-m|\to r} b^{(j)}(t) = 0",
         ("by induction: the j-th derivative is the exponential times a polynomial in x and v",),
         "(7), (8)",
-        _edges,
+        _prove_edges,
     ),
     Lemma(
         "bumps.between",
@@ -75,7 +75,7 @@ LEMMAS = (
         r"0 < b \le B",
         ("|t - m| < r",),
         "(7), (8)",
-        _between,
+        _prove_between,
     ),
     Lemma(
         "bumps.widening",
@@ -83,7 +83,7 @@ LEMMAS = (
         r"b(m\pm q) = B - (\delta B - \delta)",
         ("0 <= delta < dB < B",),
         "ours",
-        _widening,
+        _prove_widening,
     ),
     Lemma(
         "bumps.printed_window",
@@ -91,6 +91,6 @@ LEMMAS = (
         r"b(t) \ge B - \delta B",
         ("r is the conflict's half width",),
         "(7) as printed",
-        _uncovered,
+        _refute_printed_window,
     ),
 )

@@ -53,7 +53,7 @@ def _time(sigma: Any, t_c: Any) -> Any:
     return FunctionType(function.__code__, {**function.__globals__, **exact})(sigma, t_c)
 
 
-def _inverse() -> Outcome:
+def _prove_inverse() -> Outcome:
     """sigma = 1 - exp(-x) with x > 0 is every number between 0 and 1. atanh(tanh x) - x is 0 at 0 and has no slope."""
     t, t_c, x = sp.symbols("t t_c x", positive=True)
     sigma = 1 - sp.exp(-x)
@@ -74,7 +74,7 @@ def _arguments(start: Edge, target: Edge, unsafe: Edge) -> list[Fraction | None]
     return [(u - x) / (end - x) if end != x else None for x, end in zip(start, target, strict=True) for u in unsafe]
 
 
-def _undefined() -> Outcome:
+def _refute_printed_defined() -> Outcome:
     sides = [(s[i], TARGET[i], u[i]) for s in STARTS.values() for u in UNSAFE.values() for i in range(len(TARGET))]
     terms = [argument for side in sides for argument in _arguments(*side)]
     known = [abs(v) for v in terms if v is not None]
@@ -91,7 +91,7 @@ def _edges(names: str) -> list[tuple[Any, Any, Any]]:
     return sloped + [(start, start, start + k * size) for k in (-1, 0, 1)]
 
 
-def _interval() -> Outcome:
+def _prove_interval() -> Outcome:
     """Start and slope are symbols. What is left are comparisons of crossings with 0, 1 and each other: a place for each order."""
     upper = [(e, {s for s in LINE if e[0] + (e[1] - e[0]) * s - e[2] >= 0}) for e in _edges("mh")]
     lower = [(e, {s for s in LINE if e[0] + (e[1] - e[0]) * s - e[2] <= 0}) for e in _edges("lk")]
@@ -112,7 +112,7 @@ def _interval() -> Outcome:
     )
 
 
-def _order() -> Outcome:
+def _refute_printed_order() -> Outcome:
     (start, target), shown, fails = WIDENING[0], [], []
     for unsafe in WIDENING[1]:
         known = [v for v in _arguments(start, target, unsafe) if v is not None and abs(v) < 1]
@@ -131,7 +131,7 @@ def _apart(a: Edge, b: Edge) -> bool:
     return a[1] < b[0] or a[0] > b[1]
 
 
-def _dimension() -> Outcome:
+def _refute_one_dimension() -> Outcome:
     """The set in the way of each dimension; where it holds all of T's side, no That within T would do."""
     held = [[o for o, u in UNSAFE.items() if u[i][0] <= TARGET[i][0] and TARGET[i][1] <= u[i][1]] for i in range(len(TARGET))]
     shown = ", ".join(f"x{i + 1} of T within that of {' and '.join(sets) or 'none'}" for i, sets in enumerate(held))
@@ -140,7 +140,7 @@ def _dimension() -> Outcome:
     )
 
 
-def _disjoint() -> Outcome:
+def _prove_disjoint() -> Outcome:
     """Closed intervals that share a point share an end of one, and only the order of the four ends matters."""
     pairs = list(product(combinations_with_replacement(map(Fraction, range(4)), 2), repeat=2))
     wrong = [(p, q) for p, q in pairs if _apart(p, q) == any(max(p[0], q[0]) <= x <= min(p[1], q[1]) for x in (*p, *q))]
@@ -180,7 +180,7 @@ def _sides(i: int, start: Box, target: Box, unsafe: Box) -> list[str]:
     return ["above"] * above + ["below"] * below
 
 
-def _admissible() -> Outcome:
+def _prove_admissible() -> Outcome:
     """For every set that the reach tube meets: the sides that can be held, and lie away from the walls by more than dB."""
     shown, wrong = [], []
     for (s, start), (o, unsafe) in product(STARTS.items(), UNSAFE.items()):
@@ -194,7 +194,7 @@ def _admissible() -> Outcome:
     return _by_cases("exact, by cases", "; ".join(shown), len(shown), wrong)
 
 
-def _shortest() -> Outcome:
+def _refute_shortest() -> Outcome:
     """Both times one window is within the other, so (6) picks it, in sigma as in time: sigma rises."""
     shown, fails = [], []
     for s, o in (("S1", "O1"), ("S3", "O4")):
@@ -207,7 +207,7 @@ def _shortest() -> Outcome:
     return refute_by_counterexample("the dimension that (6) picks can be held", at, all(fails), "; ".join(shown))
 
 
-def _from_rho() -> Outcome:
+def _refute_from_rho() -> Outcome:
     """In the middle of the push around A, inside rho's window, the lower edge is beta_L, which is above rho_L."""
     start, target, a, c = DETOUR
     during, beside, edge = _common(_windows(start, target, a)), _windows(start, target, c), a[1][1] + OVERSHOOT
@@ -220,7 +220,7 @@ def _from_rho() -> Outcome:
     return refute_by_counterexample("a tube kept off the sets that rho meets is off all", at, held and enters and not met, shown)
 
 
-def _room() -> Outcome:
+def _prove_room() -> Outcome:
     """U begins dB + w_min and a spare beyond the wall; the other wall is further on than U's edge."""
     wall, reach, width = sp.Symbol("wall", real=True), sp.Symbol("dB", positive=True), sp.Symbol("w_min", positive=True)
     spare, beyond = sp.symbols("spare beyond", nonnegative=True)
@@ -234,14 +234,14 @@ def _room() -> Outcome:
     return prove_identities(found)
 
 
-def _wall() -> Outcome:
+def _refute_printed_wall() -> Outcome:
     (wall, _), (edge, _) = WALL
     at = f"X = {_text(WALL[0])}, U = {_text(WALL[1])}, dB = {float(OVERSHOOT):g}"
     fails, shown = wall < edge < wall + OVERSHOOT, f"beta_U = {float(edge - OVERSHOOT):g}"
     return refute_by_counterexample("below a set that does not touch the wall, beta_U is within X", at, fails, shown)
 
 
-def _random() -> Outcome:
+def _refute_random_side() -> Outcome:
     """Both in x2, and with the same x1, so with the same window."""
     (a, b), at = SQUEEZE, f"A = {_text(*SQUEEZE[0])} pushing up, B = {_text(*SQUEEZE[1])} down, dB = {float(OVERSHOOT):g}"
     low, high = a[1][1] + OVERSHOOT, b[1][0] - OVERSHOOT
@@ -256,18 +256,32 @@ LEMMAS = (
         r"\sigma = \tanh\frac{t}{t_c-t} \iff t = t_c\frac{a}{1+a},\ a = \operatorname{artanh}\sigma",
         ("0 <= sigma < 1 and 0 <= t < t_c", "in real numbers; the function rounds to double"),
         "(5)",
-        _inverse,
+        _prove_inverse,
     ),
-    Lemma("windows.printed_defined", "Every term of (5) is a number.", r"a_k\in\mathbb{R}", (), "(5) as printed", _undefined),
+    Lemma(
+        "windows.printed_defined",
+        "Every term of (5) is a number.",
+        r"a_k\in\mathbb{R}",
+        (),
+        "(5) as printed",
+        _refute_printed_defined,
+    ),
     Lemma(
         "windows.interval",
         "The sigma at which the reach tube overlaps a set in one dimension form an interval: the shipped `conflict_in_sigma`.",
         r"\{\sigma\in[0,1] : \rho_U \ge \underline{U},\ \rho_L \le \overline{U}\} = [\sigma_1, \sigma_2]",
         ("exact numbers",),
         "in place of (5), ours",
-        _interval,
+        _prove_interval,
     ),
-    Lemma("windows.printed_order", "(5) closes when the conflict ends.", r"\bar t = \max\bar a", (), "(5) as printed", _order),
+    Lemma(
+        "windows.printed_order",
+        "(5) closes when the conflict ends.",
+        r"\bar t = \max\bar a",
+        (),
+        "(5) as printed",
+        _refute_printed_order,
+    ),
     Lemma(
         "windows.disjoint",
         "Boxes are disjoint exactly if they are apart in some dimension. So a tube avoids U_j if one dimension is strictly on "
@@ -275,27 +289,62 @@ LEMMAS = (
         r"\gamma\cap U_j = \emptyset \iff \exists i: \gamma_{i,U}<\underline{U}_{j,i}\text{ or }\gamma_{i,L}>\overline{U}_{j,i}",
         ("at every instant", "H is that of the tube itself, not of rho"),
         "in place of Assumption 3 and (6), ours",
-        _disjoint,
+        _prove_disjoint,
     ),
-    Lemma("windows.one_dimension", "T is apart from all sets in one dimension.", r"\exists k_T", (), "Assumption 3", _dimension),
-    Lemma("windows.from_rho", "A tube off the sets that rho meets is off all.", r"\gamma\cap U=\emptyset", (), "(5)", _from_rho),
+    Lemma(
+        "windows.one_dimension",
+        "T is apart from all sets in one dimension.",
+        r"\exists k_T",
+        (),
+        "Assumption 3",
+        _refute_one_dimension,
+    ),
+    Lemma(
+        "windows.from_rho",
+        "A tube off the sets that rho meets is off all.",
+        r"\gamma\cap U=\emptyset",
+        (),
+        "(5)",
+        _refute_from_rho,
+    ),
     Lemma(
         "windows.admissible",
         "In the case study every set that the reach tube meets has a dimension and side that can be held during H.",
         r"\forall j\,\exists i",
         ("one set at a time",),
         "in place of (6), ours",
-        _admissible,
+        _prove_admissible,
     ),
-    Lemma("windows.shortest", "The dimension that (6) picks can be held off the set.", r"i^j", (), "(6) as printed", _shortest),
+    Lemma(
+        "windows.shortest",
+        "The dimension that (6) picks can be held off the set.",
+        r"i^j",
+        (),
+        "(6) as printed",
+        _refute_shortest,
+    ),
     Lemma(
         "windows.room",
         "With lower(U) - dB - w_min >= lower(X) a lowered beta_U leaves w_min within X; mirrored for a raised beta_L.",
         r"\underline{U} - \delta B - w \ge \underline{X} \implies \underline{X} + w \le \beta_U < \overline{X}",
         ("U begins before X ends",),
         "in place of the rule below (6), ours",
-        _room,
+        _prove_room,
     ),
-    Lemma("windows.printed_wall", "A set off the wall leaves room.", r"\beta_U \ge \underline{X}", (), "below (6)", _wall),
-    Lemma("windows.random_side", "Whichever sides are drawn, a tube is left.", r"\beta_L < \beta_U", (), "below (6)", _random),
+    Lemma(
+        "windows.printed_wall",
+        "A set off the wall leaves room.",
+        r"\beta_U \ge \underline{X}",
+        (),
+        "below (6)",
+        _refute_printed_wall,
+    ),
+    Lemma(
+        "windows.random_side",
+        "Whichever sides are drawn, a tube is left.",
+        r"\beta_L < \beta_U",
+        (),
+        "below (6)",
+        _refute_random_side,
+    ),
 )

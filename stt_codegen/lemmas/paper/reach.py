@@ -23,13 +23,13 @@ s, t, t_c = sp.symbols("s t t_c", positive=True)
 FASTEST = 0.40607  # of t_c, where sigma is steepest
 
 
-def _rate() -> Outcome:
+def _prove_rate() -> Outcome:
     by_definition = sp.diff(sp.tanh(t / (t_c - t)), t)
     claimed = ((1 + s) ** 2 / sp.cosh(s) ** 2 / t_c).subs(s, t / (t_c - t))
     return prove_identities({"d sigma/dt - (1 + s)^2 sech(s)^2 / t_c": by_definition - claimed})
 
 
-def _limits() -> Outcome:
+def _prove_limits() -> Outcome:
     found = {
         "sigma at t_c, less 1": sp.limit(sp.tanh(s), s, sp.oo) - 1,
         "rate at t_c": sp.limit(((1 + s) ** 2 * 4 * sp.exp(-2 * s)), s, sp.oo),
@@ -38,12 +38,12 @@ def _limits() -> Outcome:
     return prove_identities(found, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2")
 
 
-def _monotone() -> Outcome:
+def _prove_monotone() -> Outcome:
     """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s >= 0."""
     return prove_positive({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
 
 
-def _steepest() -> Outcome:
+def _prove_steepest() -> Outcome:
     """f = (1 + s) sech s has f' = sech s (1 - (1 + s) tanh s); g = (1 + s) tanh s rises, so its one root is the maximum."""
     at, slope = FASTEST / (1 - FASTEST), sp.tanh(s) + (1 + s) / sp.cosh(s) ** 2
 
@@ -68,13 +68,13 @@ def _steepest() -> Outcome:
     )
 
 
-def _hull() -> Outcome:
+def _prove_hull() -> Outcome:
     start, end, value = sp.symbols("X0 T sigma", real=True)
     (rho,) = formulas(lower(reach_tube.reach_edge()), {"start": start, "end": end, "sigma": value})
     return prove_identities({"reach_edge - ((1 - sigma) X0 + sigma T)": rho - ((1 - value) * start + value * end)})
 
 
-def _guard() -> Outcome:
+def _prove_guard() -> Outcome:
     """At the guard s >= 1023: 1 - tanh is 2 d/(1 + d), d = exp(-2046), which no double holds."""
     d = (arb(-2046)).exp()
     smallest = 2.0**-1074
@@ -83,7 +83,7 @@ def _guard() -> Outcome:
     return Outcome(Verdict.OPEN, "Arb", (f"exp(-2046) = {d.str(4)}",))
 
 
-def _printed() -> Outcome:
+def _refute_printed() -> Outcome:
     argument = t / (t_c - t)
     below = sp.denom(sp.together(argument)).subs(t, t_c)
     return refute_by_counterexample(
@@ -98,7 +98,7 @@ LEMMAS = (
         r"\dot\sigma = \frac{(1+s)^2}{t_c\cosh^2 s}",
         ("0 <= t < t_c",),
         "(4)",
-        _rate,
+        _prove_rate,
     ),
     Lemma(
         "reach.limits",
@@ -106,16 +106,16 @@ LEMMAS = (
         r"\sigma\to1,\ \dot\sigma\to0,\ \ddot\sigma\to0\quad(t\to t_c)",
         ("t < t_c",),
         "(4)",
-        _limits,
+        _prove_limits,
     ),
-    Lemma("reach.monotone", "sigma rises.", r"\dot\sigma > 0", ("0 <= t < t_c",), "(4)", _monotone),
+    Lemma("reach.monotone", "sigma rises.", r"\dot\sigma > 0", ("0 <= t < t_c",), "(4)", _prove_monotone),
     Lemma(
         "reach.steepest",
         "sigma moves at most 1.83489/t_c, and 1.83487/t_c at t = 0.40607 t_c, the one maximum.",
         r"\max\dot\sigma = 1.8348\ldots/t_c",
         ("0 <= t < t_c",),
         "(4), ours",
-        _steepest,
+        _prove_steepest,
     ),
     Lemma(
         "reach.hull",
@@ -123,7 +123,7 @@ LEMMAS = (
         r"\rho = (1-\sigma)\hat X_0 + \sigma\hat T",
         ("0 <= sigma <= 1",),
         "Program",
-        _hull,
+        _prove_hull,
     ),
     Lemma(
         "reach.guard",
@@ -131,7 +131,7 @@ LEMMAS = (
         r"e^{-2\cdot1023} < 2^{-1074}",
         ("t >= t_c (1 - 1/1024)",),
         "Program",
-        _guard,
+        _prove_guard,
     ),
     Lemma(
         "reach.printed",
@@ -139,6 +139,6 @@ LEMMAS = (
         r"t_c - t \ne 0",
         (),
         "(4) as printed",
-        _printed,
+        _refute_printed,
     ),
 )

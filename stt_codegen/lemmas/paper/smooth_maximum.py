@@ -50,7 +50,7 @@ def _bounds(sign: int) -> Outcome:
     )
 
 
-def _gradient() -> Outcome:
+def _prove_gradient() -> Outcome:
     gradient = [sp.diff(_printed(1), v) for v in (a, b)]
     weight = 1 / (1 + sp.exp(nu * (b - a)))
     return prove_identities(
@@ -59,7 +59,7 @@ def _gradient() -> Outcome:
     )
 
 
-def _four_gaps() -> Outcome:
+def _prove_four_gaps() -> Outcome:
     p, q, r, s = sp.symbols("p q r s", real=True)  # rho_U + alpha_U, beta_U, rho_L - alpha_L, beta_L
     upper = sp.exp(-nu * p) + sp.exp(-nu * q)
     lower_edge = sp.exp(nu * r) + sp.exp(nu * s)
@@ -70,7 +70,7 @@ def _four_gaps() -> Outcome:
     )
 
 
-def _join() -> Outcome:
+def _prove_join() -> Outcome:
     x, y, z = sp.symbols("x y z", positive=True)  # exp(nu b_j), at least 1
 
     def join(u: Any, v: Any) -> Any:
@@ -86,7 +86,7 @@ def _join() -> Outcome:
     )
 
 
-def _join_kernel() -> Outcome:
+def _prove_join_shipped() -> Outcome:
     kernel = lower(circumvent.join())
     d = sp.Symbol("d", positive=True)
     low = sp.Symbol("b", nonnegative=True)
@@ -99,7 +99,7 @@ def _join_kernel() -> Outcome:
     return prove_identities(found, "SymPy: exp(nu .) of the emitted kernel, by the sign of a - b")
 
 
-def _plain_max() -> Outcome:
+def _refute_plain_max() -> Outcome:
     """b1 = 1 - t, b2 = t meet at 1/2 with another slope on either side."""
     t = sp.Symbol("t", real=True)
     slope = sp.diff(sp.Max(1 - t, t), t)
@@ -107,7 +107,7 @@ def _plain_max() -> Outcome:
     return refute_by_counterexample("max(1 - t, t) has one slope", "t = 1/2", left != right, f"slopes {left} and {right}")
 
 
-def _overflow() -> Outcome:
+def _refute_printed_float() -> Outcome:
     value = arb(100 * 1.0).exp()
     largest = (2 - 2.0**-23) * 2.0**127
     return refute_by_counterexample("exp(nu a) is a float", "nu = 100, a = 1", value > largest, f"exp(100) = {value.str(5)}")
@@ -136,7 +136,7 @@ LEMMAS = (
         r"\nabla\widetilde{\max} = (w, 1-w),\quad w = \frac1{1+e^{\nu(b-a)}}",
         ("nu > 0",),
         "ours",
-        _gradient,
+        _prove_gradient,
     ),
     Lemma(
         "smooth.four_gaps",
@@ -144,7 +144,7 @@ LEMMAS = (
         r"e^{-\nu(\gamma_U-\gamma_L)} = \sum_{j=1}^4 e^{-\nu d_j}",
         ("nu > 0",),
         "(10), ours",
-        _four_gaps,
+        _prove_four_gaps,
     ),
     Lemma(
         "smooth.width",
@@ -152,7 +152,7 @@ LEMMAS = (
         r"d_j > \tfrac{\ln 4}{\nu}\ \Rightarrow\ \gamma_U > \gamma_L",
         ("nu > 0",),
         "ours",
-        lambda: all_of(_four_gaps(), prove_identities({"4 exp(-ln 4) - 1": 4 * sp.exp(-sp.log(4)) - 1})),
+        lambda: all_of(_prove_four_gaps(), prove_identities({"4 exp(-ln 4) - 1": 4 * sp.exp(-sp.log(4)) - 1})),
     ),
     Lemma(
         "smooth.join",
@@ -160,7 +160,7 @@ LEMMAS = (
         r"\tfrac1\nu\ln\Bigl(1+\sum_j(e^{\nu b_j}-1)\Bigr)",
         ("b >= 0", "nu > 0"),
         "in place of (9), ours",
-        _join,
+        _prove_join,
     ),
     Lemma(
         "smooth.join_shipped",
@@ -168,7 +168,7 @@ LEMMAS = (
         r"\texttt{join}(a,b) = \tfrac1\nu\ln(e^{\nu a}+e^{\nu b}-1)",
         ("a, b >= 0", "nu > 0"),
         "Program",
-        _join_kernel,
+        _prove_join_shipped,
     ),
     Lemma(
         "smooth.plain_max",
@@ -176,7 +176,7 @@ LEMMAS = (
         r"\max_j b_j \in C^1",
         (),
         "(9) as printed",
-        _plain_max,
+        _refute_plain_max,
     ),
     Lemma(
         "smooth.printed_float",
@@ -184,6 +184,6 @@ LEMMAS = (
         r"e^{\nu a} \le (2-2^{-23})2^{127}",
         ("nu = 100, the case study's",),
         "section II as printed",
-        _overflow,
+        _refute_printed_float,
     ),
 )

@@ -19,13 +19,13 @@ def _rate(expression: Any) -> Any:
     return sum(sp.diff(expression, v) * rate for v, rate in ((x, xdot), (lower, lower_rate), (upper, upper_rate)))
 
 
-def _edot() -> Outcome:
+def _prove_edot() -> Outcome:
     return prove_identities(
         {"edot - (2/gamma_d)(xdot - (gammadot_s + gammadot_d e)/2)": _rate(E) - 2 / D * (xdot - (S_RATE + D_RATE * E) / 2)}
     )
 
 
-def _vdot() -> Outcome:
+def _prove_vdot() -> Outcome:
     e = sp.Symbol("e", real=True)
     epsilon = sp.log((1 + e) / (1 - e))
     edot = sp.Symbol("edot", real=True)
@@ -37,7 +37,7 @@ def _vdot() -> Outcome:
     )
 
 
-def _norms() -> Outcome:
+def _prove_norms() -> Outcome:
     """V = |eps|^2/2 of n components is the sum of theirs, so Vdot = v' r, for n = 1, 2, 3; and so for every n, by component."""
     found = {}
     for n in (1, 2, 3):
@@ -50,13 +50,13 @@ def _norms() -> Outcome:
     return prove_identities(found)
 
 
-def _component() -> Outcome:
+def _prove_component() -> Outcome:
     """r <= P - g k v at the upper edge, k v = 4 k q(eps)/gamma_d: below 0 once 4 k g q(eps) > P gamma_d."""
     p, g, k, v, s = sp.symbols("P g k v s", positive=True)
     return prove_identities({"P - g k v at g k v = P + s, plus s": sp.expand((p - g * k * v).subs(v, (p + s) / (g * k)) + s)})
 
 
-def _effort() -> Outcome:
+def _prove_effort() -> Outcome:
     """|u| = k h(a, b), h rising with a and falling with b: if k g h > P both adot < 0 and bdot > 0, so |u| falls."""
     a, b, g, p, s = sp.symbols("a b g P s", positive=True)
     h = (1 / a + 1 / b) * sp.log(a / b)
@@ -80,7 +80,7 @@ def _effort() -> Outcome:
     )
 
 
-def _skew() -> Outcome:
+def _prove_skew() -> Outcome:
     """v' g v = v' g_s v: what is antisymmetric in g does no work."""
     found = {}
     for n in (1, 2, 3):
@@ -90,7 +90,7 @@ def _skew() -> Outcome:
     return prove_identities(found)
 
 
-def _decrease() -> Outcome:
+def _prove_decrease() -> Outcome:
     """-k g_min |v|^2 + |v| P < 0 once |v| > P/(k g_min); and Young's form of the same."""
     w, gain, push, more = sp.symbols("w c P s", positive=True)
     bound = -gain * w**2 + w * push
@@ -108,7 +108,7 @@ def _decrease() -> Outcome:
     )
 
 
-def _gain() -> Outcome:
+def _prove_gain() -> Outcome:
     """xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d: so |v| >= (4/max gamma_d) |eps|."""
     e, z = sp.symbols("e z", real=True)
     return all_of(
@@ -118,7 +118,7 @@ def _gain() -> Outcome:
     )
 
 
-def _rayleigh() -> Outcome:
+def _refute_rayleigh() -> Outcome:
     """g = I, gamma_d = diag(1, 100), e = (0, 1/2): |eps|^2 |xi|^2, |xi| its largest entry, against eps' xi xi eps."""
     eps = sp.log(3)
     xi = (sp.Integer(4), 4 / (100 * (1 - sp.Rational(1, 4))))
@@ -129,7 +129,7 @@ def _rayleigh() -> Outcome:
     )
 
 
-def _negative() -> Outcome:
+def _prove_negative() -> Outcome:
     """Remark 4.2: with -g in place of g and -k in place of k the closed loop is the same."""
     g, k, v = sp.symbols("g k v", real=True)
     work = g * (-k * v)
@@ -143,7 +143,7 @@ LEMMAS = (
         r"\dot e = \tfrac{2}{\gamma_d}\bigl(\dot x - \tfrac12(\dot\gamma_s + \dot\gamma_d e)\bigr)",
         ("gamma_d > 0",),
         "Theorem 4.1",
-        _edot,
+        _prove_edot,
     ),
     Lemma(
         "theorem.vdot",
@@ -151,7 +151,7 @@ LEMMAS = (
         r"\dot V = v^\top\bigl(\dot x - \tfrac12(\dot\gamma_s+\dot\gamma_d e)\bigr)",
         ("|e| < 1",),
         "Theorem 4.1",
-        _vdot,
+        _prove_vdot,
     ),
     Lemma(
         "theorem.norms",
@@ -159,7 +159,7 @@ LEMMAS = (
         r"\dot V = \sum_i v_i r_i",
         ("|e_i| < 1",),
         "Theorem 4.1",
-        _norms,
+        _prove_norms,
     ),
     Lemma(
         "theorem.skew",
@@ -167,7 +167,7 @@ LEMMAS = (
         r"v^\top g v = v^\top g_s v",
         ("g_s >= g_min > 0", "Phi = f + w - (gammadot_s + gammadot_d e)/2"),
         "Theorem 4.1",
-        _skew,
+        _prove_skew,
     ),
     Lemma(
         "theorem.gain",
@@ -175,7 +175,7 @@ LEMMAS = (
         r"\|v\| \ge \frac{4}{\max\gamma_d}\|\varepsilon\|",
         ("|e_i| < 1",),
         "ours",
-        _gain,
+        _prove_gain,
     ),
     Lemma(
         "theorem.decrease",
@@ -183,7 +183,7 @@ LEMMAS = (
         r"\|\varepsilon\| \le \max\Bigl(\|\varepsilon(0)\|,\ \frac{\max\gamma_d\,\Phi}{4kg_{\min}}\Bigr)",
         ("|Phi| <= Phi over tube and disturbance",),
         "in place of the printed step, ours",
-        _decrease,
+        _prove_decrease,
     ),
     Lemma(
         "theorem.component",
@@ -192,7 +192,7 @@ LEMMAS = (
         r"4kg_{\min}\,q(E) > P\max\gamma_d \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
         ("g diagonal, f may couple", "P >= |f + w| + |edge rate|", "sampled.law, sampled.rises"),
         "ours",
-        _component,
+        _prove_component,
     ),
     Lemma(
         "theorem.effort",
@@ -200,7 +200,7 @@ LEMMAS = (
         r"|u_i| \le \max\Bigl(|u_i(0)|,\ \frac{P_i}{g_{\min}}\Bigr)",
         ("g diagonal, f may couple", "P_i >= |f_i + w_i - gammadot_edge,i| at both edges", "continuous control"),
         "ours",
-        _effort,
+        _prove_effort,
     ),
     Lemma(
         "theorem.negative",
@@ -208,7 +208,7 @@ LEMMAS = (
         r"g\,(-kv) = (-g)(-(-k)v)",
         (),
         "Remark 4.2",
-        _negative,
+        _prove_negative,
     ),
     Lemma(
         "theorem.rayleigh",
@@ -216,6 +216,6 @@ LEMMAS = (
         r"\underline g\,\|\varepsilon\|^2\|\xi\|^2 \le \varepsilon^\top\xi g\xi\varepsilon",
         ("|xi| is the spectral norm; g = I",),
         "Theorem 4.1 as printed",
-        _rayleigh,
+        _refute_rayleigh,
     ),
 )

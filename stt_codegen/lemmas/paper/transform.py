@@ -30,25 +30,25 @@ a, b, k = sp.symbols("a b k", positive=True)
 e = (a - b) / (a + b)  # with a = x - gamma_L, b = gamma_U - x: (2x - gamma_s)/gamma_d
 
 
-def _e() -> Outcome:
+def _prove_e() -> Outcome:
     upper = x + b
     printed = (2 * x - (upper + low)) / (upper - low)
     return prove_identities({"(a - b)/(a + b) - (2x - gamma_s)/gamma_d": e.subs(a, x - low) - printed})
 
 
-def _normalized() -> Outcome:
+def _prove_e_shipped() -> Outcome:
     (value,) = formulas(lower(control_law.normalized_error()), {"a": a, "b": b, "width": a + b})
     return prove_identities({"emitted e less (a - b)/(a + b)": value - e})
 
 
-def _epsilon() -> Outcome:
+def _prove_epsilon_shipped() -> Outcome:
     epsilon, _ = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
     return prove_identities(
         {"exp(emitted epsilon) - (1 + e)/(1 - e)": sp.exp(epsilon) - (1 + e) / (1 - e)}, "SymPy: exp of both sides"
     )
 
 
-def _xi() -> Outcome:
+def _prove_xi_shipped() -> Outcome:
     _, xi = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
     upper = sp.Symbol("gamma_U", real=True)
     slope = sp.diff(sp.log((x - low) / (upper - x)), x).subs(upper, x + b).subs(low, x - a)
@@ -57,7 +57,7 @@ def _xi() -> Outcome:
     )
 
 
-def _inverse() -> Outcome:
+def _prove_inverse() -> Outcome:
     z = sp.Symbol("z", real=True)
     return prove_identities(
         {
@@ -68,7 +68,7 @@ def _inverse() -> Outcome:
     )
 
 
-def _monotone() -> Outcome:
+def _prove_monotone() -> Outcome:
     v, z = sp.symbols("e z", real=True)
     derivative = sp.diff(sp.log((1 + v) / (1 - v)), v)
     return all_of(
@@ -80,7 +80,7 @@ def _monotone() -> Outcome:
     )
 
 
-def _odd() -> Outcome:
+def _prove_odd() -> Outcome:
     """What lets the emitted law measure from the nearer edge."""
     mirrored = formulas(lower(control_law.transformed_error()), {"a": b, "b": a})
     plain = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
@@ -96,13 +96,13 @@ def _odd() -> Outcome:
     )
 
 
-def _law() -> Outcome:
+def _prove_law_shipped() -> Outcome:
     xi, epsilon = sp.symbols("xi epsilon", real=True)
     (u,) = formulas(lower(control_law.law()), {"k": k, "xi": xi, "epsilon": epsilon})
     return prove_identities({"u + k xi epsilon": u + k * xi * epsilon})
 
 
-def _clamp() -> Outcome:
+def _prove_clamp() -> Outcome:
     """a >= c (a + b), c = (1 - e_max)/2, is e >= -e_max; and its mirror image."""
     e_max = sp.Symbol("e_max", positive=True)
     c = (1 - e_max) / 2
@@ -121,7 +121,7 @@ def _outer_product() -> tuple[Any, Any]:
     return vector, sp.eye(2) - vector * vector.T
 
 
-def _outer() -> Outcome:
+def _refute_outer_product() -> Outcome:
     """On the unit circle, which runs through the square |e_i| < 1, the determinant 1 - |e|^2 is 0."""
     vector, matrix = _outer_product()
     determinant = matrix.det().subs(dict(zip(vector, (sp.Rational(4, 5), sp.Rational(3, 5)), strict=True)))
@@ -130,7 +130,7 @@ def _outer() -> Outcome:
     )
 
 
-def _outer_jacobian() -> Outcome:
+def _refute_outer_jacobian() -> Outcome:
     """epsilon_1 does not depend on x_2, but the inverse of I - e e^T is full."""
     vector, matrix = _outer_product()
     half = dict.fromkeys(vector, sp.Rational(1, 2))
@@ -141,7 +141,7 @@ def _outer_jacobian() -> Outcome:
     )
 
 
-def _outer_loop() -> Outcome:
+def _refute_outer_loop() -> Outcome:
     """x = (3/4, 3/4) in the resting tube (-1, 1)^2, xdot = u, k = 1: u by the outer product points out of the tube in both."""
     vector, matrix = _outer_product()
     at = dict.fromkeys(vector, sp.Rational(3, 4))
@@ -152,7 +152,7 @@ def _outer_loop() -> Outcome:
     return refute_by_counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
 
 
-def _outer_three() -> Outcome:
+def _refute_outer_three() -> Outcome:
     """In three dimensions the singular sphere is nearer to every corner still: e = (2/3, 2/3, 1/3)."""
     e = sp.Matrix([sp.Rational(2, 3), sp.Rational(2, 3), sp.Rational(1, 3)])
     determinant = (sp.eye(3) - e * e.T).det()
@@ -161,7 +161,7 @@ def _outer_three() -> Outcome:
     )
 
 
-def _clamp_cost() -> Outcome:
+def _prove_clamp_cost() -> Outcome:
     """While |eps| <= eps(e_max) the clamp does nothing; beyond, |u| is that at e_max: 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
     ratio, width = sp.symbols("rho w", positive=True)
     e_max = ratio / (1 + ratio)  # any number from 0 to 1
@@ -178,7 +178,7 @@ def _clamp_cost() -> Outcome:
     )
 
 
-def _logarithm() -> Outcome:
+def _prove_logarithm() -> Outcome:
     """y = m 2^e, s = (m - 1)/(m + 1): ln y = e ln 2 + 2 atanh s, and the kernel's polynomial in place of 2 atanh(s)/s is within
     2^-14.9 of it; |s| <= sqrt 2 - 1 squared."""
     m, count = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
@@ -222,7 +222,7 @@ LEMMAS = (
         r"\frac{2x-\gamma_s}{\gamma_d} = \frac{a-b}{a+b}",
         ("a, b > 0",),
         "section IV",
-        _e,
+        _prove_e,
     ),
     Lemma(
         "transform.e_shipped",
@@ -230,7 +230,7 @@ LEMMAS = (
         r"\texttt{normalized\_error}(a,b,a+b) = e",
         ("a, b > 0",),
         "Program",
-        _normalized,
+        _prove_e_shipped,
     ),
     Lemma(
         "transform.epsilon_shipped",
@@ -238,7 +238,7 @@ LEMMAS = (
         r"\ln\frac{1+e}{1-e} = \ln\frac ab",
         ("a, b > 0",),
         "Program",
-        _epsilon,
+        _prove_epsilon_shipped,
     ),
     Lemma(
         "transform.xi_shipped",
@@ -246,7 +246,7 @@ LEMMAS = (
         r"\xi = \frac{\partial\varepsilon}{\partial x} = \frac{4}{\gamma_d(1-e^2)}",
         ("a, b > 0",),
         "Program",
-        _xi,
+        _prove_xi_shipped,
     ),
     Lemma(
         "transform.inverse",
@@ -254,7 +254,7 @@ LEMMAS = (
         r"e = \tanh(\varepsilon/2)",
         ("|e| < 1",),
         "section IV",
-        _inverse,
+        _prove_inverse,
     ),
     Lemma(
         "transform.monotone",
@@ -262,7 +262,7 @@ LEMMAS = (
         r"\frac{d\varepsilon}{de} = \frac{2}{1-e^2} \ge 2",
         ("|e| < 1",),
         "section IV",
-        _monotone,
+        _prove_monotone,
     ),
     Lemma(
         "transform.odd",
@@ -270,10 +270,15 @@ LEMMAS = (
         r"u(a,b;k) = u(b,a;-k)",
         ("a, b > 0",),
         "Program",
-        _odd,
+        _prove_odd,
     ),
     Lemma(
-        "transform.law_shipped", "The emitted `law` is u = -k xi epsilon.", r"u = -k\,\xi\,\varepsilon", (), "(13), Program", _law
+        "transform.law_shipped",
+        "The emitted `law` is u = -k xi epsilon.",
+        r"u = -k\,\xi\,\varepsilon",
+        (),
+        "(13), Program",
+        _prove_law_shipped,
     ),
     Lemma(
         "transform.clamp",
@@ -281,7 +286,7 @@ LEMMAS = (
         r"a \ge c\,\gamma_d \iff e \ge -e_{\max}",
         ("a + b = gamma_d > 0",),
         "ours",
-        _clamp,
+        _prove_clamp,
     ),
     Lemma(
         "transform.outer_product",
@@ -289,7 +294,7 @@ LEMMAS = (
         r"\det(I-ee^\top) \ne 0",
         ("n = 2",),
         "section IV as printed",
-        _outer,
+        _refute_outer_product,
     ),
     Lemma(
         "transform.outer_jacobian",
@@ -297,7 +302,7 @@ LEMMAS = (
         r"\xi = \partial\varepsilon/\partial x",
         ("n = 2",),
         "section IV as printed",
-        _outer_jacobian,
+        _refute_outer_jacobian,
     ),
     Lemma(
         "transform.outer_loop",
@@ -305,7 +310,7 @@ LEMMAS = (
         r"\dot x = -k\,\tfrac{4}{\gamma_d}(I-ee^\top)^{-1}\varepsilon \text{ points inward}",
         ("n = 2",),
         "section IV as printed",
-        _outer_loop,
+        _refute_outer_loop,
     ),
     Lemma(
         "transform.outer_three",
@@ -313,7 +318,7 @@ LEMMAS = (
         r"\det(I-ee^\top) \ne 0",
         ("n = 3",),
         "section IV as printed",
-        _outer_three,
+        _refute_outer_three,
     ),
     Lemma(
         "transform.clamp_cost",
@@ -322,7 +327,7 @@ LEMMAS = (
         r"|u| \le \frac{4k}{\gamma_d(1-e_{\max}^2)}\ln\frac{1+e_{\max}}{1-e_{\max}}",
         ("gamma_d > 0",),
         "ours",
-        _clamp_cost,
+        _prove_clamp_cost,
     ),
     Lemma(
         "transform.logarithm",
@@ -331,6 +336,6 @@ LEMMAS = (
         r"\ln y = e\ln 2 + 2\operatorname{artanh} s,\quad s = \tfrac{m-1}{m+1}",
         ("y = m 2^e, m in [1/sqrt 2, sqrt 2)", "rounding: `controller/kernels/logarithm.py`"),
         "ours, Program",
-        _logarithm,
+        _prove_logarithm,
     ),
 )

@@ -59,7 +59,7 @@ def _speed(side: int) -> Any:
     return theta / (psi + u * (1 - side * share)) ** 2 * (1 + side * S) - decay * u
 
 
-def _rounded() -> Outcome:
+def _prove_rounded() -> Outcome:
     """A step ends at a, rounded; unrounded at a (1 - side share) or nearer. With (11)'s step for that: (a - alpha)/dt is at most
     theta/z^2 - kappa a (1 - share) + share a/dt above, and at least the mirror of it below."""
     found: dict[str, Any] = {}
@@ -106,7 +106,7 @@ def _steps() -> Outcome:
     return outcome_of_cases(len(tried), wrong, "reach is above the longest step, least below the shortest")
 
 
-def _rises() -> Outcome:
+def _prove_rises() -> Outcome:
     """Away from alpha: at the speed F, `rush` times, or with a jump to where F is 0 or points back; a jump, too, where z <= 0."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
@@ -140,7 +140,7 @@ def _rises() -> Outcome:
     )
 
 
-def _falls() -> Outcome:
+def _prove_falls() -> Outcome:
     """Back towards alpha: no farther than an implicit step of the whole span would, and no faster. span is positive for rush < 2,
     and rush (2 - rush) is 1 - (rush - 1)^2: a step that passes `rush` times as fast falls no more than its own length does."""
     found: dict[str, Any] = {}
@@ -192,7 +192,7 @@ def _hopeless() -> Outcome:
     )
 
 
-def _root() -> Outcome:
+def _prove_root() -> Outcome:
     """What is returned was asked for: (z - p) z^2 >= q above, <= q below, with room for the roundings of that; update.unique says
     that this is beyond the root. Then in exact numbers."""
     found: dict[str, Any] = {}
@@ -242,7 +242,7 @@ class Scripted(Curve):
         return 2.5
 
 
-def _promise() -> Outcome:
+def _prove_promise() -> Outcome:
     """`curve_values` on cells that are drawn: at the end of a cell it is beyond the cell's end and every promise not yet over;
     an extreme is beyond its cell's and beyond both ends."""
     draw, wrong, count = random.Random(1), [], 0
@@ -306,7 +306,7 @@ LEMMAS = (
         r"\frac{a-\alpha}{\Delta t} \le \frac{\theta}{(\psi + a(1-s))^2} - \Bigl(\kappa(1-s) - \frac{s}{\Delta t}\Bigr)a",
         ("a relative error of at most s in a step", "dt at least the shortest"),
         "the evaluated code",
-        _rounded,
+        _prove_rounded,
     ),
     Lemma(
         "update.root",
@@ -314,7 +314,7 @@ LEMMAS = (
         r"(z-p)z^2 \ge q \text{ above},\ \le q \text{ below}",
         ("four roundings of a double in what is compared",),
         "the evaluated code",
-        _root,
+        _prove_root,
         ("update.unique",),
     ),
     Lemma(
@@ -323,7 +323,7 @@ LEMMAS = (
         r"\dot u \ge F(\psi, u)",
         ("F falls in u and in psi (update.jacobian)",),
         "the evaluated code",
-        _rises,
+        _prove_rises,
         ("update.jacobian", "update.rounded", "update.root"),
     ),
     Lemma(
@@ -332,7 +332,7 @@ LEMMAS = (
         r"\dot u \ge F(\psi, u_{\min}),\quad \frac{u_{\min}-u}{h+\text{reach}} \ge F(\psi, u_{\min})",
         ("F falls in u and in psi (update.jacobian)",),
         "the evaluated code",
-        _falls,
+        _prove_falls,
         ("update.jacobian", "update.cubic", "update.rounded", "update.root"),
     ),
     Lemma(
@@ -341,7 +341,7 @@ LEMMAS = (
         r"u(t) \ge u_{\min} \text{ for } t \le t_k + \text{reach}",
         (),
         "the evaluated code",
-        _promise,
+        _prove_promise,
         ("update.rises", "update.falls"),
     ),
 )

@@ -13,7 +13,7 @@ mu = sp.Symbol("mu", real=True)
 THETA = theta0 * (1 - sp.tanh(varsigma * (psi - mu)))
 
 
-def _jacobian() -> Outcome:
+def _prove_jacobian() -> Outcome:
     rate = THETA / (psi + alpha) ** 2 - kappa * alpha
     claimed = -2 * THETA / (psi + alpha) ** 3 - kappa
     y = sp.Symbol("y", real=True)
@@ -25,13 +25,13 @@ def _jacobian() -> Outcome:
     )
 
 
-def _not_negative() -> Outcome:
+def _prove_not_negative() -> Outcome:
     rate = (THETA / (psi + alpha) ** 2 - kappa * alpha).subs(alpha, sp.Symbol("a", real=True))
     at_zero = rate.subs(sp.Symbol("a", real=True), 0)
     return prove_identities({"alphadot at alpha = 0 less theta/psi^2, which is above 0": at_zero - THETA / psi**2})
 
 
-def _away() -> Outcome:
+def _prove_away() -> Outcome:
     """z = psi + alpha; where z = s <= mu, psi = z - alpha <= mu, so theta >= theta0, and alpha = s - psi <= s + Psi."""
     s, speed, largest = sp.symbols("s D Psi", positive=True)
     zdot = -speed + theta0 / s**2 - kappa * (s + largest)
@@ -50,7 +50,7 @@ def _away() -> Outcome:
     )
 
 
-def _cubic() -> Outcome:
+def _prove_cubic() -> Outcome:
     """alpha' = alpha + h (theta/z^2 - kappa alpha') with z = psi + alpha', times z^2/(1 + h kappa)."""
     theta = sp.Symbol("theta", positive=True)
     new = z - psi
@@ -59,7 +59,7 @@ def _cubic() -> Outcome:
     return prove_identities({"backward Euler times z^2/(1 + h kappa) less the cubic": residual - cubic})
 
 
-def _unique() -> Outcome:
+def _prove_unique() -> Outcome:
     """f = (z - p) z^2 - q: -q at 0 and at z = p; rises where z > max(p, 0), since f' = z (3 z - 2 p)."""
     p = sp.Symbol("p", real=True)
     f = (z - p) * z**2 - q
@@ -76,7 +76,7 @@ def _unique() -> Outcome:
     )
 
 
-def _newton_start() -> Outcome:
+def _prove_newton_start() -> Outcome:
     """f is not negative at the start, and f'' > 0 from there down to the root: Newton falls monotonically to it."""
     r = sp.Symbol("r", positive=True)  # q = r^3
     m = sp.Symbol("m", positive=True)  # p = -m
@@ -95,14 +95,14 @@ def _newton_start() -> Outcome:
     )
 
 
-def _inverted() -> Outcome:
+def _refute_inverted_start() -> Outcome:
     """psi constant -1/2, kappa = 5, theta <= 2 theta0 = 0.02: on alpha in [0, 0.1] alphadot < 0 at 0.1, so z stays below -0.4."""
     worst = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
     shown = f"alphadot <= {worst.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
     return refute_by_counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
 
 
-def _bounded() -> Outcome:
+def _prove_bounded() -> Outcome:
     """theta <= 2 theta0 (update.jacobian), so at alpha = 2 theta0/(kappa s^2) and psi + alpha >= s alphadot <= 0."""
     s, more = sp.symbols("s m", positive=True)
     largest = 2 * theta0 / (kappa * s**2)
@@ -119,7 +119,7 @@ def _bounded() -> Outcome:
     )
 
 
-def _printed_lemma() -> Outcome:
+def _refute_printed_lemma() -> Outcome:
     """Two bumps from opposite sides, beta_L = 5.2 over beta_U = 5; rho = [4.9, 5.3], alpha = 0, nu = 100: both psi are 0.1."""
     low, high, beta_low, beta_high, nu = arb("4.9"), arb("5.3"), arb("5.2"), arb(5), arb(100)
     psi = (beta_high - low, high - beta_low)
@@ -141,7 +141,7 @@ LEMMAS = (
         r"\frac{\partial\dot\alpha}{\partial\alpha} = -\frac{2\theta}{(\psi+\alpha)^3} - \kappa < 0",
         ("psi + alpha > 0",),
         "(11), ours",
-        _jacobian,
+        _prove_jacobian,
     ),
     Lemma(
         "update.not_negative",
@@ -149,7 +149,7 @@ LEMMAS = (
         r"\dot\alpha|_{\alpha=0} = \theta/\psi^2 > 0",
         ("alpha(0) = 0", "psi is not 0 where alpha is 0"),
         "(11), ours",
-        _not_negative,
+        _prove_not_negative,
     ),
     Lemma(
         "update.away",
@@ -157,7 +157,7 @@ LEMMAS = (
         r"\psi+\alpha \ge \min(s^*,\psi(0),\mu),\quad \frac{\theta_0}{s^{*2}} = D + \kappa(s^*+\Psi)",
         ("psi(0) > 0", "|psidot| <= D", "|psi| <= Psi", "s* <= mu; theta0/s^2 - kappa s falls with s"),
         "in place of Lemma 3.3, ours",
-        _away,
+        _prove_away,
     ),
     Lemma(
         "update.cubic",
@@ -165,7 +165,7 @@ LEMMAS = (
         r"(z-p)z^2 = q,\quad p = \psi + \tfrac{\alpha}{1+h\kappa},\ q = \tfrac{h\theta}{1+h\kappa}",
         ("z = psi + alpha' > 0",),
         "ours",
-        _cubic,
+        _prove_cubic,
     ),
     Lemma(
         "update.unique",
@@ -173,7 +173,7 @@ LEMMAS = (
         r"f(z) = (z-p)z^2 - q,\quad f' = z(3z-2p) > 0 \text{ for } z > \max(p,0)",
         ("q > 0",),
         "ours",
-        _unique,
+        _prove_unique,
     ),
     Lemma(
         "update.newton_start",
@@ -181,7 +181,7 @@ LEMMAS = (
         r"f(z_0) \ge 0,\quad f'' = 6z - 2p > 0",
         ("q > 0", "z > max(p, 0), so 6 z > 2 p"),
         "ours",
-        _newton_start,
+        _prove_newton_start,
     ),
     Lemma(
         "update.inverted_start",
@@ -189,7 +189,7 @@ LEMMAS = (
         r"\exists t:\ \psi+\alpha > 0",
         ("kappa = 5, theta0 = 0.01: the case study's",),
         "(11) as printed",
-        _inverted,
+        _refute_inverted_start,
     ),
     Lemma(
         "update.bounded",
@@ -197,7 +197,7 @@ LEMMAS = (
         r"0 \le \alpha \le \frac{2\theta_0}{\kappa s^2}",
         ("psi + alpha >= s (update.away)",),
         "in place of Lemma 3.3, ours",
-        _bounded,
+        _prove_bounded,
     ),
     Lemma(
         "update.printed_lemma",
@@ -205,6 +205,6 @@ LEMMAS = (
         r"\psi+\alpha > 0 \Rightarrow \gamma_d > 0",
         ("(7)-(11) as printed, sides chosen one by one",),
         "Lemma 3.3 as printed",
-        _printed_lemma,
+        _refute_printed_lemma,
     ),
 )

@@ -31,7 +31,7 @@ def _symmetric(g: Any) -> Any:
     return (g + g.T) / 2
 
 
-def _robot() -> Outcome:
+def _prove_robot() -> Outcome:
     x, _, g = matrices(ROBOT, 3)
     wanted = sp.diag(sp.cos(x[2]), sp.cos(x[2]), 1)
     return prove_identities(
@@ -39,7 +39,7 @@ def _robot() -> Outcome:
     )
 
 
-def _robot_condition() -> Outcome:
+def _prove_robot_condition() -> Outcome:
     """The least eigenvalue is min(cos x3, 1) = cos x3: positive inside (-pi/2, pi/2), 0 at its ends."""
     x, z = sp.symbols("x3 z", real=True)
     return all_of(
@@ -54,14 +54,14 @@ def _robot_condition() -> Outcome:
     )
 
 
-def _robot_norm() -> Outcome:
+def _prove_robot_norm() -> Outcome:
     _, _, g = matrices(ROBOT, 3)
     return prove_identities(
         {f"g' g - I, entry {i}{j}": sp.simplify((g.T * g - sp.eye(3))[i, j]) for i in range(3) for j in range(3)}
     )
 
 
-def _anywhere() -> Outcome:
+def _refute_robot_anywhere() -> Outcome:
     _, _, g = matrices(ROBOT, 3)
     least = min(_symmetric(g.subs(sp.Symbol("x3", real=True), 2)).eigenvals(), key=float)
     return refute_by_counterexample(
@@ -76,11 +76,11 @@ def _over(name: str, plant: Any, box: list[tuple[float, float]], wanted: float) 
     return Outcome(verdict, "Arb: enclosures and Weyl's inequality", (f"{name}: eigenvalues of g_s >= {least:.6g} over {box}",))
 
 
-def _robot_task() -> Outcome:
+def _prove_robot_task() -> Outcome:
     return _over("robot", ROBOT, [(0.0, 5.0), (0.0, 5.0), (-HEADING, HEADING)], 0.9 * math.cos(HEADING))
 
 
-def _robot_coupled() -> Outcome:
+def _prove_robot_coupled() -> Outcome:
     """sampled.coupled needs g_ii > |g_ij| at equal widths: cos x3 > |sin x3|, which is |x3| < pi/4."""
     x, _, g = matrices(ROBOT, 3)
     return all_of(
@@ -89,7 +89,7 @@ def _robot_coupled() -> Outcome:
     )
 
 
-def _spacecraft() -> Outcome:
+def _prove_spacecraft() -> Outcome:
     """The drift does no work on the kinetic energy, and g is constant."""
     x, f, g = matrices(SPACECRAFT, 3)
     inertia = [1 / g[i, i] for i in range(3)]
@@ -100,11 +100,11 @@ def _spacecraft() -> Outcome:
     return all_of(energy, _over("spacecraft", SPACECRAFT, [(-100.0, 100.0)] * 3, 0.83))
 
 
-def _arm() -> Outcome:
+def _prove_arm() -> Outcome:
     return _over("arm", ARM, [(-math.pi, math.pi)] * 2, 0.6)
 
 
-def _weyl() -> Outcome:
+def _prove_weyl() -> Outcome:
     """v'(A + D)v >= v'Av - |D| for |v| = 1, |D| the Frobenius norm (Cauchy, Schwarz): for 2 by 2 as a sum of squares."""
     p, q, s, c, t = sp.symbols("p q s c t", real=True)  # D = ((p, q), (q, s)), v = (c, t)
     vector, matrix = sp.Matrix([c, t]), sp.Matrix([[p, q], [q, s]])
@@ -132,7 +132,7 @@ LEMMAS = (
         r"g_s = \operatorname{diag}(\cos x_3, \cos x_3, 1)",
         (),
         "(14)",
-        _robot,
+        _prove_robot,
     ),
     Lemma(
         "plant.robot_condition",
@@ -140,7 +140,7 @@ LEMMAS = (
         r"g_s > 0 \iff |x_3| < \tfrac\pi2",
         ("x3 taken in (-pi, pi]",),
         "Assumption 2, (14)",
-        _robot_condition,
+        _prove_robot_condition,
     ),
     Lemma(
         "plant.robot_anywhere",
@@ -148,7 +148,7 @@ LEMMAS = (
         r"\forall x:\ g_s(x) > 0",
         (),
         "section V as printed",
-        _anywhere,
+        _refute_robot_anywhere,
     ),
     Lemma(
         "plant.robot_task",
@@ -156,16 +156,16 @@ LEMMAS = (
         r"\lambda_{\min}(g_s) > 0.9\cos 1.2",
         ("|x3| <= 1.2",),
         "Assumption 2",
-        _robot_task,
+        _prove_robot_task,
     ),
-    Lemma("plant.robot_norm", "Its g is a rotation: |g| = 1.", r"g^\top g = I", (), "(14)", _robot_norm),
+    Lemma("plant.robot_norm", "Its g is a rotation: |g| = 1.", r"g^\top g = I", (), "(14)", _prove_robot_norm),
     Lemma(
         "plant.robot_coupled",
         "Its own input outweighs the other one in the plane (what sampled.coupled needs at equal widths) exactly if |x3| < pi/4.",
         r"\cos x_3 > |\sin x_3| \iff |x_3| < \tfrac\pi4",
         ("|x3| < pi/2",),
         "ours",
-        _robot_coupled,
+        _prove_robot_coupled,
     ),
     Lemma(
         "plant.spacecraft",
@@ -173,9 +173,11 @@ LEMMAS = (
         r"x^\top J f(x) = 0,\quad g = J^{-1}",
         (),
         "Euler's equations",
-        _spacecraft,
+        _prove_spacecraft,
     ),
-    Lemma("plant.arm", "For the two-link arm with unknown gains g_s >= 0.6 at all angles.", r"g_s \ge 0.6", (), "ours", _arm),
+    Lemma(
+        "plant.arm", "For the two-link arm with unknown gains g_s >= 0.6 at all angles.", r"g_s \ge 0.6", (), "ours", _prove_arm
+    ),
     Lemma(
         "plant.weyl",
         "The eigenvalue bound over a box: that of the middle matrix less the norm of what the balls leave (for 2 "
@@ -183,6 +185,6 @@ LEMMAS = (
         r"\lambda_{\min}(A+D) \ge \lambda_{\min}(A) - \|D\|_F",
         ("A, D symmetric",),
         "Weyl",
-        _weyl,
+        _prove_weyl,
     ),
 )

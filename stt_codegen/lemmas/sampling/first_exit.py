@@ -18,7 +18,7 @@ from stt_codegen.sampling import Setting, Windows, back
 E, h, p, y = sp.symbols("E h p y", positive=True)
 
 
-def _first_exit() -> Outcome:
+def _prove_first_exit() -> Outcome:
     """Were the slope -p, then for some h > 0 the quotient (f(t1) - f(t1 - h))/h would be -p/2 - y or less, by what a derivative
     is; so f(t1 - h) = f(t1) + h (p/2 + y), above E before t1."""
     before = E - h * (-p / 2 - y)
@@ -28,7 +28,7 @@ def _first_exit() -> Outcome:
     )
 
 
-def _integral() -> Outcome:
+def _prove_integral() -> Outcome:
     """On each piece between two changes of u the mean value theorem gives one slope; here three pieces, so any number."""
     lengths, slack = sp.symbols("h1:4", positive=True), sp.symbols("s1:4", positive=True)
     most = sp.Symbol("P", real=True)
@@ -42,7 +42,7 @@ def _integral() -> Outcome:
     )
 
 
-def _age() -> Outcome:
+def _prove_age() -> Outcome:
     """t1 = t_k + y in window k, and a sample of age a <= tau <= w, the length of window k - 1, was taken at t1 - a >= t_k - w.
     The input that still acted while this sample was on its way was made from one that is at most 2 tau old; there 2 tau <= w."""
     tau, late, more, room = sp.symbols("tau late y room", positive=True)  # a = tau - late, w = tau + room
@@ -72,7 +72,7 @@ def _age() -> Outcome:
     )
 
 
-def _before() -> Outcome:
+def _prove_before() -> Outcome:
     """`back` run on symbols, both ways round: by window the one that is worse, of the window and the one before."""
     found = {}
     for numbers in ((1.0, 2.0, 3.0), (3.0, 2.0, 1.0), (1.0, 3.0, 2.0)):
@@ -92,7 +92,7 @@ LEMMAS = (
         r"f < E \text{ before } t_1,\ f(t_1) = E \Rightarrow \dot f(t_1^-) \ge 0",
         ("f has a slope from the left at t1",),
         "calculus",
-        _first_exit,
+        _prove_first_exit,
     ),
     Lemma(
         "sampled.integral",
@@ -100,7 +100,7 @@ LEMMAS = (
         r"\dot f \le P \text{ on } [t_s, t_1] \Rightarrow f(t_1) - f(t_s) \le P\,(t_1 - t_s)",
         ("f continuous, with a slope inside every piece: the mean value theorem",),
         "calculus",
-        _integral,
+        _prove_integral,
     ),
     Lemma(
         "sampled.age",
@@ -108,7 +108,7 @@ LEMMAS = (
         r"t_s \ge t_1 - \tau \ge t_{k-1}",
         ("samples no older than tau", "tau <= the shortest window, half of it where there is latency"),
         "the evaluated code",
-        _age,
+        _prove_age,
     ),
     Lemma(
         "sampled.before",
@@ -116,6 +116,6 @@ LEMMAS = (
         r"v_k \mapsto \max(v_{k-1}, v_k)",
         (),
         "the evaluated code",
-        _before,
+        _prove_before,
     ),
 )

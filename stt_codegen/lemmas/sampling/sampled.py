@@ -32,7 +32,7 @@ def _exponentials(expression: Any) -> Any:
     return sp.cancel(sp.together(sp.expand_log(sp.simplify(written))))
 
 
-def _law() -> Outcome:
+def _prove_law() -> Outcome:
     """e = tanh(eps/2), xi = 4/(gamma_d (1 - e^2)); and xi eps is h of the distances."""
     e = sp.tanh(E / 2)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
@@ -45,7 +45,7 @@ def _law() -> Outcome:
     )
 
 
-def _rate() -> Outcome:
+def _prove_rate() -> Outcome:
     """epsdot = (d eps/de) edot, edot = (2/gamma_d) r; then the chain rule on 4 q(eps)/gamma_d."""
     epsdot = 2 * sp.cosh(E / 2) ** 2 * (2 / d) * r
     v = 4 * Q / d
@@ -60,7 +60,7 @@ def _rate() -> Outcome:
     )
 
 
-def _rises() -> Outcome:
+def _prove_rises() -> Outcome:
     """q' = cosh^2 (1 + E tanh(E/2)): both factors rise, so q and q' cosh^2 do, and bounds at E hold below it."""
     return all_of(
         prove_identities(
@@ -77,7 +77,7 @@ def _rises() -> Outcome:
     )
 
 
-def _norm() -> Outcome:
+def _prove_norm() -> Outcome:
     """G(y) = y^2 cosh(y/2)^4 as a function of s = y^2 is convex: dG/ds = cosh^4 + y cosh^3 sinh rises. So over |eps| = E the sum
     of G(eps_i) is least at equal components (Jensen), and most where all is in one."""
     y, n = sp.symbols("y n", positive=True)
@@ -93,7 +93,7 @@ def _norm() -> Outcome:
     )
 
 
-def _general() -> Outcome:
+def _prove_general() -> Outcome:
     """Vdot <= -k g |v|^2 + |v| (P + G R tau), |v| >= 4 q_n/d+: below 0 by the statement's slack s."""
     v, stale, s = sp.symbols("v Delta s", positive=True)  # |v|, G R tau, slack
     bound = -k * g * v**2 + v * (P + stale)
@@ -102,7 +102,7 @@ def _general() -> Outcome:
     )
 
 
-def _diagonal() -> Outcome:
+def _prove_diagonal() -> Outcome:
     """r <= P + g u(t_s), u(t_s) <= -(k v - R tau) at the edge, v >= 4 q/d+."""
     stale, s = sp.symbols("Delta s", positive=True)  # R tau, slack
     v = sp.Symbol("v", positive=True)
@@ -112,7 +112,7 @@ def _diagonal() -> Outcome:
     )
 
 
-def _pull_monotone() -> Outcome:
+def _prove_pull() -> Outcome:
     y = a / b
     return all_of(
         prove_identities(
@@ -125,7 +125,7 @@ def _pull_monotone() -> Outcome:
     )
 
 
-def _displacement() -> Outcome:
+def _prove_displacement() -> Outcome:
     """While g u <= 0 (u of a sample above the middle): a rises and b falls no faster than P."""
     f, w, u, low, high, F, S, most = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
     return prove_identities(
@@ -144,7 +144,7 @@ def _displacement() -> Outcome:
     )
 
 
-def _same_side() -> Outcome:
+def _prove_same_side() -> Outcome:
     """At |eps| = E x is (gamma_d/2) tanh(E/2) from the middle; it moves against the middle no faster than P + G U."""
     f, w, u, low, high = sp.symbols("f w u gammadot_L gammadot_U", real=True)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
@@ -157,7 +157,7 @@ def _same_side() -> Outcome:
     )
 
 
-def _ends() -> Outcome:
+def _prove_ends() -> Outcome:
     """h gamma_d = phi(e), phi(e) = 8 atanh(e)/(1 - e^2), e = e0 - 2 c y, y = 1/gamma_d. The slope of y phi(e0 - 2 c y) in y is
     phi' s, s = phi/phi' + e - e0. 1/phi is convex, so s rises with e and falls with y: the product first rises, then falls."""
     e, z = sp.Symbol("e", positive=True), sp.Symbol("y", positive=True)
@@ -205,7 +205,7 @@ def _above_itself() -> Outcome:
     )
 
 
-def _sharp() -> Outcome:
+def _prove_sharp() -> Outcome:
     """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c)."""
     s, held = sp.symbols("s h", positive=True)
     return prove_identities(
@@ -213,7 +213,7 @@ def _sharp() -> Outcome:
     )
 
 
-def _coupled() -> Outcome:
+def _prove_coupled() -> Outcome:
     """Row i of g u is g_ii u_i and what the other inputs add, at most sum |g_ij| U_j: it joins P, and nothing else changes."""
     found = {}
     for n in (2, 3):
@@ -227,7 +227,7 @@ def _coupled() -> Outcome:
     return prove_identities(found)
 
 
-def _shift() -> Outcome:
+def _prove_shift() -> Outcome:
     """What the law sees is wrong by eta in a and b: h is of degree -1, so h(al d + eta, be d - eta) falls with d, and its bound
     is that at d-; al, be are the shares 1/(1 + exp(-E)), 1/(1 + exp(E))."""
     al, be, eta = sp.symbols("alpha beta eta", positive=True)
@@ -242,13 +242,13 @@ def _shift() -> Outcome:
     )
 
 
-def _saturated() -> Outcome:
+def _prove_saturated() -> Outcome:
     """min(u_max, k h) > P/g is both; and a u held within u_max never exceeds it."""
     u_max, s = sp.symbols("u_max s", positive=True)
     return prove_identities({"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + s) / g) + s)})
 
 
-def _centre_rule() -> Outcome:
+def _refute_centre_rule() -> Outcome:
     """gamma = (-1, 1), k = g = 1: half of gamma_d^2/(8 k g) is 1/4 s. From e = 0.64 the held law overshoots farther each time."""
     x, period = arb("0.64"), arb(1) / 4
     steps = 0
@@ -274,7 +274,7 @@ LEMMAS = (
         r"\quad q(E) = E\cosh^2\tfrac E2,\ h(a,b) = \bigl(\tfrac1a+\tfrac1b\bigr)\ln\tfrac ab",
         ("inside the tube",),
         "section IV",
-        _law,
+        _prove_law,
     ),
     Lemma(
         "sampled.rate",
@@ -282,7 +282,7 @@ LEMMAS = (
         r"\dot v = \frac{16\,q'\cosh^2(\varepsilon/2)}{\gamma_d^2}\,r - \frac{4q\,\dot\gamma_d}{\gamma_d^2}",
         ("r = xdot - (gammadot_s + gammadot_d e)/2, |r| <= F + G U + S",),
         "ours",
-        _rate,
+        _prove_rate,
     ),
     Lemma(
         "sampled.rises",
@@ -290,7 +290,7 @@ LEMMAS = (
         r"q' = \cosh^2\tfrac E2\,(1 + E\tanh\tfrac E2)",
         ("E > 0",),
         "ours",
-        _rises,
+        _prove_rises,
     ),
     Lemma(
         "sampled.norm",
@@ -298,7 +298,7 @@ LEMMAS = (
         r"q_n(E) = E\cosh^2\tfrac{E}{2\sqrt n} \le \|q(\varepsilon)\| \le q(E)",
         ("convexity in eps_i^2, Jensen's inequality",),
         "ours",
-        _norm,
+        _prove_norm,
     ),
     Lemma(
         "sampled.general",
@@ -309,7 +309,7 @@ LEMMAS = (
             "samples no older than tau, the first at 0",
         ),
         "ours",
-        _general,
+        _prove_general,
         (*FIRST_EXIT, "theorem.vdot", "theorem.norms", "theorem.skew", "sampled.norm", *STALE),
     ),
     Lemma(
@@ -318,7 +318,7 @@ LEMMAS = (
         r"\frac{P}{g_{\min}} + R\tau < \frac{4kq(E)}{d_+} \Rightarrow r < 0 \text{ at } \varepsilon_i = E",
         ("|eps_i(0)| < E", "samples no older than tau, the first at 0"),
         "ours",
-        _diagonal,
+        _prove_diagonal,
         (*FIRST_EXIT, "transform.odd", *STALE),
     ),
     Lemma(
@@ -327,7 +327,7 @@ LEMMAS = (
         r"a^2\partial_a h = 1+\tfrac ab-\ln\tfrac ab \ge 2,\quad b^2\partial_b h = -(1+\tfrac ba+\ln\tfrac ab) < 0",
         ("a > b > 0",),
         "ours",
-        _pull_monotone,
+        _prove_pull,
     ),
     Lemma(
         "sampled.displacement",
@@ -336,7 +336,7 @@ LEMMAS = (
         r"\dot a \le P,\ \dot b \ge -P \text{ while } g u \le 0;\quad \dot a \le P + GU,\ \dot b \ge -P - GU \text{ always}",
         ("|f + w| <= F, |edge rates| <= S, P = F + S", "|g u| <= G U"),
         "ours",
-        _displacement,
+        _prove_displacement,
     ),
     Lemma(
         "sampled.same_side",
@@ -344,7 +344,7 @@ LEMMAS = (
         r"\tfrac{a-b}{2} = \tfrac{\gamma_d}{2}\tanh\tfrac E2",
         ("|u| <= U",),
         "ours",
-        _same_side,
+        _prove_same_side,
     ),
     Lemma(
         "sampled.ends",
@@ -353,7 +353,7 @@ LEMMAS = (
         r"\min_{d_-\le d\le d_+} h = \min\bigl(h|_{d_-}, h|_{d_+}\bigr)",
         ("a > b at both ends", "c >= 0", "0 <= zeta < eps"),
         "ours",
-        _ends,
+        _prove_ends,
     ),
     Lemma(
         "sampled.sharp",
@@ -365,7 +365,7 @@ LEMMAS = (
             "samples no older than tau, the first at 0",
         ),
         "ours",
-        _sharp,
+        _prove_sharp,
         (
             *FIRST_EXIT,
             "transform.odd",
@@ -385,7 +385,7 @@ LEMMAS = (
         r"(gu)_i = g_{ii}u_i + \sum_{j\ne i} g_{ij}u_j",
         ("g_ii > 0", "|u_j| <= U_j"),
         "ours",
-        _coupled,
+        _prove_coupled,
         ("sampled.sharp",),
     ),
     Lemma(
@@ -395,7 +395,7 @@ LEMMAS = (
         r"h(\alpha d+\eta,\ \beta d-\eta) \text{ falls with } d",
         ("eta below the nearer distance at |eps| = E", "E <= eps(e_max): what is clamped pulls no less than what is used"),
         "ours",
-        _shift,
+        _prove_shift,
         ("sampled.pull",),
     ),
     Lemma(
@@ -404,7 +404,7 @@ LEMMAS = (
         r"\min(u_{\max}, k h) > P/g_{\min}",
         ("as sampled.sharp",),
         "ours",
-        _saturated,
+        _prove_saturated,
         ("sampled.sharp",),
     ),
     Lemma(
@@ -413,6 +413,6 @@ LEMMAS = (
         r"\tau < \frac{\gamma_d^2}{8kg}",
         ("gamma constant, f = w = 0",),
         "a rule of thumb",
-        _centre_rule,
+        _refute_centre_rule,
     ),
 )

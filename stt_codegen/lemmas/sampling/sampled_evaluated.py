@@ -104,7 +104,7 @@ def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
     return np.asarray(conditions[k].values, dtype=object)[place].expression
 
 
-def _sharp() -> Outcome:
+def _prove_sharp_evaluated() -> Outcome:
     """Every component of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
     every = ("1", "2", "3")
     reach = np.array([symbol(f"E{at}") for at in every], dtype=object)
@@ -204,7 +204,7 @@ def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta:
     return u, moving * V["tau"] + steep * eta + V["r"] * u + rounded
 
 
-def _diagonal() -> Outcome:
+def _prove_diagonal_evaluated() -> Outcome:
     conditions = STATEMENTS["diagonal"].conditions(setting(1), symbol("E"), symbol("tau"))
     far, near = _distances(V["n1"], -V["eta1"])
     u, stale = _staleness(V["E"], sp.log(far / near), V["push1"], V["G1"], V["D1"], V["n1"], V["eta1"])
@@ -237,7 +237,7 @@ def _agree(values: dict[str, tuple[float, float]]) -> Outcome:
     )
 
 
-def _general() -> Outcome:
+def _prove_general_evaluated() -> Outcome:
     """Two components of widths n1 < n2 and w1 < w2: the least and largest count. sqrt 2 is that of the code, rounded up."""
     conditions = STATEMENTS["general"].conditions(setting(2), symbol("E"), symbol("tau"))
     root = sp.Rational(Fraction(float(np.sqrt(2.0) * (1 + 1e-12))))
@@ -269,7 +269,7 @@ LEMMAS = (
         r"k(1-r)g_{\min}\bigl(h(a,b) - r(\tfrac1a+\tfrac1b)\bigr) > P',\quad a,b = \tfrac{d}{1+e^{\mp E}} \mp c",
         ("n = 3; by component, so for every n", "windows one by one"),
         "the evaluated code",
-        _sharp,
+        _prove_sharp_evaluated,
         ("sampled.sharp", "sampled.coupled", "sampled.shift", "sampled.saturated"),
     ),
     Lemma(
@@ -278,7 +278,7 @@ LEMMAS = (
         r"\frac{4kq(E)}{d_+} > \frac{P}{g_{\min}} + R\tau + \frac{16kq'(E')\cosh^2(E'/2)}{d_-^2}\,\eta + r(\ldots)",
         ("E' = ln((d/(1 + e^-E) + eta)/(d/(1 + e^E) - eta)) at d-",),
         "the evaluated code",
-        _diagonal,
+        _prove_diagonal_evaluated,
         ("sampled.diagonal", "sampled.shift"),
     ),
     Lemma(
@@ -287,7 +287,7 @@ LEMMAS = (
         r"\frac{4kg_{\min}q_n(E)}{d_+} > F+S + G\bigl(R\tau + \ldots\bigr)",
         ("n = 2, one window",),
         "the evaluated code",
-        _general,
+        _prove_general_evaluated,
         ("sampled.general", "sampled.shift"),
     ),
 )

@@ -67,7 +67,7 @@ def _rational(expression: Any) -> Any:
     return e.replace(sp.log, lambda v: sp.Symbol(f"ln({sp.cancel(sp.together(v))})", positive=True))
 
 
-def _fractions() -> Outcome:
+def _prove_fractions() -> Outcome:
     """Both on all components, u and P' given: the same six conditions. Of the first component exactly, of the others, for which
     the same code runs, at a point."""
     loop, exact, reach, rho = _both()
@@ -167,7 +167,7 @@ def _expected_input(i: int, e_max: Fraction, is_limited: bool, is_noisy: bool) -
     return law if limit is None or sp.N(law.subs(point)) < point[limit] else limit
 
 
-def _inputs() -> Outcome:
+def _prove_inputs() -> Outcome:
     """`input_bound` in both kinds of numbers is that U: free, at the clamp and at u_max, each component with its own e_max."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
@@ -224,7 +224,7 @@ def _proved_loops() -> Iterator[tuple[str, Setting, tuple[Fraction, ...], Fracti
         yield f"older than {age} s", loop, most, age + more, False
 
 
-def _holds() -> Outcome:
+def _prove_all() -> Outcome:
     """`inputs_where_proved` looks at every component in every window, at the share, the clamp and the age, and gives the largest
     U."""
     wrong: list[str] = []
@@ -237,7 +237,7 @@ def _holds() -> Outcome:
     return outcome_of_cases(count, wrong, "holds where every component is kept in every window, and nowhere else")
 
 
-def _series() -> Outcome:
+def _prove_logarithm() -> Outcome:
     """The slope of artanh less that of N terms is z^(2N)/(1 - z^2): so what is left out of artanh z is below
     z^(2N + 1)/((2N + 1)(1 - z^2)), and that is below z^(2N + 1) for z < 1/4."""
     z, left = sp.Symbol("z", positive=True), 2 * enclosed.TERMS
@@ -272,7 +272,7 @@ LEMMAS = (
         r"U_i = k_i\,h(a+\eta, b-\eta)(1+r) + \ldots",
         ("n = 3; by component, so for every n", "rho = e^E"),
         "the evaluated code",
-        _inputs,
+        _prove_inputs,
         ("sampled.shift",),
     ),
     Lemma(
@@ -281,7 +281,7 @@ LEMMAS = (
         r"\tfrac1{1+e^{-E}} = \tfrac{\rho}{1+\rho},\quad \tanh\tfrac E2 = \tfrac{\rho-1}{\rho+1}",
         ("n = 3; by component, so for every n", "rho = e^E"),
         "the evaluated code",
-        _fractions,
+        _prove_fractions,
         ("sampled.sharp_evaluated",),
     ),
     Lemma(
@@ -290,7 +290,7 @@ LEMMAS = (
         r"0 \le \operatorname{artanh} z - \sum_{j<N}\tfrac{z^{2j+1}}{2j+1} < z^{2N+1}",
         ("|z| < 1/4",),
         "the evaluated code",
-        _series,
+        _prove_logarithm,
     ),
     Lemma(
         "sampled.all",
@@ -298,7 +298,7 @@ LEMMAS = (
         r"\tfrac{1+s}{1-s} < \rho_i \le \tfrac{1+e_{\max}}{1-e_{\max}},\quad \tau \le t_k - t_{k-1}",
         (),
         "the evaluated code",
-        _holds,
+        _prove_all,
         ("sampled.exact_windows", "sampled.inputs", "sampled.fractions", "sampled.logarithm", "sampled.age"),
     ),
 )

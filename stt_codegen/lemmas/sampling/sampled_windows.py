@@ -111,7 +111,7 @@ def _bezier_rate() -> Outcome:
     return prove_identities({"slope less its Bezier form": sp.expand(sp.diff(curve, s) - slope)})
 
 
-def _windows() -> Outcome:
+def _prove_windows() -> Outcome:
     """Both forms: in units of the table for P9, and in doubles for the search, rates rounded outward."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
@@ -161,7 +161,7 @@ class _OnSymbols(Fractions):
         return 0 * value
 
 
-def _exact_windows() -> Outcome:
+def _prove_exact_windows() -> Outcome:
     """The windows and the setting in fractions: those of the segment, and the worse of it and of the one before. Where nothing
     else pushes the push is the edges' speed."""
     wrong: list[str] = []
@@ -201,7 +201,7 @@ def _exact_windows() -> Outcome:
     )
 
 
-def _setting() -> Outcome:
+def _prove_setting() -> Outcome:
     """What a statement is told is on the safe side of what the task and the windows say, and not by more than 1e-9."""
     wrong: list[str] = []
     count = 0
@@ -309,7 +309,7 @@ LEMMAS = (
         r"|\dot\gamma| \le \tfrac{3K}{t_c}\max_j|\beta_{j+1}-\beta_j|",
         (),
         "the evaluated code",
-        _windows,
+        _prove_windows,
         ("refined.hull",),
     ),
     Lemma(
@@ -318,7 +318,7 @@ LEMMAS = (
         r"d_-,\ d_+,\ S \in \mathbb Q",
         (),
         "the evaluated code",
-        _exact_windows,
+        _prove_exact_windows,
         ("sampled.windows", "sampled.before"),
     ),
     Lemma(
@@ -328,7 +328,7 @@ LEMMAS = (
         r"\eta \ge 2\delta + \epsilon\max|x| + b",
         (),
         "the evaluated code",
-        _setting,
+        _prove_setting,
         ("sampled.before",),
     ),
 )

@@ -38,7 +38,7 @@ def vdot(size: Any, effort: Any) -> Any:
     return size * (P - g_min * effort)
 
 
-def _work() -> Outcome:
+def _prove_scaled() -> Outcome:
     """g is an antisymmetric part, g_min I, and what is left of its symmetric part, which is N'N for some N. For n = 1, 2, 3."""
     factor = sp.Symbol("factor", positive=True)
     found = {}
@@ -55,7 +55,7 @@ def _work() -> Outcome:
     return prove_identities(found)
 
 
-def _size() -> Outcome:
+def _prove_scaled_size() -> Outcome:
     """Where u is scaled its largest component is u_max: no other is above it, and |u| is no less. Where it is not |u| = k |v|."""
     others = sp.symbols("v2 v3", real=True)
     u = scaled(sp.Matrix([m, *others]), FACTOR)
@@ -74,7 +74,7 @@ def _size() -> Outcome:
     )
 
 
-def stays() -> Outcome:
+def prove_scaled_stays() -> Outcome:
     """Vdot <= |v| (P - g_min |u|). With g_min u_max = P + s it is -s |v| or less where u is scaled; with k g_min 4 q_n/W = P + s
     and |v| = 4 q_n/W + more it is -|v| (s + k g_min more) where u is not. |v_i| = 4 q_i/W_i >= 4 q_i/W, W = W_i + s."""
     s, more, size, least = sp.symbols("s more v 4q_n/W", positive=True)
@@ -109,7 +109,7 @@ def _definite(matrix: Any) -> bool:
     return bool(matrix[0, 0] > 0 and matrix.det() > 0)
 
 
-def _clipped() -> Outcome:
+def _refute_clipped() -> Outcome:
     """f = w = 0, so P = 0: clipped u is (-1, 1) for every k >= 1, and Vdot = v' g u."""
     g, v = sp.Matrix(COUPLED), _law_at(RISES_AT)
     rate = g * sp.Matrix([-1 if value > 0 else 1 for value in v])
@@ -125,7 +125,7 @@ def _clipped() -> Outcome:
     )
 
 
-def _clipped_leaves() -> Outcome:
+def _refute_clipped_leaves() -> Outcome:
     """While both components of k v are beyond u_max x moves on a line. |v_i| rises with |x_i|, so on the way |v_1| is least at
     the start and |v_2| at the end, provided that x_2 keeps its sign."""
     g = sp.Matrix(COUPLED)
@@ -142,7 +142,7 @@ def _clipped_leaves() -> Outcome:
     )
 
 
-def _nominal() -> Outcome:
+def _refute_nominal() -> Outcome:
     inertia, nominal = sp.Matrix(INERTIA), sp.Matrix(NOMINAL)
     product = inertia.inv() * nominal
     half = (product + product.T) / 2
@@ -161,7 +161,7 @@ def nominal_error(inverse: Any, inertia: Any, nominal: Any) -> Any:
     return inverse * (inertia - nominal)
 
 
-def _near_nominal() -> Outcome:
+def _prove_near_nominal() -> Outcome:
     """v' M^-1 Mhat v = |v|^2 - v' D v, and v' D v <= |D| |v|^2 by what a norm is. For n = 1, 2, by entry."""
     found: dict[str, Any] = {}
     for n in (1, 2):
@@ -175,25 +175,25 @@ def _near_nominal() -> Outcome:
 
 LEMMAS = (
     Lemma("limits.scaled", "Scaled u does work against eps in full: no coupling turns it.",
-          r"v^\top g u \le -g_{min}\,|v|\,|u|", ("g_s >= g_min", "u = -k v times a factor"), "ours", _work, ("theorem.skew",)),
+          r"v^\top g u \le -g_{min}\,|v|\,|u|", ("g_s >= g_min", "u = -k v times a factor"), "ours", _prove_scaled, ("theorem.skew",)),
     Lemma("limits.scaled_size", "Scaled u is within u_max, and is no less than the lesser of k |v| and u_max.",
           r"u = -kv\min\bigl(1, \tfrac{u_{max}}{k\max|v_i|}\bigr) \Rightarrow |u_i| \le u_{max},\ |u| \ge \min(k|v|, u_{max})",
-          ("| | is Euclid's norm", "u_max is the same for all components"), "ours", _size),
+          ("| | is Euclid's norm", "u_max is the same for all components"), "ours", _prove_scaled_size),
     Lemma("limits.scaled_stays", "For any g with g_s >= g_min scaled u keeps |eps| < E if u_max and the gain are enough for P.",
           r"g_{min}u_{max} > P,\ k\,g_{min}\tfrac{4}{W_+}q_n(E) > P \Rightarrow \dot V < 0\ \mathrm{at}\ |\varepsilon| = E",
           ("|eps(0)| < E <= eps(e_max)", "P >= |f + w - mean of edge rates| in the whole tube", "u is continuous in time"),
-          "ours", stays, ("sampled.first_exit", "theorem.vdot", "theorem.norms", "sampled.law", "sampled.norm", "limits.scaled",
+          "ours", prove_scaled_stays, ("sampled.first_exit", "theorem.vdot", "theorem.norms", "sampled.law", "sampled.norm", "limits.scaled",
                            "limits.scaled_size")),
     Lemma("limits.clipped", "With each component of u clipped instead, V falls as it does with scaled u.",
           r"u_i = -\mathrm{sat}(k v_i) \Rightarrow \dot V < 0", ("g symmetric and positive definite", "f = w = 0"),
-          "a common law", _clipped),
+          "a common law", _refute_clipped),
     Lemma("limits.clipped_leaves", "With each component of u clipped the tube is kept if g_min u_max > P and the gain is enough.",
           r"g_{min}u_{max} > P = 0 \Rightarrow x \in \Gamma", ("g symmetric and positive definite", "f = w = 0, edges at rest"),
-          "a common law", _clipped_leaves, ("sampled.rises",)),
+          "a common law", _refute_clipped_leaves, ("sampled.rises",)),
     Lemma("limits.nominal", "For an arm of inertia M that is driven by Mhat times u, g = M^-1 Mhat has g_s > 0.",
           r"M, \hat M > 0 \Rightarrow (M^{-1}\hat M)_s > 0", ("M, Mhat symmetric and positive definite",), "as one might hope",
-          _nominal),
+          _refute_nominal),
     Lemma("limits.near_nominal", "It has where the nominal inertia is near enough: g_s is at least 1 - |M^-1 (M - Mhat)|.",
           r"M^{-1}\hat M = I - D,\ D = M^{-1}(M-\hat M) \Rightarrow (M^{-1}\hat M)_s \ge 1 - |D|", ("|D| the spectral norm",),
-          "ours", _near_nominal),
+          "ours", _prove_near_nominal),
 )  # fmt: skip

@@ -45,7 +45,7 @@ def _same(what: str, made: Sequence[rows.Row], wanted: Sequence[Any]) -> dict[st
     return found | {f"{what} {k + 1}": sp.expand(_slack(row) - w) for k, (row, w) in enumerate(zip(made, wanted, strict=False))}
 
 
-def _plain() -> Outcome:
+def _prove_plain() -> Outcome:
     """P1, P2, P3, P5 and P6: row by row what is asked of the edges, with a distance of its own size."""
     width = sp.Symbol("width", positive=True)
     fast, bend = (sp.symbols(f"{name}1:{N + 1}", positive=True) for name in ("fast", "bend"))
@@ -100,7 +100,7 @@ def _normals() -> Iterator[tuple[Any, ...]]:
             yield tuple(s * v for s, v in zip(signs, c, strict=True))
 
 
-def _apart() -> Outcome:
+def _prove_apart() -> Outcome:
     """For y = L + s (R - L) in the tube's box and p with n.p <= h(n): n.(y - p) is at least the row's slack and |n|_1 clearance;
     and |n.(y - p)| <= |n|_1 max|y - p|, by component. So the slack over |n|_1 is a distance beyond the clearance."""
     found: dict[str, Any] = {}
@@ -144,7 +144,7 @@ def _apart() -> Outcome:
     )
 
 
-def _moved() -> Outcome:
+def _prove_moved() -> Outcome:
     """A row counted from an origin o: c.(E - o) is at least its bound where c.E is at least the first one."""
     origin: Any = sp.symbols("o1:4", real=True)
     found = {}
@@ -169,7 +169,7 @@ def _moved() -> Outcome:
     )
 
 
-def _support() -> Outcome:
+def _prove_support() -> Outcome:
     """A box's faces and support; what a body adds; low_n of a box: each is reached at a corner, and no corner is beyond."""
     found: dict[str, Any] = {}
     wrong: list[str] = []
@@ -215,7 +215,7 @@ def _support() -> Outcome:
 # ------------------------------------------------------------------------------------------------ evaluated
 
 
-def _told() -> Outcome:
+def _prove_told() -> Outcome:
     """`RowBlock` on pieces whose coefficients are symbols, in every order: c.E_j - bound at the j where it is least, over per."""
     found: dict[str, Any] = {}
     one, half = Fraction(1), Fraction(1, 2)
@@ -283,7 +283,7 @@ def _units(row: rows.Row, piece: Any) -> int:
     return int((left + ((-(row.bound + row.keep)) // Fraction(1, 2))) // row.per)
 
 
-def _subdivided() -> Outcome:
+def _prove_subdivided() -> Outcome:
     """`least_slack` on drawn segments: no point of the curve has less, nothing is said to have room that has none, and room that
     all points have in plenty is found."""
     draw, wrong, count = random.Random(5), [], 0
@@ -338,7 +338,7 @@ LEMMAS = (
         r"R_i - L_i \ge w,\quad L_i \ge \underline s_i,\ R_i \le \overline s_i,\quad |\dot E_i| \le v_i,\ |\ddot E_i| \le a_i",
         (),
         "the evaluated code",
-        _plain,
+        _prove_plain,
     ),
     Lemma(
         "rows.support",
@@ -346,7 +346,7 @@ LEMMAS = (
         r"h(n) = \max_{x\in C} n\cdot x,\quad \mathrm{low}_n(B) = \min_{y\in B} n\cdot y",
         (),
         "the evaluated code",
-        _support,
+        _prove_support,
     ),
     Lemma(
         "rows.apart",
@@ -355,7 +355,7 @@ LEMMAS = (
         r"\mathrm{low}_n(B) \ge h(n) + |n|_1 c \Rightarrow \|y - p\|_\infty \ge c",
         ("y in the box, n.p <= h(n)",),
         "the evaluated code, Hoelder's inequality",
-        _apart,
+        _prove_apart,
         ("rows.support",),
     ),
     Lemma(
@@ -364,7 +364,7 @@ LEMMAS = (
         r"c\cdot(E - o) \ge b - c\cdot o",
         (),
         "the evaluated code",
-        _moved,
+        _prove_moved,
     ),
     Lemma(
         "rows.told",
@@ -372,7 +372,7 @@ LEMMAS = (
         r"\min_j \sum c\,\beta_j - \lceil b \rceil",
         ("n = 2; by row, so for every n",),
         "the evaluated code",
-        _told,
+        _prove_told,
     ),
     Lemma(
         "rows.subdivided",
@@ -380,7 +380,7 @@ LEMMAS = (
         r"\min_t \bigl(\text{row}(t)\bigr) \ge \text{what is said}",
         (),
         "the evaluated code",
-        _subdivided,
+        _prove_subdivided,
         ("refined.hull", "refined.halves", "rows.told"),
     ),
 )

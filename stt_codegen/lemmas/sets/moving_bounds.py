@@ -18,7 +18,7 @@ from stt_codegen.task.sets import Course, Leg
 DRAWN = 200  # random courses
 
 
-def _parts() -> Outcome:
+def _prove_parts() -> Outcome:
     """The part of a cubic from a to b has these Bezier coefficients: both sides are polynomials in a place r of the part."""
     a, b, r = sp.symbols("a b r", real=True)
     c = sp.symbols("c0:4", real=True)
@@ -30,7 +30,7 @@ def _parts() -> Outcome:
     return prove_identities({"the part": sp.expand(value(list(part), r) - value(c, a + (b - a) * r))}, METHOD)
 
 
-def _bounds() -> Outcome:
+def _prove_bounds() -> Outcome:
     """The bound of a row on a leg is h(n) + clearance + n.d(t) + g(n) growth(t), of random rows, places and growth at random
     times: both are lines, so two times would do. At a place between two others n.d is between theirs."""
     share, wrong, draw = sp.Symbol("sigma", real=True), [], random.Random(10)
@@ -67,7 +67,7 @@ def _bounds() -> Outcome:
     )
 
 
-def _places() -> Outcome:
+def _prove_places() -> Outcome:
     """Of random courses and times: the farthest place of the leg is the farthest of all readings of the clock."""
     wrong, draw = [], random.Random(9)
     for _ in range(DRAWN):
@@ -102,7 +102,7 @@ LEMMAS = (
         r"\sum_j B_j(r)\, b_j' = \sum_j B_j(a + (b - a) r)\, b_j",
         (),
         "the evaluated code",
-        _parts,
+        _prove_parts,
     ),
     Lemma(
         "moving.bounds",
@@ -110,7 +110,7 @@ LEMMAS = (
         r"h(n) + c|n|_1 + n\cdot d(t) + \rho\,(t + l)\,g(n)",
         ("by cases",),
         "the evaluated code",
-        _bounds,
+        _prove_bounds,
     ),
     Lemma(
         "moving.places",
@@ -118,6 +118,6 @@ LEMMAS = (
         r"\max_{t - e\le\tau\le t + l} n\cdot d(\tau) = \max_{d\ \mathrm{of\ the\ leg}} n\cdot d",
         ("by cases",),
         "the evaluated code",
-        _places,
+        _prove_places,
     ),
 )

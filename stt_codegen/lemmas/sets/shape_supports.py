@@ -25,7 +25,7 @@ def _signed() -> list[tuple[Any, ...]]:
     return [tuple(s * v for s, v in zip(signs, c, strict=True)) for signs in product((-1, 0, 1), repeat=N) if any(signs)]
 
 
-def _behind() -> Outcome:
+def _prove_behind() -> Outcome:
     """The rows of half-spaces: the largest n.x over the tube's box is at most b. For P3 and for P5, after the rows of the box."""
     h, found = sp.Symbol("b", real=True), {}
     normals = _signed()
@@ -46,7 +46,7 @@ def _behind() -> Outcome:
     )
 
 
-def _round() -> Outcome:
+def _prove_round() -> Outcome:
     """h(n) of a ball or capsule is at least n.(p + r u) for |u| <= 1: the difference is r (size(n) - n.u), size(n) >= |n|_2 by
     whole numbers, and |n|_2 >= n.u by Lagrange's identity."""
     n, u = sp.symbols("n1:4", real=True), sp.symbols("u1:4", real=True)
@@ -74,7 +74,7 @@ def _round() -> Outcome:
     )
 
 
-def _nearest() -> Outcome:
+def _prove_nearest() -> Outcome:
     """The square of the distance from a segment to a box: no place of a fine grid is nearer, and some place is as near."""
     wrong, draw = [], random.Random(6)
     for _ in range(DRAWN):
@@ -93,7 +93,7 @@ def _nearest() -> Outcome:
     return outcome_of_cases(DRAWN, wrong, "the least over the segment, between what a grid of 129 places allows")
 
 
-def _hull() -> Outcome:
+def _prove_hull() -> Outcome:
     """Faces of random hulls: all points are behind every face, and what the faces leave of a box is spanned by the corners."""
     wrong, draw, count = [], random.Random(7), 0
     for k in range(DRAWN):
@@ -111,7 +111,7 @@ def _hull() -> Outcome:
     return outcome_of_cases(count, wrong, "the half-spaces of the faces meet in the hull of the corners")
 
 
-def _prism() -> Outcome:
+def _prove_prism() -> Outcome:
     """A set in some of the dimensions: its support is that of its base and of the intervals, reached at a vertex."""
     wrong, draw = [], random.Random(8)
     for _ in range(DRAWN):
@@ -138,7 +138,7 @@ LEMMAS = (
         r"\max_{x\in B} n\cdot x \le b",
         (),
         "the evaluated code",
-        _behind,
+        _prove_behind,
     ),
     Lemma(
         "shapes.round",
@@ -146,7 +146,7 @@ LEMMAS = (
         r"h(n) = \max_p n\cdot p + r\,\lceil|n|_2\rceil \ge n\cdot(p + r u),\ |u|_2 \le 1",
         ("size(n) by cases",),
         "the evaluated code, Lagrange's identity",
-        _round,
+        _prove_round,
     ),
     Lemma(
         "shapes.nearest",
@@ -154,7 +154,7 @@ LEMMAS = (
         r"\min_{s\in[0,1],\,y\in B} |p + s(q - p) - y|_2^2",
         ("by cases",),
         "the evaluated code",
-        _nearest,
+        _prove_nearest,
     ),
     Lemma(
         "shapes.hull",
@@ -162,7 +162,7 @@ LEMMAS = (
         r"\{x : n_k\cdot x \le b_k\} = \mathrm{conv}\{p_j\}",
         ("by cases",),
         "the evaluated code",
-        _hull,
+        _prove_hull,
     ),
     Lemma(
         "shapes.prism",
@@ -170,6 +170,6 @@ LEMMAS = (
         r"h(n) = h_C(n_a) + \sum_{i\notin a} \max(n_i \underline x_i, n_i \overline x_i)",
         ("by cases",),
         "the evaluated code",
-        _prism,
+        _prove_prism,
     ),
 )

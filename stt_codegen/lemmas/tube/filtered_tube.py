@@ -27,7 +27,7 @@ a, b = (v - sp.diff(L, t)) + lam * a0, (sp.diff(R, t) - v) + lam * b0
 DESIGNS = 12  # random ones
 
 
-def _inside() -> Outcome:
+def _prove_inside() -> Outcome:
     """b_0' = b - lambda b_0, so (e^(lambda t) b_0)' = e^(lambda t) b > 0 while b > 0: b_0 stays above e^(-lambda t) b_0(0)."""
     start = sp.Symbol("b_0(0)", positive=True)
     grown = sp.Symbol("growth", positive=True)  # the integral of e^(lambda s) b(s) from 0 to t
@@ -44,7 +44,7 @@ def _inside() -> Outcome:
     )
 
 
-def _largest() -> Outcome:
+def _prove_largest() -> Outcome:
     """At x = R a velocity above R' takes x out, and v + lambda x = B there is v = R': no larger filtered tube keeps x in."""
     more = sp.Symbol("more", positive=True)
     held = sp.diff(R, t) + lam * R + more  # v + lambda x
@@ -52,7 +52,7 @@ def _largest() -> Outcome:
     return all_of(prove_identities({"v - R' at the edge": sp.expand(out - more)}), prove_positive({"v - R'": more}))
 
 
-def _exit() -> Outcome:
+def _prove_exit() -> Outcome:
     """a' and b' by Lemma 3 of order 2; in a'/a - b'/b the terms lambda a/a and lambda b/b cancel."""
     q_, bend_l, bend_r, p0, m0 = sp.symbols("q L'' R'' R-x x-L", real=True)
     far, near = sp.symbols("a b", positive=True)
@@ -70,7 +70,7 @@ def _exit() -> Outcome:
     )
 
 
-def _pushed() -> Outcome:
+def _prove_pushed() -> Outcome:
     """The mean of the exit inequality is at most the larger of lambda^2 W - R'' and -L'': what each lacks, weighed."""
     far, near, lesser, room, more = sp.symbols("a b x-L s_1 s_2", positive=True)
     width, top = sp.symbols("W P", positive=True)  # P is the larger: lambda^2 W - R'' = P - s_1, -L'' = P - s_2
@@ -83,7 +83,7 @@ def _pushed() -> Outcome:
     )
 
 
-def _ages() -> Outcome:
+def _prove_ages() -> Outcome:
     """While g u <= 0 a' and -b' are below P_d: lambda a < lambda Z, lambda^2 (R - x) < lambda^2 W, f + w <= F."""
     force, own, lesser, more = sp.symbols("s_F g|u| s_a s_x", nonnegative=True)
     width, z, left = sp.symbols("W Z x-L", positive=True)
@@ -104,7 +104,7 @@ def _ages() -> Outcome:
     )
 
 
-def _middle() -> Outcome:
+def _prove_middle() -> Outcome:
     """z less its middle moves at q - c'' + lambda (v - c'); v - c' is the difference of numbers below Z/2 and lambda W/2."""
     c = (L + R) / 2
     held = (v + lam * x) - (sp.diff(c, t) + lam * c)
@@ -119,7 +119,7 @@ def _middle() -> Outcome:
     )
 
 
-def _rest() -> Outcome:
+def _prove_rest() -> Outcome:
     """At rest a = lambda a_0 - L' and b = lambda b_0 + R', positive for every x inside where L' <= 0 <= R'."""
     inside, out, up = sp.symbols("x-L -L' R'", nonnegative=True)
     place = sp.Symbol("a_0", positive=True)
@@ -142,7 +142,7 @@ def _cubic(table: Any, k: int, i: int, side: int) -> Any:
     return sp.expand(sum(int(table[k + j][i][side]) * w for j, w in enumerate(basis)))
 
 
-def _evaluated() -> Outcome:
+def _prove_evaluated() -> Outcome:
     """Of random designs: A, B, and what is asked at both edges, as polynomials of s, from the spline's formula."""
     draw, wrong = random.Random(7), []
     for _ in range(DESIGNS):
@@ -167,7 +167,7 @@ def _evaluated() -> Outcome:
     return outcome_of_cases(DESIGNS, wrong, "A, B, lambda^2 W + L'' and R'' - lambda^2 W are these polynomials")
 
 
-def _components() -> Outcome:
+def _prove_windows() -> Outcome:
     """Of random designs: what a window says is no less than what any of 40 places of it and of the window before has."""
     draw, wrong = random.Random(8), []
     for _ in range(DESIGNS):
@@ -217,30 +217,30 @@ def _places() -> Outcome:
 LEMMAS = (
     Lemma("filtered.inside", "While v + lambda x is in the filtered tube, x stays in the tube.",
           r"b_0(t) = e^{-\lambda t} b_0(0) + \int_0^t e^{-\lambda(t-s)} b(s)\,ds > 0", ("a_0(0), b_0(0) > 0", "a by symmetry"),
-          "ours", _inside),
+          "ours", _prove_inside),
     Lemma("filtered.largest", "No larger set of v + lambda x keeps x in the tube.",
           r"x = R,\ v + \lambda x > R' + \lambda R \Rightarrow \dot x > R'", ("lambda fixed", "the lower edge by symmetry"),
-          "ours", _largest),
+          "ours", _prove_largest),
     Lemma("filtered.rest", "Where no edge comes towards the state at 0, every start at rest in the tube is in the filtered one.",
-          r"L'(0)\le 0\le R'(0) \Rightarrow a, b > 0", ("v = 0",), "ours", _rest),
+          r"L'(0)\le 0\le R'(0) \Rightarrow a, b > 0", ("v = 0",), "ours", _prove_rest),
     Lemma("filtered.exit", "Whether eps of a and b rises is whether vdot is above a mean that the tube's own motion makes.",
           r"\dot\epsilon\frac{ab}{a+b} = \dot v + \frac{a(\lambda^2(R-x) - R'') + b(-L'' - \lambda^2(x-L))}{a+b}",
-          ("L < x < R, a, b > 0",), "ours", _exit),
+          ("L < x < R, a, b > 0",), "ours", _prove_exit),
     Lemma("filtered.pushed", "At the upper edge that mean is at most the larger of lambda^2 W - R'' and -L''.",
           r"\frac{a(\lambda^2(R-x) - R'') + b(-L'' - \lambda^2(x-L))}{a+b} < \max(\lambda^2 W - R'', -L'')",
-          ("the lower edge by symmetry",), "ours", _pushed, ("filtered.exit",)),
+          ("the lower edge by symmetry",), "ours", _prove_pushed, ("filtered.exit",)),
     Lemma("filtered.ages", "While a sample ages and u points inward, the distances change no faster than P_d.",
-          r"\dot a, -\dot b \le F + \max(\lambda Z - L'', \lambda^2 W - R'')", ("the lower edge by symmetry",), "ours", _ages,
+          r"\dot a, -\dot b \le F + \max(\lambda Z - L'', \lambda^2 W - R'')", ("the lower edge by symmetry",), "ours", _prove_ages,
           ("filtered.exit",)),
     Lemma("filtered.middle", "v + lambda x moves from the middle of its tube no faster than P_m and what u makes.",
-          r"\tfrac{d}{dt}(z - \bar z) = \dot v - c'' + \lambda(v - c'),\quad |v - c'| < (Z + \lambda W)/2", (), "ours", _middle),
+          r"\tfrac{d}{dt}(z - \bar z) = \dot v - c'' + \lambda(v - c'),\quad |v - c'| < (Z + \lambda W)/2", (), "ours", _prove_middle),
     Lemma("filtered.evaluated", "The exact pieces are the filtered tube, and what its motion asks of u at both edges.",
           r"(L' + \lambda L, R' + \lambda R),\quad (\lambda^2 W + L'', R'' - \lambda^2 W)", ("by cases",), "the evaluated code",
-          _evaluated),
+          _prove_evaluated),
     Lemma("filtered.windows", "What P9 takes of a window bounds the widths and all three pushes in it and in the one before.",
-          r"Z_{min}, P_x - F, P_d - F, P_m - F", ("by cases, at places",), "the evaluated code", _components),
+          r"Z_{min}, P_x - F, P_d - F, P_m - F", ("by cases, at places",), "the evaluated code", _prove_windows),
     Lemma("filtered.sharp",
           "The sharp statement holds for order 2 with P_m in its first condition, P_d in the drift and P_x in the last.",
-          r"|\epsilon_i| < E", ("as sampled.sharp",), "ours", lambda: all_of(_exit(), _places()),
+          r"|\epsilon_i| < E", ("as sampled.sharp",), "ours", lambda: all_of(_prove_exit(), _places()),
           ("sampled.same_side", "sampled.ends", "filtered.inside", "filtered.pushed", "filtered.ages", "filtered.middle")),
 )  # fmt: skip

@@ -29,7 +29,7 @@ C = (L + R) / 2
 FORWARD = sp.diff(C, t, 2) - lam * (v - sp.diff(C, t))  # fed forward, for g = ghat
 
 
-def _vdot() -> Outcome:
+def _prove_vdot() -> Outcome:
     """d ln(a/b)/dt = a'/a - b'/b = xi (a' b - b' a)/(a + b); the mean of the exit inequality is the same rest, written anew."""
     rates = sp.diff(a, t) * b - sp.diff(b, t) * a  # epsdot a b
     rest = sp.cancel(REST * (a + b))
@@ -42,7 +42,7 @@ def _vdot() -> Outcome:
     )
 
 
-def _bounded() -> Outcome:
+def _prove_bounded() -> Outcome:
     """What v lacks of both bounds is a distance of z and lambda times one of x. The solution has no other way to infinity."""
     distances = sp.symbols("a b x-L R-x", positive=True)
     return all_of(
@@ -63,7 +63,7 @@ def asked_at(e: Any, width: Any) -> Any:
     return 4 * e * sp.cosh(e / 2) ** 2 / width
 
 
-def _saturated() -> Outcome:
+def _prove_saturated() -> Outcome:
     """At a/b = e^E the law asks for 4 k q(E)/Z, at most Z_+ wide no less than 4 k q(E)/Z_+. With g |u| = P_x + room, f + w = F -
     s_F and the mean of the exit inequality M - s_m, P_x = F + M: eps' a b/(a + b) is below 0, against eps < E before."""
     e, more, room, lack_f, lack_m, force, mean = sp.symbols("E Z_+-Z room s_F s_m F M", positive=True)
@@ -86,7 +86,7 @@ def _saturated() -> Outcome:
     )
 
 
-def _gain() -> Outcome:
+def _prove_gain() -> Outcome:
     """1/a + 1/b less 4/(a + b) is a square over positive numbers."""
     xi = 1 / far + 1 / near
     return prove_identities(
@@ -94,7 +94,7 @@ def _gain() -> Outcome:
     )
 
 
-def _forever() -> Outcome:
+def _prove_forever() -> Outcome:
     """Beyond the bound y = |xi eps| = 4 |eps|/Z + more is above Phi/(k g_min), so Vdot <= -k g_min y^2 + y Phi < 0. And while
     |eps| <= E neither a nor b comes near 0, so the solution does not end."""
     beyond, more, narrow, wider, grown, less = sp.symbols("beyond more Z_min wider e^E-1 less", positive=True)
@@ -110,12 +110,12 @@ def _forever() -> Outcome:
     )
 
 
-def _scaled() -> Outcome:
+def _prove_scaled() -> Outcome:
     """As for order 1, with the rest of filtered.vdot in the place of the mean of edge rates: P_x bounds it by component."""
-    return saturated.stays()
+    return saturated.prove_scaled_stays()
 
 
-def _differences() -> Outcome:
+def _prove_differences() -> Outcome:
     """x(t - tau) = x - tau v + the integral of (s - (t - tau)) vdot(s); the weight's integral is tau^2/2. By parts."""
     place, more, slack = sp.Function("x"), sp.Symbol("more", positive=True), sp.Symbol("A-vdot", positive=True)
     now, before, rate = sp.symbols("x_s x_{s-1} v", real=True)
@@ -143,7 +143,7 @@ def stamped_bound(speed: Any, noise: Any, late: Any, measured: Any, true: Any) -
     return A * true**2 / (2 * measured) + 2 * speed * late / measured + 2 * noise / measured
 
 
-def _stamped() -> Outcome:
+def _prove_stamped() -> Outcome:
     """v^ tau_s = x_s + n_0 - x_{s-1} - n_1 and x_s - x_{s-1} = tau v - integral. What the error lacks of the bound is positive,
     with (tau - tau_s) v = |v| (2 delta - y), the integral i - A tau^2/2, n_0 = eta - p, n_1 = r - eta. By symmetry the other
     sign."""
@@ -162,7 +162,7 @@ def _stamped() -> Outcome:
 PERIODS = (Fraction(1, 100), Fraction(11, 1000))  # the nominal one, and one that was
 
 
-def _nominal_period() -> Outcome:
+def _refute_nominal_period() -> Outcome:
     """Without any acceleration, at v = 1, and a period that is a tenth longer for once."""
     nominal, true = PERIODS
     speed, bound = Fraction(1), Fraction(1)  # |vdot| = 0 is at most 1
@@ -175,7 +175,7 @@ def _nominal_period() -> Outcome:
 LATE = Fraction(1, 1000)  # of a time stamp
 
 
-def _stamps_alone() -> Outcome:
+def _refute_stamps_alone() -> Outcome:
     """At v = 0 under vdot = A both stamps shorten a period of 20 ms by LATE each."""
     true, most = Fraction(1, 50), Fraction(2)
     error = most * true**2 / 2 / (true - 2 * LATE)  # x_{s-1} = x_s + A tau^2/2
@@ -186,7 +186,7 @@ def _stamps_alone() -> Outcome:
     )  # fmt: skip
 
 
-def _forward() -> Outcome:
+def _prove_forward() -> Outcome:
     """Fed forward without delay it takes all from the middle's motion and leaves e Z'/2 at an edge, e = (a - b)/Z. Its own rate
     is c''' - lambda (vdot - c''), so within tau it changes by tau (|c'''| + lambda (A + |c''|)) at most."""
     middle = (v + lam * x) - (sp.diff(C, t) + lam * C)
@@ -212,7 +212,7 @@ def _forward() -> Outcome:
 JERK, WIDTH, SPAN = sp.Integer(20), sp.Rational(1, 2), sp.Rational(1, 10)  # of a cubic edge, W, and the period
 
 
-def _forward_held() -> Outcome:
+def _refute_forward_held() -> Outcome:
     """Both edges move with the cubic c = J t^3/6, so Z = lambda W; lambda = 1. x stays in the middle. A sample at -tau/2 acts
     until tau/2. What pushes z from its middle, besides f + w and the law: -fed forward(t) without; with it fed forward(t_s) less
     that."""
@@ -234,16 +234,16 @@ def _forward_held() -> Outcome:
 LEMMAS = (
     Lemma("filtered.vdot", "For order 2 Vdot is the sum of xi_i eps_i (f + g u + w + rest)_i; the rest is lambda v less a mean "
           "of A' and B', and it is the mean of the exit inequality.",
-          r"\dot\varepsilon = \xi(\dot v + \rho),\quad \rho = \lambda v - \frac{bA' + aB'}{a+b}", ("a, b > 0",), "ours", _vdot,
+          r"\dot\varepsilon = \xi(\dot v + \rho),\quad \rho = \lambda v - \frac{bA' + aB'}{a+b}", ("a, b > 0",), "ours", _prove_vdot,
           ("filtered.exit", "theorem.norms")),
     Lemma("filtered.bounded", "In the filtered tube v is bounded: between L' - lambda W and R' + lambda W.",
-          r"L' - \lambda W < v < R' + \lambda W", ("a, b > 0", "L < x < R"), "ours", _bounded, ("filtered.inside",)),
+          r"L' - \lambda W < v < R' + \lambda W", ("a, b > 0", "L < x < R"), "ours", _prove_bounded, ("filtered.inside",)),
     Lemma("filtered.gain", "xi |eps| >= 4 |eps|/Z, by component.", r"\xi - \frac4Z = \frac{(a-b)^2}{abZ} \ge 0", ("a, b > 0",),
-          "ours", _gain),
+          "ours", _prove_gain),
     Lemma("filtered.forever", "Theorem 4.1 for order 2: any gain keeps z in the filtered tube and x in its tube, for ever.",
           r"|\varepsilon| \le \max\Bigl(|\varepsilon(0)|, \frac{Z_+\Phi}{4kg_{min}}\Bigr)",
           ("f, g continuous, locally Lipschitz in the state", "g_s >= g_min > 0 and |f + w + rest| <= Phi on the filtered tube",
-           "0 < Z_min <= Z <= Z_+", "x(0) and z(0) inside", "no clamp reached", "u is continuous in time"), "ours", _forever,
+           "0 < Z_min <= Z <= Z_+", "x(0) and z(0) inside", "no clamp reached", "u is continuous in time"), "ours", _prove_forever,
           ("sampled.first_exit", "filtered.inside", "filtered.bounded", "filtered.vdot", "filtered.pushed", "theorem.skew",
            "filtered.gain", "theorem.decrease")),
     Lemma(
@@ -252,33 +252,33 @@ LEMMAS = (
         r"g\,\min(u_{max}, 4 k q(E)/Z_+) > P_x \Rightarrow \dot\epsilon < 0\ \mathrm{at}\ \epsilon = E",
         ("u is continuous in time", "a, b > 0 and x in its tube at the start", "the lower edge by symmetry"),
         "ours",
-        _saturated,
+        _prove_saturated,
         ("filtered.inside", "filtered.exit", "filtered.pushed"),
     ),
     Lemma("filtered.scaled", "Scaled u keeps |eps| < E for order 2 too, for any g with g_s >= g_min.",
           r"g_{min}u_{max} > |P_x|,\ k\,g_{min}\tfrac{4}{Z_+}q_n(E) > |P_x|"
           r" \Rightarrow \dot V < 0\ \mathrm{at}\ |\varepsilon| = E",
-          ("as limits.scaled_stays", "x(0) inside"), "ours", _scaled,
+          ("as limits.scaled_stays", "x(0) inside"), "ours", _prove_scaled,
           ("limits.scaled_stays", "filtered.inside", "filtered.vdot", "filtered.pushed")),
     Lemma("filtered.differences", "Two samples of x say v up to A tau/2.",
           r"\frac{x_s - x_{s-1}}{\tau} = v - \frac1\tau\int_{t-\tau}^t (s-t+\tau)\,\dot v(s)\,ds,"
           r"\quad |\hat v - v| \le \frac{A\tau}2",
-          ("|vdot| <= A between the samples", "tau is the time that went by"), "ours", _differences),
+          ("|vdot| <= A between the samples", "tau is the time that went by"), "ours", _prove_differences),
     Lemma("filtered.stamped", "With noise eta in x and time stamps wrong by delta there are two more terms, and the true time.",
           r"|\hat v - v| \le \frac{A\tau^2}{2\tau_s} + \frac{2|v|\delta}{\tau_s} + \frac{2\eta}{\tau_s},"
           r"\quad \tau \le \tau_s + 2\delta",
-          ("v^ is divided by tau_s, the measured time",), "ours", _stamped, ("filtered.differences",)),
+          ("v^ is divided by tau_s, the measured time",), "ours", _prove_stamped, ("filtered.differences",)),
     Lemma("filtered.nominal_period", "Divided by the nominal period they say v as well.", r"|\hat v - v| \le \frac{A\tau}2",
-          ("periods that vary", "tau the longest"), "as one might hope", _nominal_period),
+          ("periods that vary", "tau the longest"), "as one might hope", _refute_nominal_period),
     Lemma("filtered.stamps_alone", "Time stamps wrong by delta add 2 |v| delta/tau_s and nothing else.",
           r"|\hat v - v| \le \frac{A\tau}2 + \frac{2|v|\delta}{\tau_s}", ("tau the true time", "no noise"), "as one might hope",
-          _stamps_alone),
+          _refute_stamps_alone),
     Lemma("filtered.forward", "c'' - lambda (v - c'), fed forward, takes the tube's motion away but for Z'; it changes no faster "
           "than |c'''| + lambda (A + |c''|), so what is left of one that is held is tau times that.",
           r"\varphi = c'' - \lambda(v - c'),\quad \dot\varphi = c''' - \lambda(\dot v - c''),"
           r"\quad |\varphi(t) - \varphi(t_s)| \le \tau(|c'''| + \lambda(A + |c''|))",
-          ("g known", "|vdot| <= A"), "ours", _forward, ("filtered.vdot", "filtered.middle", "sampled.integral")),
+          ("g known", "|vdot| <= A"), "ours", _prove_forward, ("filtered.vdot", "filtered.middle", "sampled.integral")),
     Lemma("filtered.forward_held", "Held, such feed-forward never adds more to P_m within a period than it takes away.",
           r"\max|\varphi(t) - \varphi(t_s)| \le \max|\varphi(t)|", ("g known", "edges cubic in t"), "as one might hope",
-          _forward_held),
+          _refute_forward_held),
 )  # fmt: skip

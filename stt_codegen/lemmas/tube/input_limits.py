@@ -21,7 +21,7 @@ rise_L, rise_R, x_rate = sp.symbols("Ldot Rdot xdot", real=True)
 TASKS = 60  # random ones
 
 
-def _exit() -> Outcome:
+def _prove_exit() -> Outcome:
     """d eps/dt = adot/a - bdot/b with adot = xdot - Ldot, bdot = Rdot - xdot."""
     epsilon_rate = (x_rate - rise_L) / a - (rise_R - x_rate) / b
     return prove_identities(
@@ -30,7 +30,7 @@ def _exit() -> Outcome:
     )  # fmt: skip
 
 
-def _saturated() -> Outcome:
+def _prove_saturated() -> Outcome:
     """At eps = E the input is -v with v the lesser of u_max and the law's, and g v = P + room, P = F + p with p at least -Ldot
     and -Rdot: xdot <= F - g v, so epsdot < 0, against eps < E before. By symmetry the lower edge."""
     p_L, p_R, p = sp.symbols("s_L s_R p", nonnegative=True)  # Ldot = s_L - p, Rdot = s_R - p
@@ -42,7 +42,7 @@ def _saturated() -> Outcome:
     )
 
 
-def _needed() -> Outcome:
+def _prove_needed() -> Outcome:
     """At x = R under f + w = F and the least g, R - x falls at F - g v - Rdot for the input -v: at `room` for the largest v, of
     which g u_max = F - Rdot - room, and faster by g less for each that v is less."""
     falls, less = (F - g * u) - rise_R, sp.Symbol("less", positive=True)
@@ -53,7 +53,7 @@ def _needed() -> Outcome:
     )
 
 
-def _rows() -> Outcome:
+def _prove_rows() -> Outcome:
     """Of random tasks: rows by hand, in fractions."""
     draw, wrong = random.Random(20), []
 
@@ -87,7 +87,7 @@ LEMMAS = (
         r"\dot\epsilon\,\frac{ab}{a+b} = \dot x - \frac{b\dot L + a\dot R}{a+b}",
         ("L < x < R",),
         "ours",
-        _exit,
+        _prove_exit,
     ),
     Lemma(
         "limits.saturated",
@@ -95,7 +95,7 @@ LEMMAS = (
         r"g\,\min(u_{max}, k\,h) > F + \max(-\dot L, -\dot R) \Rightarrow \dot\epsilon < 0\ \mathrm{at}\ \epsilon = E",
         ("u is continuous in time", "inputs of the others are in F", "the lower edge by symmetry"),
         "ours",
-        _saturated,
+        _prove_saturated,
         ("limits.exit",),
     ),
     Lemma(
@@ -104,7 +104,7 @@ LEMMAS = (
         r"g_{min} u_{max} < F - \dot R \Rightarrow \tfrac{d}{dt}(R - x) < 0\ \mathrm{at}\ x = R",
         ("f + w = F and g = g_min may be there",),
         "ours",
-        _needed,
+        _prove_needed,
     ),
     Lemma(
         "limits.rows",
@@ -112,6 +112,6 @@ LEMMAS = (
         r"\dot L_i, -\dot R_i < g_{min} u_i - f_{max} - w_{max} - g_{cross}\textstyle\sum_{j\ne i} u_j",
         ("by cases",),
         "the evaluated code",
-        _rows,
+        _prove_rows,
     ),
 )

@@ -42,19 +42,19 @@ def _weights() -> tuple[sp.Expr, ...]:
     return formulas(lower(refined_tube.basis()), {"s": s})
 
 
-def _shipped() -> Outcome:
+def _prove_weights_shipped() -> Outcome:
     found = {f"w{j} less 6 times the cubic B-spline": w - f(s) for j, (w, f) in enumerate(zip(_weights(), WEIGHTS, strict=True))}
     return prove_identities(found | {"sum - 6": sum(_weights()) - 6})
 
 
-def _rates() -> Outcome:
+def _prove_rates_shipped() -> Outcome:
     rates = formulas(lower(refined_tube.basis_rate()), {"s": s})
     return prove_identities(
         {f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))}
     )
 
 
-def _convex() -> Outcome:
+def _prove_convex() -> Outcome:
     """The middle two are at least 1 on [0, 1]; the outer two are cubes of numbers that are not negative."""
     return all_of(
         prove_above("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
@@ -63,7 +63,7 @@ def _convex() -> Outcome:
     )
 
 
-def _smooth() -> Outcome:
+def _prove_smooth() -> Outcome:
     found: dict[str, sp.Expr] = {}
     for order in range(3):
         end = [sp.diff(w, s, order).subs(s, 1) for w in _weights()]
@@ -73,7 +73,7 @@ def _smooth() -> Outcome:
     return prove_identities(found)
 
 
-def _bezier() -> Outcome:
+def _prove_bezier() -> Outcome:
     """The map that `certify.exact` uses, times 6 in the divided control points."""
     points = (q[0] + 4 * q[1] + q[2], 4 * q[1] + 2 * q[2], 2 * q[1] + 4 * q[2], q[1] + 4 * q[2] + q[3])
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
@@ -81,7 +81,7 @@ def _bezier() -> Outcome:
     return prove_identities({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
 
 
-def _hull() -> Outcome:
+def _prove_hull() -> Outcome:
     z = sp.Symbol("z", positive=True)
     inside = z / (1 + z)  # any number from 0 to 1
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
@@ -101,14 +101,14 @@ def _hull() -> Outcome:
     )
 
 
-def _blend() -> Outcome:
+def _prove_blend_shipped() -> Outcome:
     kernel = lower(refined_tube.blend())
     w = sp.symbols("w0:4", real=True)
     (edge,) = formulas(kernel, dict(zip((v.name for v in kernel.inputs), (*w, *q), strict=True)))
     return prove_identities({"blend - sum of w_j q_j": edge - sum(a * b for a, b in zip(w, q, strict=True))})
 
 
-def _bezier_shipped() -> Outcome:
+def _prove_bezier_shipped() -> Outcome:
     """`RefinedDesign.bezier` run on tables with a single 1, which by linearity is all of it, against the weights."""
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
     found = {}
@@ -119,7 +119,7 @@ def _bezier_shipped() -> Outcome:
     return prove_identities(found, "SymPy: the certificate's own map, by linearity")
 
 
-def _halves() -> Outcome:
+def _prove_halves() -> Outcome:
     """`slack.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
     piece = np.array(q, dtype=object)
     curves = [
@@ -135,7 +135,7 @@ def _halves() -> Outcome:
     )
 
 
-def _integers() -> Outcome:
+def _prove_integers() -> Outcome:
     """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
     function is run on every such pattern: n, m over a range, r on a grid."""
     wrong, comparison_count = [], 0
@@ -154,7 +154,7 @@ def _integers() -> Outcome:
     )
 
 
-def _late() -> Outcome:
+def _prove_late() -> Outcome:
     """u = t r (1 + a)(1 + b): a of the constant K/t_c, b of the product, c of a t that was rounded itself; |a|, |b|, |c| <= eps
     below 1, and t K/t_c <= K. At the end u is held at the last number below K, at most 2 eps K below it."""
     a, b, c = sp.symbols("a b c", real=True)
@@ -194,7 +194,7 @@ LEMMAS = (
         r"\sum_j w_j = 6",
         ("0 <= s <= 1",),
         "Program",
-        _shipped,
+        _prove_weights_shipped,
     ),
     Lemma(
         "refined.rates_shipped",
@@ -202,7 +202,7 @@ LEMMAS = (
         r"w_j' = dw_j/ds",
         ("0 <= s <= 1",),
         "Program",
-        _rates,
+        _prove_rates_shipped,
     ),
     Lemma(
         "refined.blend_shipped",
@@ -210,7 +210,7 @@ LEMMAS = (
         r"\gamma = \sum_j w_j q_j",
         (),
         "Program",
-        _blend,
+        _prove_blend_shipped,
     ),
     Lemma(
         "refined.convex",
@@ -218,7 +218,7 @@ LEMMAS = (
         r"w_j \ge 0",
         ("0 <= s <= 1",),
         "ours",
-        _convex,
+        _prove_convex,
     ),
     Lemma(
         "refined.smooth",
@@ -226,7 +226,7 @@ LEMMAS = (
         r"\gamma \in C^2",
         (),
         "ours",
-        _smooth,
+        _prove_smooth,
     ),
     Lemma(
         "refined.bezier",
@@ -234,7 +234,7 @@ LEMMAS = (
         r"\sum_j w_j q_j = \sum_j \beta_j B_j^3",
         ("0 <= s <= 1",),
         "ours",
-        _bezier,
+        _prove_bezier,
     ),
     Lemma(
         "refined.hull",
@@ -242,7 +242,7 @@ LEMMAS = (
         r"\min\beta_j \le \gamma \le \max\beta_j",
         ("0 <= s <= 1",),
         "ours",
-        _hull,
+        _prove_hull,
     ),
     Lemma(
         "refined.bezier_shipped",
@@ -250,7 +250,7 @@ LEMMAS = (
         r"\beta = (q_0+4q_1+q_2,\ 4q_1+2q_2,\ 2q_1+4q_2,\ q_1+4q_2+q_3)",
         (),
         "certificate",
-        _bezier_shipped,
+        _prove_bezier_shipped,
     ),
     Lemma(
         "refined.halves",
@@ -258,7 +258,7 @@ LEMMAS = (
         r"\beta \mapsto (\beta^{\text{early}}, \beta^{\text{late}})",
         ("0 <= s <= 1",),
         "certificate, de Casteljau",
-        _halves,
+        _prove_halves,
     ),
     Lemma(
         "refined.late",
@@ -267,7 +267,7 @@ LEMMAS = (
         r"|u - Kt/t_c| \le K(3\epsilon + 3\epsilon^2 + \epsilon^3) < K(4\epsilon + 4\epsilon^2)",
         ("one rounding of at most eps, relative, for the constant, the product, and t", "K is exact in the scalar"),
         "the evaluated code",
-        _late,
+        _prove_late,
     ),
     Lemma(
         "refined.integers",
@@ -276,6 +276,6 @@ LEMMAS = (
         r"n \ge \lceil v/\text{unit}\rceil \iff n\,\text{unit} \ge v",
         ("n whole",),
         "certificate",
-        _integers,
+        _prove_integers,
     ),
 )
