@@ -69,11 +69,10 @@ PENDING = """
     stt_codegen/designs
     stt_codegen/emit
     stt_codegen/lemmas/emitted
-    stt_codegen/lemmas/paper
+    stt_codegen/lemmas/paper/conflict.py
     stt_codegen/lemmas/sampling
     stt_codegen/lemmas/sets
     stt_codegen/lemmas/tube
-    stt_codegen/lemmas
     stt_codegen/loop
     stt_codegen/paper
     stt_codegen/plants.py

@@ -56,7 +56,7 @@ def test_the_data_are_those_of_the_example_tasks() -> None:
     for name, task in TASKS.items():
         sets = {"X": task.state_space, "X0": task.initial_set, "T": task.target_set, **{u.name: u for u in task.unsafe}}
         found = {key: tuple(zip(box.lower, box.upper, strict=True)) for key, box in sets.items()}
-        assert found == {"X": conflict.ROOM, "X0": conflict.STARTS[name], "T": conflict.TARGET, **conflict.UNSAFE}
+        assert found == {"X": conflict.STATE_SPACE, "X0": conflict.STARTS[name], "T": conflict.TARGET, **conflict.UNSAFE}
 
 
 @pytest.mark.parametrize(("start", "unsafe"), [("S1", "O1"), ("S3", "O4")])
@@ -155,7 +155,7 @@ def touching_is_apart(a: Any, b: Any) -> bool:
 
 
 def test_boxes_that_touch_are_not_disjoint(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conflict, "_apart", touching_is_apart)
+    monkeypatch.setattr(conflict, "_are_apart", touching_is_apart)
     assert run("disjoint").verdict is Verdict.OPEN
 
 

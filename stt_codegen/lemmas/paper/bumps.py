@@ -1,4 +1,7 @@
-"""The circumvent function (7), (8): smooth at its edges, between rest and its height, and wide enough once widened."""
+"""Lemmas about the circumvent function (7), (8): smoothness at its edges, its range, and how wide it must be.
+
+book.py takes LEMMAS as the family `bumps`.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,8 @@ BUMP = height * sp.exp(-k * (t - m) ** 2 / (r**2 - (t - m) ** 2))
 
 
 def _prove_edges() -> Outcome:
-    """Every derivative is exp(-k (t-m)^2 v) times a polynomial in t and v; the exponent is k - k r^2 v."""
+    """Prove limits at the edges: every derivative is exp(-k (t-m)^2 v) times a polynomial in t and v; the exponent is k - k r^2
+    v."""
     powers = {f"limit of v^{j} exp(-k r^2 v)": sp.limit(v**j * sp.exp(-v), v, sp.oo) for j in range(8)}
     x = sp.Symbol("x", real=True)
     inner = -k * x**2 / (r**2 - x**2)
@@ -31,12 +35,13 @@ def _prove_edges() -> Outcome:
 
 
 def _prove_between() -> Outcome:
+    """Prove that the exponent is negative off the middle and falls with (t - m)^2; BUMP itself is evaluated at the middle."""
     x, w = sp.Symbol("x", real=True), sp.Symbol("w", positive=True)
-    rest = 2 * sp.exp(-w / 2) * sp.sinh(w / 2)
+    complement = 2 * sp.exp(-w / 2) * sp.sinh(w / 2)
     return all_of(
         prove_identities({"at the middle, less B": BUMP.subs(t, m) - height}),
-        prove_identities({"1 - exp(-w) - 2 exp(-w/2) sinh(w/2)": sp.simplify((1 - sp.exp(-w) - rest).rewrite(sp.exp))}),
-        prove_positive({"exp(-w), the exponent being -w": sp.exp(-w), "2 exp(-w/2) sinh(w/2)": rest}),
+        prove_identities({"1 - exp(-w) - 2 exp(-w/2) sinh(w/2)": sp.simplify((1 - sp.exp(-w) - complement).rewrite(sp.exp))}),
+        prove_positive({"exp(-w), the exponent being -w": sp.exp(-w), "2 exp(-w/2) sinh(w/2)": complement}),
         prove_identities(
             {"slope in x^2 of the exponent + k r^2/(r^2 - x^2)^2": sp.diff(-k * x / (r**2 - x), x) + k * r**2 / (r**2 - x) ** 2}
         ),
@@ -44,20 +49,25 @@ def _prove_between() -> Outcome:
 
 
 def _prove_widening() -> Outcome:
+    """Prove that the bump of the widened radius is B - (dB - delta) at |t - m| = q."""
     q, reach, delta = sp.symbols("q D delta", positive=True)
     c = -sp.log(1 - (reach - delta) / height)
-    at = height * sp.exp(-k * q**2 / (q**2 * (1 + k / c) - q**2))
+    value_at_q = height * sp.exp(-k * q**2 / (q**2 * (1 + k / c) - q**2))
     return prove_identities(
-        {"bump at |t - m| = q with r^2 = q^2 (1 + k/c), less B - (dB - delta)": sp.simplify(at - (height - (reach - delta)))}
+        {
+            "bump at |t - m| = q with r^2 = q^2 (1 + k/c), less B - (dB - delta)": sp.simplify(
+                value_at_q - (height - (reach - delta))
+            )
+        }
     )
 
 
 def _refute_printed_window() -> Outcome:
-    """k = 0.01, B = 3.7, dB = 0.2: at 99 % of the half width the printed bump is below B - dB, where the set still is."""
+    """Evaluate the printed bump at 99 % of the half width: it is below B - dB there, although the set is still in the way."""
     x = arb("0.99")
     value = arb("3.7") * (-arb("0.01") * x**2 / (1 - x**2)).exp()
-    at = "k = 0.01, B = 3.7, dB = 0.2, |t - m| = 0.99 r, r the conflict's half width"
-    return refute_by_counterexample("the bump is at least B - dB = 3.5", at, value < arb("3.5"), f"it is {value.str(5)}")
+    point = "k = 0.01, B = 3.7, dB = 0.2, |t - m| = 0.99 r, r the conflict's half width"
+    return refute_by_counterexample("the bump is at least B - dB = 3.5", point, value < arb("3.5"), f"it is {value.str(5)}")
 
 
 LEMMAS = (

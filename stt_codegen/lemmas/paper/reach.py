@@ -1,4 +1,7 @@
-"""The reachability tube (4): the profile sigma, its limits, its speed; and what is emitted for it."""
+"""Lemmas about the reachability tube (4): limits and speed of its profile sigma, and the kernel that is emitted for its edges.
+
+book.py takes LEMMAS as the family `reach`.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
 
 s, t, t_c = sp.symbols("s t t_c", positive=True)
-FASTEST = 0.40607  # of t_c, where sigma is steepest
+FASTEST = 0.40607  # of t_c: the time at which sigma is steepest
 
 
 def _prove_rate() -> Outcome:
@@ -30,28 +33,33 @@ def _prove_rate() -> Outcome:
 
 
 def _prove_limits() -> Outcome:
-    found = {
+    differences = {
         "sigma at t_c, less 1": sp.limit(sp.tanh(s), s, sp.oo) - 1,
         "rate at t_c": sp.limit(((1 + s) ** 2 * 4 * sp.exp(-2 * s)), s, sp.oo),
         "second derivative at t_c": sp.limit((1 + s) ** 4 * 4 * sp.exp(-2 * s), s, sp.oo),
     }
-    return prove_identities(found, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2")
+    return prove_identities(
+        differences, "SymPy: limits; sech(s)^2 < 4 exp(-2 s), and each derivative in t brings at most (1 + s)^2"
+    )
 
 
 def _prove_monotone() -> Outcome:
-    """sigmadot t_c = ((1 + s) sech s)^2 > 0 for every s >= 0."""
+    """Prove that sigmadot t_c = ((1 + s) sech s)^2 is positive for every s >= 0."""
     return prove_positive({"sech(s) (1 + s)": (1 + s) / sp.cosh(s)})
 
 
 def _prove_steepest() -> Outcome:
-    """f = (1 + s) sech s has f' = sech s (1 - (1 + s) tanh s); g = (1 + s) tanh s rises, so its one root is the maximum."""
-    at, slope = FASTEST / (1 - FASTEST), sp.tanh(s) + (1 + s) / sp.cosh(s) ** 2
+    """Enclose the maximum of f = (1 + s) sech s, whose square is sigmadot t_c, and prove that there is only one.
 
-    def bound(v: arb) -> arb:
+    f' = sech s (1 - (1 + s) tanh s) has one root, since (1 + s) tanh s rises.
+    """
+    steepest, slope = FASTEST / (1 - FASTEST), sp.tanh(s) + (1 + s) / sp.cosh(s) ** 2
+
+    def bound_less_rate(v: arb) -> arb:
         return arb(1.83489) - ((1 + v) / v.cosh()) ** 2
 
     return all_of(
-        prove_above("1.83489 - sigmadot t_c", bound, [(0.0, 6.0)]),
+        prove_above("1.83489 - sigmadot t_c", bound_less_rate, [(0.0, 6.0)]),
         prove_identities(
             {"d/ds ln((1 + s)^2 exp(-2 s)) + 2 s/(1 + s), so it falls": sp.diff(2 * sp.log(1 + s) - 2 * s, s) + 2 * s / (1 + s)}
         ),
@@ -61,7 +69,9 @@ def _prove_steepest() -> Outcome:
             [(6.0, 7.0)],
         ),
         prove_above(
-            "sigmadot t_c - 1.83487 near there", lambda v: ((1 + v) / v.cosh()) ** 2 - arb(1.83487), [(at - 1e-4, at + 1e-4)]
+            "sigmadot t_c - 1.83487 near there",
+            lambda v: ((1 + v) / v.cosh()) ** 2 - arb(1.83487),
+            [(steepest - 1e-4, steepest + 1e-4)],
         ),
         prove_identities({"d/ds ((1 + s) tanh s) - tanh s - (1 + s) sech(s)^2": sp.diff((1 + s) * sp.tanh(s), s) - slope}),
         prove_positive({"tanh s + (1 + s) sech(s)^2": slope}),
@@ -75,19 +85,19 @@ def _prove_hull() -> Outcome:
 
 
 def _prove_guard() -> Outcome:
-    """At the guard s >= 1023: 1 - tanh is 2 d/(1 + d), d = exp(-2046), which no double holds."""
+    """Prove that exp(-2046) is below every double: with s >= 1023 at the guard, 1 - tanh s is 2 d/(1 + d), d <= exp(-2046)."""
     d = (arb(-2046)).exp()
-    smallest = 2.0**-1074
-    if d < arb(smallest):
+    smallest_double = 2.0**-1074
+    if d < arb(smallest_double):
         return Outcome(Verdict.PROVED, "Arb", (f"exp(-2046) = {d.str(4)} < 2^-1074",))
     return Outcome(Verdict.OPEN, "Arb", (f"exp(-2046) = {d.str(4)}",))
 
 
 def _refute_printed() -> Outcome:
     argument = t / (t_c - t)
-    below = sp.denom(sp.together(argument)).subs(t, t_c)
+    denominator = sp.denom(sp.together(argument)).subs(t, t_c)
     return refute_by_counterexample(
-        "tanh's argument t/(t_c - t) is a number", "t = t_c", below == 0, f"its denominator is {below}"
+        "tanh's argument t/(t_c - t) is a number", "t = t_c", denominator == 0, f"its denominator is {denominator}"
     )
 
 

@@ -1,4 +1,7 @@
-"""Smooth maximum and minimum (section II), their gap, and the joining of circumvent functions in place of (9)'s max."""
+"""Lemmas about smooth maximum and minimum (section II), and how circumvent functions are joined in place of the max of (9).
+
+book.py takes LEMMAS as the family `smooth`.
+"""
 
 from __future__ import annotations
 
@@ -16,42 +19,48 @@ a, b = sp.symbols("a b", real=True)
 nu = sp.Symbol("nu", positive=True)
 
 
-def _printed(sign: int) -> Any:
+def _printed_form(sign: int) -> Any:
     return sign * sp.log(sp.exp(sign * nu * a) + sp.exp(sign * nu * b)) / nu
 
 
-def _built(sign: int) -> Outcome:
-    """With a = b + d and either sign of d, |a - b| is d or -d, and both forms are one."""
+def _prove_built_form(sign: int) -> Outcome:
+    """Prove for a > b, a < b and a = b that the form which is built equals the printed one, so that |a - b| has one sign in
+    each."""
     import casadi as ca
 
     names = [ca.SX.sym(n) for n in ("a", "b", "nu")]
     form = smooth.smooth_max if sign > 0 else smooth.smooth_min
     kernel = lower(ca.Function("form", names, [form(*names)], ["a", "b", "nu"], ["value"]))
     d = sp.Symbol("d", positive=True)
-    found = {}
+    differences = {}
     for label, x, y in (("a > b", b + d, b), ("a < b", a, a + d), ("a = b", a, a)):
         (branch,) = branches(kernel, {"a": x, "b": y, "nu": nu})
-        printed = _printed(sign).subs({a: x, b: y}, simultaneous=True)
-        # exp is one to one: compare exp(nu .) of both, which is rational in exponentials
-        found[label] = sp.simplify(
+        printed = _printed_form(sign).subs({a: x, b: y}, simultaneous=True)
+        # exp is one to one, and exp(nu .) of both forms is rational in exponentials, which SymPy compares.
+        differences[label] = sp.simplify(
             sp.expand(sp.exp(sp.expand(nu * sign * branch.outputs[0])) - sp.exp(sp.expand(nu * sign * printed)))
         )
-    return prove_identities(found, "SymPy: exp(nu .) of both forms is the same, by the sign of a - b")
+    return prove_identities(differences, "SymPy: exp(nu .) of both forms is the same, by the sign of a - b")
 
 
-def _bounds(sign: int) -> Outcome:
-    """nu times the excess over the maximum is ln(1 + y), y = exp(-nu |a - b|): it rises from 0 at y = 0 to ln 2 at y = 1."""
+def _prove_bounds(sign: int) -> Outcome:
+    """Prove that the excess over the maximum, ln(1 + y)/nu with y = exp(-nu |a - b|), rises from 0 at y = 0 to ln(2)/nu at y =
+    1."""
     return all_of(
         prove_above("d ln(1 + y)/dy", lambda y: 1 / (1 + y), [(0.0, 1.0)]),
         prove_identities({"ln(1 + 0)": sp.log(1 + sp.Integer(0)), "ln(1 + 1) - ln 2": sp.log(1 + sp.Integer(1)) - sp.log(2)}),
         prove_identities(
-            {"the printed form at a = b is a + ln(2)/nu": sp.simplify(_printed(sign).subs(b, a) - (a + sign * sp.log(2) / nu))}
+            {
+                "the printed form at a = b is a + ln(2)/nu": sp.simplify(
+                    _printed_form(sign).subs(b, a) - (a + sign * sp.log(2) / nu)
+                )
+            }
         ),
     )
 
 
 def _prove_gradient() -> Outcome:
-    gradient = [sp.diff(_printed(1), v) for v in (a, b)]
+    gradient = [sp.diff(_printed_form(1), v) for v in (a, b)]
     weight = 1 / (1 + sp.exp(nu * (b - a)))
     return prove_identities(
         {"sum of the weights - 1": sum(gradient) - 1, "weight of a - 1/(1 + exp(nu (b - a)))": gradient[0] - weight},
@@ -60,7 +69,8 @@ def _prove_gradient() -> Outcome:
 
 
 def _prove_four_gaps() -> Outcome:
-    p, q, r, s = sp.symbols("p q r s", real=True)  # rho_U + alpha_U, beta_U, rho_L - alpha_L, beta_L
+    # p = rho_U + alpha_U, q = beta_U, r = rho_L - alpha_L, s = beta_L
+    p, q, r, s = sp.symbols("p q r s", real=True)
     upper = sp.exp(-nu * p) + sp.exp(-nu * q)
     lower_edge = sp.exp(nu * r) + sp.exp(nu * s)
     gaps = sum(sp.exp(-nu * (x - y)) for x in (p, q) for y in (r, s))
@@ -71,6 +81,7 @@ def _prove_four_gaps() -> Outcome:
 
 
 def _prove_join() -> Outcome:
+    """Prove the properties of joined bumps in exp(nu b), where joining is u + v - 1."""
     x, y, z = sp.symbols("x y z", positive=True)  # exp(nu b_j), at least 1
 
     def join(u: Any, v: Any) -> Any:
@@ -87,20 +98,25 @@ def _prove_join() -> Outcome:
 
 
 def _prove_join_shipped() -> Outcome:
+    """Prove for either order of two bumps that the emitted kernel is the formula, by exp(nu .) of both."""
     kernel = lower(circumvent.join())
     d = sp.Symbol("d", positive=True)
-    low = sp.Symbol("b", nonnegative=True)
-    found = {}
-    for label, x, y in (("a > b", low + d, low), ("a < b", low, low + d), ("a = b", low, low)):
-        given = dict(zip((v.name for v in kernel.inputs), (x, y, nu), strict=True))
-        (branch,) = branches(kernel, given)
-        want = sp.exp(nu * x) + sp.exp(nu * y) - 1
-        found[label] = sp.simplify(sp.expand(sp.exp(sp.expand(nu * branch.outputs[0])) - want))
-    return prove_identities(found, "SymPy: exp(nu .) of the emitted kernel, by the sign of a - b")
+    lower_bump = sp.Symbol("b", nonnegative=True)
+    differences = {}
+    for label, x, y in (
+        ("a > b", lower_bump + d, lower_bump),
+        ("a < b", lower_bump, lower_bump + d),
+        ("a = b", lower_bump, lower_bump),
+    ):
+        inputs = dict(zip((v.name for v in kernel.inputs), (x, y, nu), strict=True))
+        (branch,) = branches(kernel, inputs)
+        expected = sp.exp(nu * x) + sp.exp(nu * y) - 1
+        differences[label] = sp.simplify(sp.expand(sp.exp(sp.expand(nu * branch.outputs[0])) - expected))
+    return prove_identities(differences, "SymPy: exp(nu .) of the emitted kernel, by the sign of a - b")
 
 
 def _refute_plain_max() -> Outcome:
-    """b1 = 1 - t, b2 = t meet at 1/2 with another slope on either side."""
+    """Compute the slopes of max(1 - t, t) on both sides of t = 1/2, where the bumps meet."""
     t = sp.Symbol("t", real=True)
     slope = sp.diff(sp.Max(1 - t, t), t)
     left, right = (sp.limit(slope, t, sp.Rational(1, 2), side) for side in "-+")
@@ -120,7 +136,7 @@ LEMMAS = (
         r"\tfrac{a+b}{2} + \tfrac{|a-b|}{2} + \tfrac1\nu\ln(1+e^{-\nu|a-b|}) = \tfrac1\nu\ln(e^{\nu a}+e^{\nu b})",
         ("nu > 0",),
         "section II",
-        lambda: all_of(_built(1), _built(-1)),
+        lambda: all_of(_prove_built_form(1), _prove_built_form(-1)),
     ),
     Lemma(
         "smooth.bounds",
@@ -128,7 +144,7 @@ LEMMAS = (
         r"\max(a,b) < \widetilde{\max}(a,b) \le \max(a,b) + \tfrac{\ln 2}{\nu}",
         ("nu > 0",),
         "section II",
-        lambda: all_of(_bounds(1), _bounds(-1)),
+        lambda: all_of(_prove_bounds(1), _prove_bounds(-1)),
     ),
     Lemma(
         "smooth.gradient",

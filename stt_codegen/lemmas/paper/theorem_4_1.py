@@ -1,4 +1,7 @@
-"""Theorem 4.1: the error dynamics and the Lyapunov step as identities, the repaired inequality, and what was printed."""
+"""Lemmas about Theorem 4.1: error dynamics and Lyapunov step as identities, the repaired inequality, and the printed one.
+
+book.py takes LEMMAS as the family `theorem`. docs/paper.md has the theorem in words.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,7 @@ E = (2 * x - S) / D
 
 
 def _rate(expression: Any) -> Any:
-    """The time derivative of an expression along the motion of x, gamma_L and gamma_U."""
+    """Return the time derivative of an expression along the motion of x, gamma_L and gamma_U."""
     return sum(sp.diff(expression, v) * rate for v, rate in ((x, xdot), (lower, lower_rate), (upper, upper_rate)))
 
 
@@ -30,47 +33,48 @@ def _prove_vdot() -> Outcome:
     epsilon = sp.log((1 + e) / (1 - e))
     edot = sp.Symbol("edot", real=True)
     d = sp.Symbol("gamma_d", positive=True)
-    phi = sp.Symbol("r", real=True)  # xdot - (gammadot_s + gammadot_d e)/2
-    vdot = (sp.diff(epsilon**2 / 2, e) * edot).subs(edot, 2 / d * phi)
+    motion = sp.Symbol("r", real=True)  # xdot - (gammadot_s + gammadot_d e)/2
+    vdot = (sp.diff(epsilon**2 / 2, e) * edot).subs(edot, 2 / d * motion)
     return prove_identities(
-        {"d(eps^2/2)/dt - eps xi (xdot - (gammadot_s + gammadot_d e)/2)": vdot - epsilon * 4 / (d * (1 - e**2)) * phi}
+        {"d(eps^2/2)/dt - eps xi (xdot - (gammadot_s + gammadot_d e)/2)": vdot - epsilon * 4 / (d * (1 - e**2)) * motion}
     )
 
 
 def _prove_norms() -> Outcome:
-    """V = |eps|^2/2 of n components is the sum of theirs, so Vdot = v' r, for n = 1, 2, 3; and so for every n, by component."""
-    found = {}
+    """Prove for n = 1, 2, 3 that Vdot of n components is the sum of theirs, so it is v' r; the argument is the same for every
+    n."""
+    differences = {}
     for n in (1, 2, 3):
         e = sp.symbols(f"e1:{n + 1}", real=True)
         rates = sp.symbols(f"edot1:{n + 1}", real=True)
         v = sum(sp.log((1 + c) / (1 - c)) ** 2 for c in e) / 2
-        whole = sum(sp.diff(v, c) * rate for c, rate in zip(e, rates, strict=True))
-        parts = sum(sp.log((1 + c) / (1 - c)) * 2 / (1 - c**2) * rate for c, rate in zip(e, rates, strict=True))
-        found[f"n = {n}: Vdot - sum of eps_i (d eps_i/d e_i) edot_i"] = sp.simplify(whole - parts)
-    return prove_identities(found)
+        rate_of_sum = sum(sp.diff(v, c) * rate for c, rate in zip(e, rates, strict=True))
+        sum_of_rates = sum(sp.log((1 + c) / (1 - c)) * 2 / (1 - c**2) * rate for c, rate in zip(e, rates, strict=True))
+        differences[f"n = {n}: Vdot - sum of eps_i (d eps_i/d e_i) edot_i"] = sp.simplify(rate_of_sum - sum_of_rates)
+    return prove_identities(differences)
 
 
 def _prove_component() -> Outcome:
-    """r <= P - g k v at the upper edge, k v = 4 k q(eps)/gamma_d: below 0 once 4 k g q(eps) > P gamma_d."""
+    """Prove that r <= P - g k v at the upper edge is below 0 once g k v = 4 k g q(eps)/gamma_d is above P."""
     p, g, k, v, s = sp.symbols("P g k v s", positive=True)
     return prove_identities({"P - g k v at g k v = P + s, plus s": sp.expand((p - g * k * v).subs(v, (p + s) / (g * k)) + s)})
 
 
 def _prove_effort() -> Outcome:
-    """|u| = k h(a, b), h rising with a and falling with b: if k g h > P both adot < 0 and bdot > 0, so |u| falls."""
+    """Prove that |u| = k h(a, b) falls where k g h > P: there adot < 0 and bdot > 0, and h rises with a and falls with b."""
     a, b, g, p, s = sp.symbols("a b g P s", positive=True)
     h = (1 / a + 1 / b) * sp.log(a / b)
-    push, low, high = sp.symbols("f gammadot_L gammadot_U", real=True)
-    held = (p + s) / g  # k h
+    drift, low, high = sp.symbols("f gammadot_L gammadot_U", real=True)
+    law = (p + s) / g  # k h
     y = a / b
     return all_of(
         prove_identities(
             {
                 "adot = f - g k h - gammadot_L, at k h = (P + s)/g: less (f - gammadot_L - P) - s": sp.expand(
-                    push - g * held - low - ((push - low - p) - s)
+                    drift - g * law - low - ((drift - low - p) - s)
                 ),
                 "bdot = gammadot_U - f + g k h: less (gammadot_U - f + P) + s": sp.expand(
-                    high - push + g * held - ((high - push + p) + s)
+                    high - drift + g * law - ((high - drift + p) + s)
                 ),
                 "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(h, a) - (1 + y - sp.log(y))),
                 "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(h, b) + (1 + 1 / y + sp.log(y))),
@@ -81,27 +85,31 @@ def _prove_effort() -> Outcome:
 
 
 def _prove_skew() -> Outcome:
-    """v' g v = v' g_s v: what is antisymmetric in g does no work."""
-    found = {}
+    """Prove v' g v = v' g_s v for n = 1, 2, 3: the antisymmetric part of g does no work."""
+    differences = {}
     for n in (1, 2, 3):
         v = sp.Matrix(sp.symbols(f"v1:{n + 1}", real=True))
         g = sp.Matrix(n, n, lambda i, j: sp.Symbol(f"g{i}{j}", real=True))
-        found[f"n = {n}: v' g v - v' (g + g')/2 v"] = sp.expand((v.T * g * v)[0] - (v.T * ((g + g.T) / 2) * v)[0])
-    return prove_identities(found)
+        differences[f"n = {n}: v' g v - v' (g + g')/2 v"] = sp.expand((v.T * g * v)[0] - (v.T * ((g + g.T) / 2) * v)[0])
+    return prove_identities(differences)
 
 
 def _prove_decrease() -> Outcome:
-    """-k g_min |v|^2 + |v| P < 0 once |v| > P/(k g_min); and Young's form of the same."""
-    w, gain, push, more = sp.symbols("w c P s", positive=True)
-    bound = -gain * w**2 + w * push
+    """Prove -k g_min |v|^2 + |v| P < 0 for |v| > P/(k g_min), and Young's form of the same."""
+    v_norm, gain, disturbance, excess = sp.symbols("w c P s", positive=True)
+    bound = -gain * v_norm**2 + v_norm * disturbance
     return all_of(
         prove_identities(
-            {"at |v| = P/c + s: less -(P + c s) s": sp.expand(bound.subs(w, push / gain + more) + (push + gain * more) * more)}
+            {
+                "at |v| = P/c + s: less -(P + c s) s": sp.expand(
+                    bound.subs(v_norm, disturbance / gain + excess) + (disturbance + gain * excess) * excess
+                )
+            }
         ),
         prove_identities(
             {
                 "bound - (P^2/(4 c) - c (|v| - P/(2 c))^2)": sp.expand(
-                    bound - (push**2 / (4 * gain) - gain * (w - push / (2 * gain)) ** 2)
+                    bound - (disturbance**2 / (4 * gain) - gain * (v_norm - disturbance / (2 * gain)) ** 2)
                 )
             }
         ),
@@ -109,7 +117,7 @@ def _prove_decrease() -> Outcome:
 
 
 def _prove_gain() -> Outcome:
-    """xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d: so |v| >= (4/max gamma_d) |eps|."""
+    """Prove 1/(1 - e^2) >= 1, so that xi_i = 4/(gamma_d,i (1 - e_i^2)) >= 4/max gamma_d and |v| >= (4/max gamma_d) |eps|."""
     e, z = sp.symbols("e z", real=True)
     return all_of(
         prove_identities({"1/(1 - e^2) - 1 - e^2/(1 - e^2)": 1 / (1 - e**2) - 1 - e**2 / (1 - e**2)}),
@@ -119,18 +127,18 @@ def _prove_gain() -> Outcome:
 
 
 def _refute_rayleigh() -> Outcome:
-    """g = I, gamma_d = diag(1, 100), e = (0, 1/2): |eps|^2 |xi|^2, |xi| its largest entry, against eps' xi xi eps."""
+    """Compare both sides for g = I: |eps|^2 |xi|^2, where |xi| is the largest entry, and eps' xi xi eps."""
     eps = sp.log(3)
     xi = (sp.Integer(4), 4 / (100 * (1 - sp.Rational(1, 4))))
-    claimed, found = max(xi) ** 2 * eps**2, xi[1] ** 2 * eps**2
-    shown = f"it says {sp.N(claimed, 5)} <= {sp.N(found, 3)}"
+    claimed, true_value = max(xi) ** 2 * eps**2, xi[1] ** 2 * eps**2
+    evidence = f"it says {sp.N(claimed, 5)} <= {sp.N(true_value, 3)}"
     return refute_by_counterexample(
-        "the printed step", "gamma_d = diag(1, 100), e = (0, 1/2)", (claimed - found).is_positive, shown
+        "the printed step", "gamma_d = diag(1, 100), e = (0, 1/2)", (claimed - true_value).is_positive, evidence
     )
 
 
 def _prove_negative() -> Outcome:
-    """Remark 4.2: with -g in place of g and -k in place of k the closed loop is the same."""
+    """Prove Remark 4.2: with -g in place of g and -k in place of k the closed loop is the same."""
     g, k, v = sp.symbols("g k v", real=True)
     work = g * (-k * v)
     return prove_identities({"g (-k v), less the same with -g and -k": work - work.subs({g: -g, k: -k}, simultaneous=True)})

@@ -1,6 +1,6 @@
-"""The error transform of section IV and the law (13): the emitted forms are the printed ones; the clamp; the outer product.
+"""Lemmas about the error transform of section IV and the law (13): the emitted kernels, the clamp, and the outer product.
 
-Long because it is one family of the book.
+book.py takes LEMMAS as the family `transform`. Long because it is one family of the book.
 """
 
 from __future__ import annotations
@@ -81,17 +81,19 @@ def _prove_monotone() -> Outcome:
 
 
 def _prove_odd() -> Outcome:
-    """What lets the emitted law measure from the nearer edge."""
+    """Prove what allows the emitted law to measure from the nearer edge: with a, b exchanged and -k the input u is the same."""
     mirrored = formulas(lower(control_law.transformed_error()), {"a": b, "b": a})
-    plain = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
-    given = {"k": k, "xi": plain[1], "epsilon": plain[0]}
-    other = {"k": -k, "xi": mirrored[1], "epsilon": mirrored[0]}
+    transformed = formulas(lower(control_law.transformed_error()), {"a": a, "b": b})
+    inputs_from_lower = {"k": k, "xi": transformed[1], "epsilon": transformed[0]}
+    inputs_from_upper = {"k": -k, "xi": mirrored[1], "epsilon": mirrored[0]}
     law = lower(control_law.law())
     return prove_identities(
         {
-            "epsilon changes its sign": sp.expand_log(plain[0] + mirrored[0]),
-            "xi stays": plain[1] - mirrored[1],
-            "u with -k from the other edge is u": sp.expand_log(formulas(law, given)[0] - formulas(law, other)[0]),
+            "epsilon changes its sign": sp.expand_log(transformed[0] + mirrored[0]),
+            "xi stays": transformed[1] - mirrored[1],
+            "u with -k from the other edge is u": sp.expand_log(
+                formulas(law, inputs_from_lower)[0] - formulas(law, inputs_from_upper)[0]
+            ),
         }
     )
 
@@ -103,7 +105,7 @@ def _prove_law_shipped() -> Outcome:
 
 
 def _prove_clamp() -> Outcome:
-    """a >= c (a + b), c = (1 - e_max)/2, is e >= -e_max; and its mirror image."""
+    """Prove that a >= c (a + b) with c = (1 - e_max)/2 is e >= -e_max, and its mirror image."""
     e_max = sp.Symbol("e_max", positive=True)
     c = (1 - e_max) / 2
     return prove_identities(
@@ -116,13 +118,13 @@ def _prove_clamp() -> Outcome:
 
 
 def _outer_product() -> tuple[Any, Any]:
-    """e of two components, and I - e e^T as printed."""
+    """Return e of two components as symbols, and I - e e^T as printed."""
     vector = sp.Matrix(sp.symbols("e1 e2", real=True))
     return vector, sp.eye(2) - vector * vector.T
 
 
 def _refute_outer_product() -> Outcome:
-    """On the unit circle, which runs through the square |e_i| < 1, the determinant 1 - |e|^2 is 0."""
+    """Evaluate the determinant 1 - |e|^2 on the unit circle, which runs through the square |e_i| < 1: it is 0."""
     vector, matrix = _outer_product()
     determinant = matrix.det().subs(dict(zip(vector, (sp.Rational(4, 5), sp.Rational(3, 5)), strict=True)))
     return refute_by_counterexample(
@@ -131,7 +133,7 @@ def _refute_outer_product() -> Outcome:
 
 
 def _refute_outer_jacobian() -> Outcome:
-    """epsilon_1 does not depend on x_2, but the inverse of I - e e^T is full."""
+    """Compare xi_12 with the slope of epsilon_1 in x_2, which is 0; the inverse of I - e e^T is a full matrix."""
     vector, matrix = _outer_product()
     half = dict.fromkeys(vector, sp.Rational(1, 2))
     xi = matrix.inv()[0, 1].subs(half)
@@ -142,18 +144,18 @@ def _refute_outer_jacobian() -> Outcome:
 
 
 def _refute_outer_loop() -> Outcome:
-    """x = (3/4, 3/4) in the resting tube (-1, 1)^2, xdot = u, k = 1: u by the outer product points out of the tube in both."""
+    """Compute u by the outer product for xdot = u, k = 1 in the resting tube (-1, 1)^2: it points outward in both components."""
     vector, matrix = _outer_product()
-    at = dict.fromkeys(vector, sp.Rational(3, 4))
+    point = dict.fromkeys(vector, sp.Rational(3, 4))
     epsilon = sp.Matrix([sp.log((1 + v) / (1 - v)) for v in vector])
-    u = (-2 * matrix.inv() * epsilon).subs(at)  # 4/gamma_d = 2
-    pushed = all(bool(v > 0) for v in u)
-    shown = f"xdot = ({sp.N(u[0], 4)}, {sp.N(u[1], 4)}), away from the middle"
-    return refute_by_counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", pushed, shown)
+    u = (-2 * matrix.inv() * epsilon).subs(point)  # 4/gamma_d = 2
+    points_outward = all(bool(v > 0) for v in u)
+    evidence = f"xdot = ({sp.N(u[0], 4)}, {sp.N(u[1], 4)}), away from the middle"
+    return refute_by_counterexample("the loop is driven inward", "gamma = (-1, 1)^2, x = (3/4, 3/4)", points_outward, evidence)
 
 
 def _refute_outer_three() -> Outcome:
-    """In three dimensions the singular sphere is nearer to every corner still: e = (2/3, 2/3, 1/3)."""
+    """Evaluate the determinant in three dimensions on the unit sphere, where it is 0 as on the circle."""
     e = sp.Matrix([sp.Rational(2, 3), sp.Rational(2, 3), sp.Rational(1, 3)])
     determinant = (sp.eye(3) - e * e.T).det()
     return refute_by_counterexample(
@@ -162,7 +164,7 @@ def _refute_outer_three() -> Outcome:
 
 
 def _prove_clamp_cost() -> Outcome:
-    """While |eps| <= eps(e_max) the clamp does nothing; beyond, |u| is that at e_max: 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
+    """Prove that |u| at the clamp is the law's at e = e_max, which is 4 k eps(e_max)/(gamma_d (1 - e_max^2))."""
     ratio, width = sp.symbols("rho w", positive=True)
     e_max = ratio / (1 + ratio)  # any number from 0 to 1
     near, far = (1 - e_max) / 2 * width, (1 + e_max) / 2 * width
@@ -179,35 +181,37 @@ def _prove_clamp_cost() -> Outcome:
 
 
 def _prove_logarithm() -> Outcome:
-    """y = m 2^e, s = (m - 1)/(m + 1): ln y = e ln 2 + 2 atanh s, and the kernel's polynomial in place of 2 atanh(s)/s is within
-    2^-14.9 of it; |s| <= sqrt 2 - 1 squared."""
-    m, count = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
+    """Prove that the kernel computes e ln 2 + s (2 + C s^2), and that its polynomial is within 2^-14.9 of 2 atanh(s)/s.
+
+    For y = m 2^e and s = (m - 1)/(m + 1) the logarithm ln y is e ln 2 + 2 atanh s; |s| is at most (sqrt 2 - 1)^2.
+    """
+    mantissa, exponent = sp.Symbol("m", positive=True), sp.Symbol("e", integer=True)
     kernel = logarithm.without_library(lower(control_law.transformed_error()))
     epsilon, _ = formulas(kernel, {"a": a, "b": b})
     ratio = b / a
-    split = {sp.Function("exponent")(ratio): count, sp.Function("mantissa")(ratio): m}
-    s = (m - 1) / (m + 1)
-    around = sp.Rational(logarithm.C.numerator, logarithm.C.denominator) * s**2 + 2
+    parts = {sp.Function("exponent")(ratio): exponent, sp.Function("mantissa")(ratio): mantissa}
+    s = (mantissa - 1) / (mantissa + 1)
+    polynomial = sp.Rational(logarithm.C.numerator, logarithm.C.denominator) * s**2 + 2
     ln2 = sp.Rational(logarithm.LN2.numerator, logarithm.LN2.denominator)
-    farthest = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
+    s_limit = float(logarithm.FARTHEST) ** 0.5 * (1 + 2.0**-40)
     bound, c = 2.0**-14.9, arb(float(logarithm.C))
 
-    def room(v: Any, direction: int) -> Any:
-        """bound 2 s + direction D, D = s (2 + C s^2) - 2 atanh s, about the middle of the ball; 2 s <= 2 atanh s."""
-        mid = arb(v.mid())
-        difference = mid * (2 + c * mid**2) - 2 * mid.atanh()
+    def bound_less_error(v: Any, direction: int) -> Any:
+        """Enclose bound 2 s + direction D around the middle of the ball; D = s (2 + C s^2) - 2 atanh s, and 2 s <= 2 atanh s."""
+        middle = arb(v.mid())
+        difference = middle * (2 + c * middle**2) - 2 * middle.atanh()
         slope = 2 + 3 * c * v**2 - 2 / (1 - v**2)
-        return 2 * bound * mid + direction * difference + (2 * bound + direction * slope) * (v - mid)
+        return 2 * bound * middle + direction * difference + (2 * bound + direction * slope) * (v - middle)
 
-    small = 2.0**-7  # below: 2 atanh(s) - 2 s is at most 0.67 s^3, and C is
+    small = 2.0**-7  # below it 2 atanh(s) - 2 s is at most 0.67 s^3, and C is at most 0.68
     ln2_error = abs(arb(ln2.p) / ln2.q - arb(2).log())
     return all_of(
         prove_identities(
-            {"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(split) - (count * ln2 + s * around))}
+            {"emitted -epsilon less e ln2 + s (2 + C s^2)": sp.expand(-epsilon.subs(parts) - (exponent * ln2 + s * polynomial))}
         ),
-        prove_identities({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - m)}),
-        prove_above("2^-14.9 2 s + D", lambda v: room(v, 1), [(small, farthest)]),
-        prove_above("2^-14.9 2 s - D", lambda v: room(v, -1), [(small, farthest)]),
+        prove_identities({"(1 + s)/(1 - s) - m": sp.simplify((1 + s) / (1 - s) - mantissa)}),
+        prove_above("2^-14.9 2 s + D", lambda v: bound_less_error(v, 1), [(small, s_limit)]),
+        prove_above("2^-14.9 2 s - D", lambda v: bound_less_error(v, -1), [(small, s_limit)]),
         prove_above("2^-14.9 - 0.68 s^2/2 below s = 2^-7", lambda v: arb(bound) - arb("0.34") * v**2, [(0.0, small)]),
         prove_identities(
             {"whether |ln 2 of the Program - ln 2| is above 2^-50": sp.Integer(0 if ln2_error < arb(2) ** -50 else 1)}

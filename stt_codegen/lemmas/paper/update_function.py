@@ -1,4 +1,7 @@
-"""The update function (11): never negative, psi + alpha bounded away from 0, and the implicit step that is emitted."""
+"""Lemmas about the update function (11): alpha is not negative, psi + alpha stays away from 0, and the emitted implicit step.
+
+book.py takes LEMMAS as a part of the family `update`; the other part is update_cells.py.
+"""
 
 from __future__ import annotations
 
@@ -32,10 +35,13 @@ def _prove_not_negative() -> Outcome:
 
 
 def _prove_away() -> Outcome:
-    """z = psi + alpha; where z = s <= mu, psi = z - alpha <= mu, so theta >= theta0, and alpha = s - psi <= s + Psi."""
-    s, speed, largest = sp.symbols("s D Psi", positive=True)
-    zdot = -speed + theta0 / s**2 - kappa * (s + largest)
-    threshold = speed + kappa * (s + largest)
+    """Prove that z = psi + alpha rises where z = s < s*.
+
+    There s <= mu, so psi = z - alpha <= mu and theta >= theta0; and alpha = s - psi <= s + Psi.
+    """
+    s, psi_rate_bound, psi_bound = sp.symbols("s D Psi", positive=True)
+    zdot = -psi_rate_bound + theta0 / s**2 - kappa * (s + psi_bound)
+    threshold = psi_rate_bound + kappa * (s + psi_bound)
     y = sp.Symbol("y", nonnegative=True)
     return all_of(
         prove_identities({"zdot's bound where theta0/s^2 = D + kappa (s + Psi)": zdot.subs(theta0, s**2 * threshold)}),
@@ -51,16 +57,16 @@ def _prove_away() -> Outcome:
 
 
 def _prove_cubic() -> Outcome:
-    """alpha' = alpha + h (theta/z^2 - kappa alpha') with z = psi + alpha', times z^2/(1 + h kappa)."""
+    """Prove that backward Euler, alpha' = alpha + h (theta/z^2 - kappa alpha') with z = psi + alpha', is the cubic."""
     theta = sp.Symbol("theta", positive=True)
-    new = z - psi
-    residual = (new - alpha - h * (theta / z**2 - kappa * new)) * z**2 / (1 + h * kappa)
+    next_alpha = z - psi
+    residual = (next_alpha - alpha - h * (theta / z**2 - kappa * next_alpha)) * z**2 / (1 + h * kappa)
     cubic = (z - (psi + alpha / (1 + h * kappa))) * z**2 - h * theta / (1 + h * kappa)
     return prove_identities({"backward Euler times z^2/(1 + h kappa) less the cubic": residual - cubic})
 
 
 def _prove_unique() -> Outcome:
-    """f = (z - p) z^2 - q: -q at 0 and at z = p; rises where z > max(p, 0), since f' = z (3 z - 2 p)."""
+    """Prove that f = (z - p) z^2 - q is -q at 0 and at z = p, and rises where z > max(p, 0), since f' = z (3 z - 2 p)."""
     p = sp.Symbol("p", real=True)
     f = (z - p) * z**2 - q
     y = sp.Symbol("y", positive=True)
@@ -77,18 +83,17 @@ def _prove_unique() -> Outcome:
 
 
 def _prove_newton_start() -> Outcome:
-    """f is not negative at the start, and f'' > 0 from there down to the root: Newton falls monotonically to it."""
-    r = sp.Symbol("r", positive=True)  # q = r^3
-    m = sp.Symbol("m", positive=True)  # p = -m
-    above = ((z - p_) * z**2 - r**3).subs(z, p_ + r)
-    first = ((z + m) * z**2 - r**3).subs(z, r)
-    second = ((z + m) * z**2 - q).subs(z, sp.sqrt(q / m))
+    """Prove that f is not negative at the start and f'' > 0 from there down to the root, to which Newton's iterates then fall."""
+    r, m = sp.symbols("r m", positive=True)  # q = r^3, and p = -m where p is negative
+    f_at_p_plus_r = ((z - p_) * z**2 - r**3).subs(z, p_ + r)
+    f_at_r = ((z + m) * z**2 - r**3).subs(z, r)
+    f_at_square_root = ((z + m) * z**2 - q).subs(z, sp.sqrt(q / m))
     return all_of(
-        prove_identities({"p >= 0, z = p + r: f less r (p^2 + 2 p r)": above - r * (p_**2 + 2 * p_ * r)}),
+        prove_identities({"p >= 0, z = p + r: f less r (p^2 + 2 p r)": f_at_p_plus_r - r * (p_**2 + 2 * p_ * r)}),
         prove_identities(
             {
-                "p < 0, z = r: f less m r^2": first - m * r**2,
-                "p < 0, z = sqrt(q/m): f less (q/m)^(3/2)": sp.simplify(second - (q / m) ** sp.Rational(3, 2)),
+                "p < 0, z = r: f less m r^2": f_at_r - m * r**2,
+                "p < 0, z = sqrt(q/m): f less (q/m)^(3/2)": sp.simplify(f_at_square_root - (q / m) ** sp.Rational(3, 2)),
             }
         ),
         prove_identities({"f'' - (6 z - 2 p)": sp.diff((z - p_) * z**2, z, 2) - (6 * z - 2 * p_)}),
@@ -96,23 +101,26 @@ def _prove_newton_start() -> Outcome:
 
 
 def _refute_inverted_start() -> Outcome:
-    """psi constant -1/2, kappa = 5, theta <= 2 theta0 = 0.02: on alpha in [0, 0.1] alphadot < 0 at 0.1, so z stays below -0.4."""
-    worst = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
-    shown = f"alphadot <= {worst.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
-    return refute_by_counterexample("psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", worst < 0, shown)
+    """Enclose alphadot for psi = -1/2, kappa = 5, theta <= 2 theta0 = 0.02: it is below 0 at alpha = 0.1, so z stays below
+    -0.4."""
+    largest_rate = arb("0.02") / (arb("-0.5") + arb("0.1")) ** 2 - 5 * arb("0.1")
+    evidence = f"alphadot <= {largest_rate.str(4)} at alpha = 0.1, so alpha stays below it and psi + alpha below -0.4"
+    return refute_by_counterexample(
+        "psi + alpha becomes positive", "psi = -1/2, kappa = 5, theta0 = 0.01", largest_rate < 0, evidence
+    )
 
 
 def _prove_bounded() -> Outcome:
-    """theta <= 2 theta0 (update.jacobian), so at alpha = 2 theta0/(kappa s^2) and psi + alpha >= s alphadot <= 0."""
-    s, more = sp.symbols("s m", positive=True)
-    largest = 2 * theta0 / (kappa * s**2)
-    rate = 2 * theta0 / (s + more) ** 2 - kappa * largest
+    """Prove alphadot <= 0 at alpha = 2 theta0/(kappa s^2) where psi + alpha >= s, with theta <= 2 theta0 (update.jacobian)."""
+    s, excess = sp.symbols("s m", positive=True)
+    alpha_bound = 2 * theta0 / (kappa * s**2)
+    rate = 2 * theta0 / (s + excess) ** 2 - kappa * alpha_bound
     return all_of(
-        prove_identities({"alphadot's bound there at psi + alpha = s": rate.subs(more, 0)}),
+        prove_identities({"alphadot's bound there at psi + alpha = s": rate.subs(excess, 0)}),
         prove_identities(
             {
                 "at psi + alpha = s + m, plus 2 theta0 (2 s m + m^2)/(s^2 (s + m)^2)": sp.together(
-                    rate + 2 * theta0 * (2 * s * more + more**2) / (s**2 * (s + more) ** 2)
+                    rate + 2 * theta0 * (2 * s * excess + excess**2) / (s**2 * (s + excess) ** 2)
                 )
             }
         ),
@@ -120,17 +128,20 @@ def _prove_bounded() -> Outcome:
 
 
 def _refute_printed_lemma() -> Outcome:
-    """Two bumps from opposite sides, beta_L = 5.2 over beta_U = 5; rho = [4.9, 5.3], alpha = 0, nu = 100: both psi are 0.1."""
+    """Enclose the width where two bumps from opposite sides cross, beta_L = 5.2 over beta_U = 5, while both psi are 0.1.
+
+    rho is [4.9, 5.3], alpha is 0 and nu is 100.
+    """
     low, high, beta_low, beta_high, nu = arb("4.9"), arb("5.3"), arb("5.2"), arb(5), arb(100)
     psi = (beta_high - low, high - beta_low)
     gaps = [top - bottom for top in (high, beta_high) for bottom in (low, beta_low)]
     width = -sum(((-nu * g).exp() for g in gaps), arb(0)).log() / nu
-    shown = (
+    evidence = (
         f"psi + alpha is {psi[0].str(2)} and {psi[1].str(2)}, gamma_d = {width.str(4)}; the gap of beta_U and beta_L is in no psi"
     )
     fails = psi[0] > 0 and psi[1] > 0 and width < 0
     return refute_by_counterexample(
-        "gamma_d > 0 where psi + alpha > 0", "beta_L = 5.2, beta_U = 5, rho = [4.9, 5.3]", fails, shown
+        "gamma_d > 0 where psi + alpha > 0", "beta_L = 5.2, beta_U = 5, rho = [4.9, 5.3]", fails, evidence
     )
 
 
