@@ -468,23 +468,34 @@ def _update() -> list[float]:
 
 def _rows() -> list[float]:
     task = stt.parse(TASK)  # anew: sets keep their faces
-    rows._terms.cache_clear()
-    made = [rows.width_rows(task), rows.state_rows(task), rows.start_rows(task), rows.stay_rows(task), rows.reach_rows(task)]
-    every = [row for part in (*made, rows.speed_rows(task), *(a.rows for a in rows.avoid_rows(task))) for row in part]
-    about = [(row.size, row.seen_from((Fraction(1), Fraction(3))), row.needed, row.dimension) for row in every]
+    rows._lowest_value_terms.cache_clear()
+    made = [
+        rows.width_constraints(task),
+        rows.initial_state_constraints(task),
+        rows.start_constraints(task),
+        rows.stay_constraints(task),
+        rows.reach_constraints(task),
+    ]
+    every = [
+        row for part in (*made, rows.speed_constraints(task), *(a.alternatives for a in rows.avoidances(task))) for row in part
+    ]
+    about = [(row.size, row.bound_from((Fraction(1), Fraction(3))), row.distance_error, row.dimension) for row in every]
     faces = [
         [s.faces, s.support((2, -3)), s.grown((Fraction(1), Fraction(2))).faces, s.vertices, s.span(0)] for s in task.obstacles
     ]
     faces += [sets.Grown(s, (Fraction(1), Fraction(2))).support((2, -3)) for s in task.obstacles]
     lows = [sets.low_of(n, (Fraction(1), Fraction(2)), (Fraction(5), Fraction(7))) for n in ((1, 2), (-1, 3), (0, -2))]
-    return _numbers_of([every, about, faces, lows, len(rows.avoid_rows(task))])
+    return _numbers_of([every, about, faces, lows, len(rows.avoidances(task))])
 
 
 def _slack() -> list[float]:
     draw = random.Random(7)
     bezier = np.array([[[[draw.randint(-60, 60) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(4)])
-    made = [rows.Row(((0, 0, 1),), Fraction(-70)), rows.Row(((1, 1, -1),), Fraction(-211, 3))]
-    slanted = [rows.Row(((0, 0, 2), (1, 1, -3)), Fraction(7, 3), Fraction(1), 5), rows.Row(((1, 0, 1), (1, 1, 1)), Fraction(-99))]
+    made = [rows.Constraint(((0, 0, 1),), Fraction(-70)), rows.Constraint(((1, 1, -1),), Fraction(-211, 3))]
+    slanted = [
+        rows.Constraint(((0, 0, 2), (1, 1, -3)), Fraction(7, 3), Fraction(1), 5),
+        rows.Constraint(((1, 0, 1), (1, 1, 1)), Fraction(-99)),
+    ]
     chosen = [rows.Avoidance("a", tuple(slanted)), rows.Avoidance("b", (made[0], slanted[0]))]
     unit = Fraction(1, 2)
     blocks = [slack.RowBlock.of(made, unit), slack.RowBlock.of([*made, *slanted], unit), slack.RowBlock.choice(chosen, unit)]
@@ -515,9 +526,10 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
     (alpha_curves, "curve_values ahead", _update, (update_cells,)),
     (alpha_curves.Curve, "of outer cell balance root beyond", _update, (update_cells,)),
     (alpha_curves.Steps, "reach least", _update, (update_cells,)),
-    (rows, "width_rows state_rows start_rows stay_rows reach_rows avoid_rows speed_rows within _between apart_rows _terms", _rows,
+    (rows, "width_constraints initial_state_constraints start_constraints stay_constraints reach_constraints avoidances "
+     "speed_constraints box_constraints _interval_constraints separation_constraints _lowest_value_terms", _rows,
      (row_lemmas,)),
-    (rows.Row, "size seen_from needed dimension", _rows, (row_lemmas,)),
+    (rows.Constraint, "size bound_from distance_error dimension", _rows, (row_lemmas,)),
     (sets, "low_of", _rows, (row_lemmas,)),
     (sets.BoxSet, "support faces grown", _rows, (row_lemmas,)),
     (sets.Grown, "support", _rows, (row_lemmas,)),

@@ -367,7 +367,7 @@ class Controller(pipeline.EmittedController):
         >>> [bool(c) for c in build("tasks/omni_s2.toml").covered([[0.25, 0.25], [0.25, 0.499]])]
         [True, False]
         """
-        if not self.design.capabilities.tells_covered_starts:
+        if not self.design.capabilities.emits_covered_starts:
             raise BadInput(f"{self.task.name}: only a refined tube says which starts are covered; this one is {self.design.kind}")
         (inside,) = self._at("covered", 0.0, x, v)
         return inside

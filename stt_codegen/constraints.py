@@ -1,12 +1,14 @@
-"""The rows of a task: what a tube must satisfy, as inequalities that are linear in its edges.
+"""The constraints of a task: what a tube must satisfy, as inequalities that are linear in its edges.
 
-    sum_k c_k E_k^(d) >= bound + keep        for all t, at t = 0, or at t_c
+    sum_k c_k E_k^(d) >= bound + clearance        for all t, at t = 0, or at t_c
 
-E_k is an edge (dimension, side), d = 0 the edge, d = 1 its rate and d = 2 its acceleration. A row is data. Design takes the
-bounds and normals of its linear programs from the rows (design/arena.py, a little tightened for the arithmetic), and every
-certificate (certify/) evaluates them: exactly on Bezier coefficients (exact.py), in balls (adaptive/enclosure.py), at samples
-(adaptive/falsification.py). P4 is a choice: of the rows of one set one must hold at every moment, each with a normal n of its
-own, c_i = n_i on the edge that is nearer to the set.
+E_k is an edge (dimension, side); d = 0 is the edge, d = 1 its rate and d = 2 its acceleration. A constraint is data. The design
+search takes the bounds and normals of its linear programs from the constraints (design/arena.py, a little tightened for the
+arithmetic). Every certificate (certify/) evaluates them: exactly on Bezier coefficients (exact.py), in balls
+(adaptive/enclosure.py), or at samples (adaptive/falsification.py).
+
+P4 is a choice: at every moment one of the alternatives of a set must hold. Each has a separating normal n, with c_i = n_i on the
+edge that is nearer to the set. The lemmas `rows.*` prove that these inequalities say what P1 to P6 say.
 """
 
 from __future__ import annotations
@@ -17,24 +19,27 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
+from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.program import round_down
 from stt_codegen.task import Task
 from stt_codegen.task.mission import In, State, left_over, regions_of
 from stt_codegen.task.sets import BoxSet, ConvexSet, Course, HalfSpace, Normal, Unsafe, UnsafeSet, Vector
 
-Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational row has a multiple of these
+Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational constraint has a multiple of these
 
 
 @dataclass(frozen=True)
-class Row:
-    """One inequality. terms: (dimension, side, c); keep: the clearance that the bound is raised by, in the units of the row; per:
-    what the slack is divided by to be a distance in the task's units; order: the derivative of the edges."""
+class Constraint:
+    """One inequality that is linear in the edges.
+
+    terms: (dimension, side, c). clearance: what the bound is raised by, in the units of the bound. slack_per_distance: the slack
+    divided by it is a distance in the task's units. order: the derivative of the edges.
+    """
 
     terms: tuple[Term, ...]
     bound: Fraction
-    keep: Fraction = Fraction(0)
-    per: int = 1
+    clearance: Fraction = Fraction(0)
+    slack_per_distance: int = 1
     order: int = 0
 
     @property
@@ -42,196 +47,221 @@ class Row:
         """Sum of |c|: errors of every edge by at most delta change the left side by at most this much times delta."""
         return sum(abs(c) for _, _, c in self.terms)
 
-    def seen_from(self, origin: Sequence[Fraction]) -> Fraction:
-        """The bound of the same row on a tube whose coordinates count from `origin`."""
+    def bound_from(self, origin: Sequence[Fraction]) -> Fraction:
+        """Return the bound of the same constraint on a tube whose coordinates count from `origin`."""
         return self.bound - sum(c * origin[i] for i, _, c in self.terms)
 
     @property
-    def needed(self) -> Fraction:
-        """How much slack, told as a distance, an error of 1 in every edge may take."""
-        return Fraction(self.size, self.per)
+    def distance_error(self) -> Fraction:
+        """How much slack, as a distance, an error of 1 in every edge may take."""
+        return Fraction(self.size, self.slack_per_distance)
 
     @property
     def dimension(self) -> int | None:
-        """The one that the row is about, from 0; None where it is about several."""
-        found = {i for i, _, _ in self.terms}
-        return found.pop() if len(found) == 1 else None
+        """The dimension whose edges the constraint bounds, from 0; None where it bounds edges of several."""
+        dimensions = {i for i, _, _ in self.terms}
+        return dimensions.pop() if len(dimensions) == 1 else None
 
 
 @dataclass(frozen=True)
 class Avoidance:
-    """P4 for one set: at every moment one of the rows must hold. course: where the set is not always the same; then the rows are
-    about where it is when it is not displaced, and `growing` is by how much each bound rises where the set grows by 1."""
+    """P4 for one set: at every moment one of the alternatives must hold.
+
+    course: the motion of a set that moves, grows, or is unsafe only at times; the alternatives are then about the set where it is
+    not displaced. growth_rates: by how much each bound rises where the set grows by 1.
+    """
 
     name: str
-    rows: tuple[Row, ...]
+    alternatives: tuple[Constraint, ...]
     course: Course | None = None
-    growing: tuple[Fraction, ...] = ()
+    growth_rates: tuple[Fraction, ...] = ()
 
 
-def least_width(task: Task) -> Fraction:
-    """What P1 demands: below LEAST_WIDTH the emitted law is another."""
-    return max(task.tube.min_width, LEAST_WIDTH)
+def minimum_width(task: Task) -> Fraction:
+    """Return the width that P1 demands; below MINIMUM_WIDTH the emitted law is another."""
+    return max(task.tube.min_width, MINIMUM_WIDTH)
 
 
-def width_rows(task: Task) -> tuple[Row, ...]:
-    """P1, for all t: R_i - L_i >= min_width."""
-    return tuple(Row(((i, UPPER, 1), (i, LOWER, -1)), least_width(task)) for i in range(task.dimension))
+def width_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P1, for all t: R_i - L_i >= min_width."""
+    return tuple(Constraint(((i, UPPER, 1), (i, LOWER, -1)), minimum_width(task)) for i in range(task.dimension))
 
 
-def state_rows(task: Task) -> tuple[Row, ...]:
-    """P2, at t = 0: x(0) between the edges, both sides by dimension."""
-    return _between([(-x, x) for x in task.initial_state], -1)
+def initial_state_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P2, at t = 0: x(0) between the edges, both sides by dimension."""
+    return _interval_constraints([(-x, x) for x in task.initial_state], -1)
 
 
-def start_rows(task: Task) -> tuple[Row, ...]:
-    """P2, at t = 0: the tube within the initial set."""
-    return within(task.start)
+def start_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P2, at t = 0: the tube within the initial set."""
+    return box_constraints(task.start)
 
 
-def stay_rows(task: Task) -> tuple[Row, ...]:
-    """P3, for all t: the tube within the state space less the body."""
-    return (*within(task.free_space), *behind_rows(task.space_cuts))
+def stay_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P3, for all t: the tube within the state space less the body."""
+    return (*box_constraints(task.free_space), *half_space_constraints(task.space_cuts))
 
 
-def reach_rows(task: Task) -> tuple[Row, ...]:
-    """P5, at t_c: the tube within the target set."""
-    return (*within(task.target), *behind_rows(task.target_cuts))
+def reach_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P5, at t_c: the tube within the target set."""
+    return (*box_constraints(task.target), *half_space_constraints(task.target_cuts))
 
 
-def avoid_rows(task: Task) -> tuple[Avoidance, ...]:
-    """P4, for all t: for every unsafe set, grown by the body, a choice of rows."""
-    found = []
+def avoidances(task: Task) -> tuple[Avoidance, ...]:
+    """Return P4, for all t: for every unsafe set, grown by the body, the alternatives of which one must hold."""
+    result = []
     for s, course in zip(task.obstacles, task.courses, strict=True):
         larger = s.spread(Fraction(1)) if course is not None else s
-        growing = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
-        found.append(Avoidance(s.name, apart_rows(s, task.tube.clearance), course, growing))
-    return tuple(found)
+        growth_rates = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
+        result.append(Avoidance(s.name, separation_constraints(s, task.tube.clearance), course, growth_rates))
+    return tuple(result)
 
 
-def mission_rows(task: Task, state: State) -> tuple[Avoidance, ...]:
-    """P10, at the moments at which a state formula of the mission must hold: of each of these one row. To be in a region is to be
-    behind all of its faces; out of one, with the body and the clearance, is P4; of boxes with "and" and "or" what is left over
-    must be avoided (task/mission/complements.py)."""
+def mission_avoidances(task: Task, state: State) -> tuple[Avoidance, ...]:
+    """Return P10, at the moments at which a state formula of the mission must hold: of each avoidance one alternative.
+
+    To be in a region is to be behind all of its faces. To be out of one, with the body and the clearance, is P4. Of boxes with
+    "and" and "or", what the formula leaves over must be avoided (task/mission/complements.py).
+    """
     inner, n, regions = state.inner, task.dimension, task.regions
     if not isinstance(inner, In):
-        spans = {one: _span(task, one) for one in regions_of(inner)}
-        return tuple(Avoidance(str(state), _open_rows(*box)) for box in left_over(inner, spans, n))
+        spans = {region_formula: _box_span(task, region_formula) for region_formula in regions_of(inner)}
+        return tuple(Avoidance(str(state), _outside_box_constraints(*box)) for box in left_over(inner, spans, n))
     region = regions[inner.region]
     assert isinstance(region, Unsafe)
-    own = task.axis_indices(region)
+    axes = task.axis_indices(region)
     if inner.kept:
-        convex = region.within(task.state_space, own).grown(task.half_extents)
-        return (Avoidance(str(state), apart_rows(convex, task.tube.clearance)),)
-    places = [(dict(zip(own, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
-    faces = [(tuple(place.get(i, 0) for i in range(n)), offset) for place, offset in places]
-    return tuple(Avoidance(str(state), (row,)) for row in behind_rows(faces))
+        convex = region.within(task.state_space, axes).grown(task.half_extents)
+        return (Avoidance(str(state), separation_constraints(convex, task.tube.clearance)),)
+    components = [(dict(zip(axes, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
+    half_spaces = [(tuple(component.get(i, 0) for i in range(n)), offset) for component, offset in components]
+    return tuple(Avoidance(str(state), (constraint,)) for constraint in half_space_constraints(half_spaces))
 
 
-def _span(task: Task, one: In) -> tuple[Vector, Vector]:
-    """A region that is a box; of one that is kept off, with the body and the clearance; as long as anything where it has no
-    edges."""
-    region = task.regions[one.region]
+def _box_span(task: Task, formula: In) -> tuple[Vector, Vector]:
+    """Return the lower and upper edges of a region that is a box, in all dimensions.
+
+    The span of a region that is avoided is grown by the body and the clearance. Where the region has no edges, the span is longer
+    than anything in the state space.
+    """
+    region = task.regions[formula.region]
     assert isinstance(region, UnsafeSet)
-    own = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
-    far = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
-    keep = [h + task.tube.clearance if one.kept else Fraction(0) for h in task.half_extents]
-    ends = [own.get(i, (-far, far)) for i in range(task.dimension)]
-    return tuple(a - k for (a, _), k in zip(ends, keep, strict=True)), tuple(b + k for (_, b), k in zip(ends, keep, strict=True))
+    edges = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
+    unbounded = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
+    growth = [h + task.tube.clearance if formula.kept else Fraction(0) for h in task.half_extents]
+    ends = [edges.get(i, (-unbounded, unbounded)) for i in range(task.dimension)]
+    lower = tuple(a - g for (a, _), g in zip(ends, growth, strict=True))
+    return lower, tuple(b + g for (_, b), g in zip(ends, growth, strict=True))
 
 
-def _open_rows(lower: Sequence[Fraction | None], upper: Sequence[Fraction | None]) -> tuple[Row, ...]:
-    """The tube beyond a box on one of the sides on which it ends."""
-    below = [Row(((i, UPPER, -1),), -a) for i, a in enumerate(lower) if a is not None]
-    return (*below, *(Row(((i, LOWER, 1),), b) for i, b in enumerate(upper) if b is not None))
+def _outside_box_constraints(lower: Sequence[Fraction | None], upper: Sequence[Fraction | None]) -> tuple[Constraint, ...]:
+    """Return the alternatives by which a tube is outside a box: beyond one of the sides on which the box ends."""
+    below = [Constraint(((i, UPPER, -1),), -a) for i, a in enumerate(lower) if a is not None]
+    return (*below, *(Constraint(((i, LOWER, 1),), b) for i, b in enumerate(upper) if b is not None))
 
 
-def speed_rows(task: Task) -> tuple[Row, ...]:
-    """P6, for all t: both edges of every dimension no faster than max_speed; none where there is no bound."""
-    return _rates(task.max_speed, 1)
+def speed_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P6, for all t: both edges of every dimension no faster than max_speed; none where there is no bound."""
+    return _rate_constraints(task.max_speed, 1)
 
 
-def acceleration_rows(task: Task) -> tuple[Row, ...]:
-    """P6, for all t before t_c: both edges of every dimension within max_acceleration; none where there is no bound."""
-    return _rates(task.max_acceleration, 2)
+def acceleration_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P6, for all t before t_c: both edges of every dimension within max_acceleration; none where there is no bound."""
+    return _rate_constraints(task.max_acceleration, 2)
 
 
-def root_share(n: int) -> Fraction:
-    """1/sqrt(n), rounded down."""
+def inverse_square_root(n: int) -> Fraction:
+    """Return 1/sqrt(n), rounded down."""
     return Fraction(math.isqrt(10**24 // n), 10**12)
 
 
-def spare_input(task: Task) -> tuple[Fraction, ...]:
-    """By component, how fast an input within u_max, as it is emitted, moves the state at least against all that may push it the
-    other way: g_min u_max - |f| - |w| - |g_ij| u_max of the others. Negative where it cannot. Where u is scaled as a whole: what
-    every edge may move at, so that the norm of all that pushes is below g_min u_max."""
+def control_authority(task: Task) -> tuple[Fraction, ...]:
+    """Return by component how fast an input within u_max, as it is emitted, moves the state at least against the plant bounds.
+
+    That is g_min u_max - |f| - |w| - |g_ij| u_max of the other components, in the task's units per second to the power of the
+    plant's order; negative where the input cannot. Where u is scaled as a whole it is what every edge may move at, so that the
+    norm of the plant bounds and the edges' rates is below g_min u_max.
+    """
     assert task.u_max is not None
     limit = [round_down(v, task.emit.scalar) for v in task.u_max]
     if task.scales:
-        return tuple((b.g_min * v - b.force) * root_share(task.dimension) for b, v in zip(task.plant_bounds, limit, strict=True))
+        share = inverse_square_root(task.dimension)
+        return tuple((b.g_min * v - b.force) * share for b, v in zip(task.plant_bounds, limit, strict=True))
     total = sum(limit, Fraction(0))
     return tuple(b.g_min * v - b.force - b.cross * (total - v) for b, v in zip(task.plant_bounds, limit, strict=True))
 
 
-def limit_rows(task: Task) -> tuple[Row, ...]:
-    """P8, for all t: no edge comes towards the state faster than an input within u_max can move it away, L_i' and -R_i' below
-    `spare_input`; none where that is not asked for, and for order 2, where it is about accelerations."""
+def limit_constraints(task: Task) -> tuple[Constraint, ...]:
+    """Return P8, for all t: no edge comes towards the state faster than an input within u_max can move it away.
+
+    So L_i' and -R_i' are below `control_authority`. There are none where the task does not demand limits, and none for order 2,
+    where P8 is about accelerations.
+    """
     if not task.limits_are_demanded or task.order == 2:
         return ()
-    pairs = enumerate(spare_input(task))
-    if task.scales:  # the norm of the edges' rates counts, which way they move
-        return _rates(spare_input(task), 1)
-    return tuple(Row(((i, side, sign),), -v, order=1) for i, v in pairs for side, sign in ((LOWER, -1), (UPPER, 1)))
+    speeds = control_authority(task)
+    if task.scales:  # the norm of the edges' rates counts, whatever their direction
+        return _rate_constraints(speeds, 1)
+    sides = ((LOWER, -1), (UPPER, 1))
+    return tuple(Constraint(((i, side, sign),), -v, order=1) for i, v in enumerate(speeds) for side, sign in sides)
 
 
-def fastest_edges(task: Task) -> tuple[Fraction, ...] | None:
-    """How fast a search lets the edges be, by component: max_speed, and what P8 leaves, though an edge that gives way could be
-    faster; None for no bound."""
+def edge_speed_limits(task: Task) -> tuple[Fraction, ...] | None:
+    """Return by component how fast a search lets the edges be: max_speed, and what P8 leaves; None for no bound.
+
+    An edge that moves away from the state could be faster under P8.
+    """
     if not task.limits_are_demanded or task.order == 2:
         return task.max_speed
-    spare = spare_input(task)
-    return spare if task.max_speed is None else tuple(map(min, spare, task.max_speed))
+    authority = control_authority(task)
+    return authority if task.max_speed is None else tuple(map(min, authority, task.max_speed))
 
 
-def _rates(most: Sequence[Fraction] | None, order: int) -> tuple[Row, ...]:
-    edges = ((i, side) for i in range(len(most or ())) for side in (LOWER, UPPER))
-    return tuple(Row(((i, side, sign),), -most[i], order=order) for i, side in edges for sign in (-1, 1)) if most else ()
+def _rate_constraints(limits: Sequence[Fraction] | None, order: int) -> tuple[Constraint, ...]:
+    if not limits:
+        return ()
+    edges = ((i, side) for i in range(len(limits)) for side in (LOWER, UPPER))
+    return tuple(Constraint(((i, side, sign),), -limits[i], order=order) for i, side in edges for sign in (-1, 1))
 
 
-def within(box: BoxSet) -> tuple[Row, ...]:
-    """The tube inside a box: L_i >= lower_i and -R_i >= -upper_i, both sides by dimension."""
-    return _between([(a, -b) for a, b in zip(box.lower, box.upper, strict=True)], 1)
+def box_constraints(box: BoxSet) -> tuple[Constraint, ...]:
+    """Return the constraints that keep a tube inside a box: L_i >= lower_i and -R_i >= -upper_i, both sides by dimension."""
+    return _interval_constraints([(a, -b) for a, b in zip(box.lower, box.upper, strict=True)], 1)
 
 
-def behind_rows(half_spaces: Iterable[HalfSpace]) -> tuple[Row, ...]:
-    """The tube in half-spaces normal.x <= offset: low of -normal is at least -offset. The slack over |n|_1 is by how much the
-    tube may grow."""
-    found = []
+def half_space_constraints(half_spaces: Iterable[HalfSpace]) -> tuple[Constraint, ...]:
+    """Return the constraints that keep a tube in half-spaces normal.x <= offset: low of -normal is at least -offset.
+
+    The slack over |n|_1 is by how much the tube may grow.
+    """
+    result = []
     for normal, offset in half_spaces:
-        terms, size = _terms(tuple(-c for c in normal))
-        found.append(Row(terms, -offset, per=size))
-    return tuple(found)
+        terms, size = _lowest_value_terms(tuple(-c for c in normal))
+        result.append(Constraint(terms, -offset, slack_per_distance=size))
+    return tuple(result)
 
 
-def _between(bounds: Iterable[tuple[Fraction, Fraction]], sign: int) -> tuple[Row, ...]:
-    """sign L_i >= first bound, -sign R_i >= second bound."""
-    found = []
+def _interval_constraints(bounds: Iterable[tuple[Fraction, Fraction]], sign: int) -> tuple[Constraint, ...]:
+    """Return sign L_i >= first bound and -sign R_i >= second bound, by dimension."""
+    result = []
     for i, (low, high) in enumerate(bounds):
-        found += [Row(((i, LOWER, sign),), low), Row(((i, UPPER, -sign),), high)]
-    return tuple(found)
+        result += [Constraint(((i, LOWER, sign),), low), Constraint(((i, UPPER, -sign),), high)]
+    return tuple(result)
 
 
-def apart_rows(convex: ConvexSet, clearance: Fraction) -> tuple[Row, ...]:
-    """For every normal of the set: low_n(B) >= h(n) + |n|_1 clearance. The slack over |n|_1 is the clearance beyond, in the
-    largest component."""
-    found = []
+def separation_constraints(convex: ConvexSet, clearance: Fraction) -> tuple[Constraint, ...]:
+    """Return for every normal of the set the constraint that separates a tube's box B from it.
+
+    It is low_n(B) >= h(n) + |n|_1 clearance. The slack over |n|_1 is the clearance beyond, in the largest component.
+    """
+    result = []
     for normal, support in convex.faces:
-        terms, size = _terms(normal)
-        found.append(Row(terms, support, clearance if size == 1 else size * clearance, size))
-    return tuple(found)
+        terms, size = _lowest_value_terms(normal)
+        result.append(Constraint(terms, support, clearance if size == 1 else size * clearance, size))
+    return tuple(result)
 
 
 @cache
-def _terms(normal: Normal) -> tuple[tuple[Term, ...], int]:
-    """The terms of low_n, the least of n.x over the tube's box, and |n|_1."""
+def _lowest_value_terms(normal: Normal) -> tuple[tuple[Term, ...], int]:
+    """Return the terms of low_n, the smallest value of n.x over the tube's box, and |n|_1."""
     return tuple((i, LOWER if c > 0 else UPPER, c) for i, c in enumerate(normal) if c), sum(map(abs, normal))

@@ -1,6 +1,7 @@
 """The kinds of tubes that a task can ask for, and what can be asked of each: one row for each kind.
 
-The table is below the task, whose checks read it. designs/ says what a tube of each kind is. Nobody else compares names of kinds.
+The checks of a task read the table, so it is in a layer below the task. designs/ says what a tube of each kind is. Only this
+table and that of the stages (pipeline.py) go by the name of a kind.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ DesignKind = Literal["refined", "adaptive", "literal"]
 class Capabilities:
     """What a kind of tube offers; a task that asks for more is refused."""
 
-    accepts_user_tubes: bool = False  # `certify_tube` takes one that somebody else designed
+    accepts_user_tubes: bool = False  # `certify_tube` takes a tube that the user designed
     avoids_any_shape: bool = False  # else unsafe sets, state space and target are boxes
     bounds_acceleration: bool = False  # tube.max_acceleration
     carries_out_missions: bool = False
@@ -27,10 +28,10 @@ class Capabilities:
     has_integer_form: bool = False  # emit.scalar = "fixed"
     inlines_logarithm: bool = False  # emit.math = "inline"
     offers_widths: bool = False  # tube.prefer, `design --pareto`
-    proves_limits: bool = False  # P8: u_max outdoes what pushes
+    proves_limits: bool = False  # P8: u_max outdoes the plant bounds
     proves_periods: bool = False  # P9: control.period
     scales_input: bool = False  # control.saturate = "scale"
-    tells_covered_starts: bool = False  # the emitted `covered`
+    emits_covered_starts: bool = False  # the emitted `covered`
     waits_outside: bool = False  # control.outside other than "return"
     unread_options: frozenset[str] = frozenset()  # fields of [tube.adaptive] that its design does not read
 
@@ -51,7 +52,7 @@ CAPABILITIES: Mapping[DesignKind, Capabilities] = {
         proves_limits=True,
         proves_periods=True,
         scales_input=True,
-        tells_covered_starts=True,
+        emits_covered_starts=True,
         waits_outside=True,
     ),
     "adaptive": Capabilities(unread_options=frozenset({"bump_steepness"})),

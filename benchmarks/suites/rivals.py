@@ -83,7 +83,7 @@ def _adaptive(controller: EmittedController) -> ca.Function:
         beta = []
         for side in (0, 1):
             total = ca.SX(0)
-            for b in design.of(i, side):
+            for b in design.bumps_on(i, side):
                 shape = [float(v) for v in (b.height, b.steepness, b.middle, b.radius, circumvent.CUT["float"])]
                 total = circumvent.join()(total, circumvent.circumvent()(held, *shape), nu)
             beta.append(float(design.walls[i][side]) + (total if side == LOWER else -total))

@@ -21,16 +21,16 @@ from stt_codegen.certify.missions import SLICES, kept_off
 from stt_codegen.certify.moving_slack import moving_pieces
 from stt_codegen.certify.slack import Found, RowBlock, pieces_of
 from stt_codegen.constraints import (
-    Row,
-    acceleration_rows,
-    avoid_rows,
-    mission_rows,
-    reach_rows,
-    speed_rows,
-    start_rows,
-    state_rows,
-    stay_rows,
-    width_rows,
+    Constraint,
+    acceleration_constraints,
+    avoidances,
+    initial_state_constraints,
+    mission_avoidances,
+    reach_constraints,
+    speed_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
 )
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
@@ -68,32 +68,32 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     error = units_of_error(design, certificate.edge_error)
     always, n = (0, segments), task.dimension
 
-    def every(subject: Property, rows: Sequence[Row]) -> Claim:
+    def every(subject: Property, rows: Sequence[Constraint]) -> Claim:
         found = pieces_of(bezier, RowBlock.of(rows, unit), error * _demand(rows))
         worst = [(a, b, slack.min(keepdims=True)) for a, b, slack in found]
         cut = tuple(Stretch(a, b, None) for a, b, _ in found if b - a < 1)
         return Claim(subject, always, min(_whole(slack[0]) for _, _, slack in worst), hints=cut)
 
-    def at(subject: Property, rows: Sequence[Row], piece: int, point: int) -> Claim:
+    def at(subject: Property, rows: Sequence[Constraint], piece: int, point: int) -> Claim:
         place = 0 if piece == 0 else segments
         held = np.repeat(bezier[piece : piece + 1 or None, ..., point : point + 1 or None], 4, axis=-1)
         return Claim(subject, (place, place), int(RowBlock.of(rows, unit).slack(held)[0][0]))
 
     def avoid() -> list[Claim]:
         found = []
-        for one in avoid_rows(task):
-            required = error * _demand(one.rows)
+        for one in avoidances(task):
+            required = error * _demand(one.alternatives)
             if one.course is None:
                 pieces = pieces_of(bezier, RowBlock.choice([one], unit), required)
             else:
                 pieces = list(moving_pieces(one, design, required))
             margin = min(_whole(slack.max()) for _, _, slack in pieces)
-            found.append(Claim(Property.AVOID, always, margin, one.name, tuple(_stretches(pieces, one.rows, margin, n))))
+            found.append(Claim(Property.AVOID, always, margin, one.name, tuple(_stretches(pieces, one.alternatives, margin, n))))
         return found
 
     kink = int(design.kink(task.order).max())
 
-    def within(order: int, rows: Sequence[Row]) -> int | None:
+    def within(order: int, rows: Sequence[Constraint]) -> int | None:
         """The least room of rates, or accelerations, in units of the table by one segment's time to that power."""
         edges = bezier
         for degree in range(3, 3 - order, -1):
@@ -111,14 +111,14 @@ def claims_of(task: Task, design: RefinedDesign, certificate: Certificate) -> li
     else:
         spare = least_spare(task, design)
         inert = [] if spare is None else [Claim(Property.LIMITS, always, spare.slack)]
-    second = within(2, acceleration_rows(task))
+    second = within(2, acceleration_constraints(task))
     return [
-        every(Property.WIDTH, width_rows(task)),
-        at(Property.START, (*state_rows(task), *start_rows(task)), 0, 0),
-        every(Property.STAY, stay_rows(task)),
+        every(Property.WIDTH, width_constraints(task)),
+        at(Property.START, (*initial_state_constraints(task), *start_constraints(task)), 0, 0),
+        every(Property.STAY, stay_constraints(task)),
         *avoid(),
-        *([] if task.target_set is None else [at(Property.REACH, reach_rows(task), -1, -1)]),
-        Claim(Property.SMOOTH, always, -kink if kink else within(1, speed_rows(task))),
+        *([] if task.target_set is None else [at(Property.REACH, reach_constraints(task), -1, -1)]),
+        Claim(Property.SMOOTH, always, -kink if kink else within(1, speed_constraints(task))),
         *([] if second is None else [Claim(Property.SMOOTH, always, second, order=2)]),
         *inert,
         *_mission(task, design, certificate),
@@ -132,7 +132,7 @@ def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> lis
         assert shown is not None
         inner = state.inner
         hinted = isinstance(inner, In) and inner.kept and not isinstance(task.regions[inner.region], UnsafeSet)
-        (rows,) = [one.rows for one in mission_rows(task, state)] if hinted else [()]
+        (rows,) = [one.alternatives for one in mission_avoidances(task, state)] if hinted else [()]
         for span in spans:
             told = kept_off(design, RowBlock.of(rows, design.unit), span, shown.margin) if hinted else []
             hints = tuple(Stretch(a, b, _normal(rows[r], task.dimension)) for a, b, r in told)
@@ -140,7 +140,7 @@ def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> lis
     return found
 
 
-def _normal(row: Row, n: int) -> tuple[int, ...]:
+def _normal(row: Constraint, n: int) -> tuple[int, ...]:
     normal = [0] * n
     for i, _, c in row.terms:
         normal[i] = c
@@ -164,11 +164,11 @@ def cuts_of(claims: Sequence[Claim]) -> int:
     return max(finest, SLICES) if any(claim.subject is Property.MISSION for claim in claims) else finest
 
 
-def _demand(rows: Sequence[Row]) -> Fraction:
-    return max(row.needed for row in rows)
+def _demand(rows: Sequence[Constraint]) -> Fraction:
+    return max(row.distance_error for row in rows)
 
 
-def _stretches(pieces: list[Found], rows: Sequence[Row], margin: int, n: int) -> list[Stretch]:
+def _stretches(pieces: list[Found], rows: Sequence[Constraint], margin: int, n: int) -> list[Stretch]:
     """The fewest stretches with one normal each that show the margin; pieces of a cut segment stay apart."""
     result: list[Stretch] = []
     k = 0

@@ -24,16 +24,16 @@ from stt_codegen.certify.moving_slack import least_moving
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.constraints import (
     Avoidance,
-    Row,
-    acceleration_rows,
-    avoid_rows,
-    least_width,
-    reach_rows,
-    speed_rows,
-    start_rows,
-    state_rows,
-    stay_rows,
-    width_rows,
+    Constraint,
+    acceleration_constraints,
+    avoidances,
+    initial_state_constraints,
+    minimum_width,
+    reach_constraints,
+    speed_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
 )
 from stt_codegen.controller import edge_error, rate_error
 from stt_codegen.decimals import above, by_component, decimal
@@ -103,7 +103,7 @@ def certify_refined(task: Task, design: RefinedDesign, edge_error: Sequence[Frac
         ),
         edge_error=tuple(edge_error),
         speed=speed,
-        least_width=width.margin + least_width(task),
+        least_width=width.margin + minimum_width(task),
         start=start,
         whole_start=all(
             1000 * max(start[i][0] - a, b - start[i][1]) <= b - a
@@ -129,19 +129,21 @@ class _Tube:
         least = least_slack(self.bezier, block, self.error / self.design.unit)
         scale = self.design.prescribed_time / self.design.segments
         chosen = block.rows[least.row]
-        needed = max(row.needed for row in block.rows)  # what least_slack has asked of every row
+        needed = max(row.distance_error for row in block.rows)  # what least_slack has asked of every row
         return Finding(
             subject, statement, least.slack * self.design.unit, self.error * needed,
             (least.interval[0] * scale, least.interval[1] * scale), None if chosen.dimension is None else chosen.dimension + 1,
             block.names[least.choice] if block.names else None,
         )  # fmt: skip
 
-    def at(self, subject: Property, statement: str, rows: Sequence[Row], piece: int, point: int, advice: str = "") -> Finding:
+    def at(
+        self, subject: Property, statement: str, rows: Sequence[Constraint], piece: int, point: int, advice: str = ""
+    ) -> Finding:
         """The finding of rows about one moment, the control point `point` of segment `piece`: 0 or t_c."""
         edges, unit = self.bezier[piece, :, :, point], self.design.unit
         left = [sum((c * int(edges[i, side]) for i, side, c in row.terms), Fraction(0)) * unit for row in rows]
-        slack = [(value - row.bound - row.keep) / row.per for value, row in zip(left, rows, strict=True)]
-        room = [value - self.error * row.needed for value, row in zip(slack, rows, strict=True)]
+        slack = [(value - row.bound - row.clearance) / row.slack_per_distance for value, row in zip(left, rows, strict=True)]
+        room = [value - self.error * row.distance_error for value, row in zip(slack, rows, strict=True)]
         row = room.index(min(room))
         time = Fraction(0) if piece == 0 else self.design.prescribed_time
         where = rows[row].dimension
@@ -151,26 +153,26 @@ class _Tube:
 
     def width(self) -> Finding:
         """P1: both edges may move by the arithmetic, so twice its error is demanded."""
-        statement = f"width >= {decimal(least_width(self.task))} in every dimension"
-        return self.always(Property.WIDTH, statement, RowBlock.of(width_rows(self.task), self.design.unit))
+        statement = f"width >= {decimal(minimum_width(self.task))} in every dimension"
+        return self.always(Property.WIDTH, statement, RowBlock.of(width_constraints(self.task), self.design.unit))
 
     def start(self) -> list[Finding]:
         """P2: x(0) inside gamma(0), and gamma(0) within the initial set."""
         inside, within = "x(0) inside gamma(0)", "gamma(0) within the initial set"
         return [
-            self.at(Property.START, inside, state_rows(self.task), 0, 0),
-            self.at(Property.START, within, start_rows(self.task), 0, 0, "design the tube again"),
+            self.at(Property.START, inside, initial_state_constraints(self.task), 0, 0),
+            self.at(Property.START, within, start_constraints(self.task), 0, 0, "design the tube again"),
         ]
 
     def stay(self) -> Finding:
         """P3: both edges within the state space, for the body's middle."""
         statement = "gamma within the state space" + (" less the body" if any(self.task.half_extents) else "")
-        block = RowBlock.of(stay_rows(self.task), self.design.unit)
+        block = RowBlock.of(stay_constraints(self.task), self.design.unit)
         return self.always(Property.STAY, statement, block)
 
     def avoid(self) -> Finding:
         """P4: at every moment at least the clearance from every unsafe set, along one of its normals."""
-        sets = avoid_rows(self.task)
+        sets = avoidances(self.task)
         if not sets:
             return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
         statement = f"gamma at least {decimal(self.task.tube.clearance)} from each of {len(sets)} unsafe sets"
@@ -184,14 +186,14 @@ class _Tube:
 
     def avoid_moving(self, sets: Sequence[Avoidance], standing: Sequence[Avoidance], statement: str) -> Finding:
         """P4 where some sets move, or are unsafe only at times."""
-        design, needed = self.design, max(row.needed for one in sets for row in one.rows)
+        design, needed = self.design, max(row.distance_error for one in sets for row in one.alternatives)
         required = self.error / design.unit * needed
         found = [(least_moving(one, design, required), one) for one in sets if one.course is not None]
         if standing:
             least = least_slack(self.bezier, RowBlock.choice(standing, design.unit), self.error / design.unit)
             found.append((least, standing[least.choice]))
         least, one = min(found, key=lambda pair: pair[0].slack)
-        rows = one.rows if one.course is not None else tuple(row for other in standing for row in other.rows)
+        rows = one.alternatives if one.course is not None else tuple(row for other in standing for row in other.alternatives)
         scale, where = design.prescribed_time / design.segments, rows[least.row].dimension
         return Finding(
             Property.AVOID, statement, least.slack * design.unit, self.error * needed,
@@ -200,7 +202,7 @@ class _Tube:
 
     def reach(self) -> Finding:
         """P5: gamma(t_c) within the target set, and held there."""
-        return self.at(Property.REACH, "gamma(t_c) within the target set", reach_rows(self.task), -1, 3)
+        return self.at(Property.REACH, "gamma(t_c) within the target set", reach_constraints(self.task), -1, 3)
 
 
 def _derivative(design: RefinedDesign, bezier: npt.NDArray[np.int64], order: int) -> tuple[npt.NDArray[np.int64], Fraction]:
@@ -237,7 +239,7 @@ def _smooth(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64], sp
         return Finding(Property.SMOOTH, told, -Fraction(int(kink[i])) * design.unit, Fraction(0), at, i + 1, None, advice)
     bound = ", ".join(f"{above(v, 4):g}" for v in speed)
     statement = f"{smooth}; |gammadot| <= {bound}"
-    return _limited(design, bezier, speed_rows(task), statement, "max_speed") or Finding(
+    return _limited(design, bezier, speed_constraints(task), statement, "max_speed") or Finding(
         Property.SMOOTH, statement, Fraction(0), Fraction(0)
     )
 
@@ -247,12 +249,12 @@ def _accelerated(task: Task, design: RefinedDesign, bezier: npt.NDArray[np.int64
     second, unit = _derivative(design, bezier, 2)
     bound = ", ".join(f"{above(int(v) * unit, 4):g}" for v in np.abs(second).max(axis=(0, 2, 3)))
     when = " before t_c" if design.seam is None else ""
-    found = _limited(design, bezier, acceleration_rows(task), f"|gammaddot| <= {bound}{when}", "max_acceleration")
+    found = _limited(design, bezier, acceleration_constraints(task), f"|gammaddot| <= {bound}{when}", "max_acceleration")
     return () if found is None else (found,)
 
 
 def _limited(
-    design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Row], statement: str, option: str
+    design: RefinedDesign, bezier: npt.NDArray[np.int64], rows: Sequence[Constraint], statement: str, option: str
 ) -> Finding | None:
     """P6 for rows of rates or accelerations, four for each dimension; None where there are none."""
     slack = []

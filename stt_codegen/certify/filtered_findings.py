@@ -13,9 +13,17 @@ from fractions import Fraction
 import numpy as np
 
 from stt_codegen.certify.certificate import Finding
-from stt_codegen.constraints import spare_input
+from stt_codegen.constraints import control_authority
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign, filtered, pressed, slopes_at_start
+from stt_codegen.designs import (
+    LOWER,
+    MINIMUM_WIDTH,
+    UPPER,
+    RefinedDesign,
+    demanded_accelerations,
+    filtered_edges,
+    slopes_at_start,
+)
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
@@ -39,11 +47,11 @@ def allowance(design: RefinedDesign, edge: Sequence[Fraction], rate: Sequence[Fr
 
 
 def filtered_width(design: RefinedDesign) -> Slack:
-    """By how much the filtered tube is wider than LEAST_WIDTH."""
-    pieces = filtered(design)
+    """By how much the filtered tube is wider than MINIMUM_WIDTH."""
+    pieces = filtered_edges(design)
     room = (pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min(axis=-1)
     k, i = np.unravel_index(int(room.argmin()), room.shape)
-    return Slack(int(room[k, i]) - math.ceil(LEAST_WIDTH / pieces.unit), pieces.unit, int(k), int(i))
+    return Slack(int(room[k, i]) - math.ceil(MINIMUM_WIDTH / pieces.unit), pieces.unit, int(k), int(i))
 
 
 def starts(task: Task, design: RefinedDesign, wrong: Sequence[Fraction]) -> Slack:
@@ -65,8 +73,8 @@ def spare_acceleration(task: Task, design: RefinedDesign) -> Slack | None:
     """By how much an input within u_max outdoes what pushes v + lambda x at an edge; None where that is not asked for."""
     if not task.limits_are_demanded:
         return None
-    pieces, found = pressed(design), []
-    for i, spare in enumerate(spare_input(task)):
+    pieces, found = demanded_accelerations(design), []
+    for i, spare in enumerate(control_authority(task)):
         asked = np.maximum(pieces.coefficients[:, i, LOWER], -pieces.coefficients[:, i, UPPER]).max(axis=-1)
         k = int(asked.argmax())
         found.append(Slack(math.floor(spare / pieces.unit) - int(asked[k]), pieces.unit, k, i))
@@ -110,7 +118,7 @@ def certify_inertia(task: Task, design: RefinedDesign, edge: tuple[Fraction, ...
         assert task.u_max is not None
         statement = (
             f"|u| <= {by_component(task.u_max)} holds v + lambda x off every edge: it turns it by "
-            f"{by_component(spare_input(task))}/s^2 against all that pushes"
+            f"{by_component(control_authority(task))}/s^2 against all that pushes"
         )
         advice = "raise control.u_max or prescribed_time, lower tube.filter, or state a milder plant"
         found.append(finding(Property.LIMITS, statement, spare, spare.unit, advice))

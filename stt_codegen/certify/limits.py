@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stt_codegen.certify.certificate import Finding
-from stt_codegen.constraints import limit_rows, spare_input
+from stt_codegen.constraints import control_authority, limit_constraints
 from stt_codegen.decimals import by_component
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
@@ -35,7 +35,7 @@ def least_spare(task: Task, design: RefinedDesign) -> LeastSpare | None:
     steps = 3 * np.diff(design.bezier(), axis=3)
     scale = design.prescribed_time / design.segments / design.unit
     found = []
-    for row in limit_rows(task):
+    for row in limit_constraints(task):
         ((i, side, sign),) = row.terms
         rate = (sign * steps[:, i, side]).min(axis=1)
         segment = int(rate.argmin())
@@ -50,7 +50,7 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
         return ()
     length = design.prescribed_time / design.segments
     per_second = design.unit / length
-    spare = by_component(spare_input(task))
+    spare = by_component(control_authority(task))
     assert task.u_max is not None
     statement = f"|u| <= {by_component(task.u_max)} holds x off every edge: it moves x by {spare}/s against all that pushes"
     if task.scales:

@@ -41,14 +41,14 @@ class Lines:
     def of(cls, one: Avoidance, leg: Leg, time: Fraction = ONE, length: Fraction = ONE) -> Lines:
         """bound + keep + n.d(t) + growing growth(t), by rows and places; in whole numbers, for a motion may have many turns."""
         assert one.course is not None
-        ends, pairs = (leg.begin, leg.end), list(zip(one.rows, one.growing, strict=True))
+        ends, pairs = (leg.begin, leg.end), list(zip(one.alternatives, one.growth_rates, strict=True))
         grown = [one.course.growth(t) for t in ends]
-        still = [[(row.bound + row.keep + g * more) / length for row, g in pairs] for more in grown]
+        still = [[(row.bound + row.clearance + g * more) / length for row, g in pairs] for more in grown]
         moved = [[[v / length for v in place[e]] for place in leg.places] for e in (0, 1)]
         common = math.lcm(*(v.denominator for told in (*still, *(p for end in moved for p in end)) for v in told))
-        n = 1 + max(i for row in one.rows for i, _, _ in row.terms)
-        normal = np.zeros((len(one.rows), n), dtype=object)
-        for r, row in enumerate(one.rows):
+        n = 1 + max(i for row in one.alternatives for i, _, _ in row.terms)
+        normal = np.zeros((len(one.alternatives), n), dtype=object)
+        for r, row in enumerate(one.alternatives):
             for i, _, c in row.terms:
                 normal[r, i] = c
         values = []

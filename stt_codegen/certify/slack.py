@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.constraints import Avoidance, Row
-from stt_codegen.designs import MOST_BITS
+from stt_codegen.constraints import Avoidance, Constraint
+from stt_codegen.designs import COEFFICIENT_BIT_LIMIT
 
 ZERO, ONE = Fraction(0), Fraction(1)
 DEPTH = 20  # a piece is halved at most this often before its property counts as failed
 CHUNK = 1 << 20  # rows times pieces that are looked at together
-LARGEST_BEZIER = 6 << MOST_BITS  # of a coefficient, in units of the table
+LARGEST_BEZIER = 6 << COEFFICIENT_BIT_LIMIT  # of a coefficient, in units of the table
 
 Found = tuple[Fraction, Fraction, npt.NDArray[Any]]  # from, to, and the slack of every row
 Pieces = npt.NDArray[Any]  # Bezier coefficients (P, n, 2, 4): int64, or Fraction objects once halved
@@ -43,7 +43,7 @@ class RowBlock:
     """Rows in units of the table. coefficient (R, n, 2), bound (R,): whole numbers, bounds rounded up. first: of a choice of
     rows, where each set's begin; else every row must hold. names: of the sets."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[Constraint, ...]
     coefficient: npt.NDArray[Any]
     bound: npt.NDArray[Any]
     per: npt.NDArray[Any]
@@ -51,28 +51,35 @@ class RowBlock:
     names: tuple[str, ...]
 
     @classmethod
-    def of(cls, rows: Sequence[Row], unit: Fraction) -> RowBlock:
+    def of(cls, rows: Sequence[Constraint], unit: Fraction) -> RowBlock:
         """A block whose rows must all hold."""
         return cls._made(tuple(rows), unit, list(range(len(rows))), ())
 
     @classmethod
     def choice(cls, sets: Sequence[Avoidance], unit: Fraction) -> RowBlock:
         """A block of which, for each unsafe set, one row must hold at every moment."""
-        rows = [row for one in sets for row in one.rows]
-        first = np.cumsum([0, *(len(one.rows) for one in sets[:-1])]).tolist()
+        rows = [row for one in sets for row in one.alternatives]
+        first = np.cumsum([0, *(len(one.alternatives) for one in sets[:-1])]).tolist()
         return cls._made(tuple(rows), unit, first, tuple(one.name for one in sets))
 
     @classmethod
-    def _made(cls, rows: tuple[Row, ...], unit: Fraction, first: list[int], names: tuple[str, ...]) -> RowBlock:
+    def _made(cls, rows: tuple[Constraint, ...], unit: Fraction, first: list[int], names: tuple[str, ...]) -> RowBlock:
         n = 1 + max(i for row in rows for i, _, _ in row.terms)
-        bound = [units_above(row.bound + row.keep if row.keep else row.bound, unit) for row in rows]
+        bound = [units_above(row.bound + row.clearance if row.clearance else row.bound, unit) for row in rows]
         largest = max(row.size for row in rows) * LARGEST_BEZIER + max(map(abs, bound))
         kind: Any = np.int64 if largest < 1 << 62 else object
         coefficient = np.zeros((len(rows), n, 2), dtype=kind)
         for r, row in enumerate(rows):
             for i, side, c in row.terms:
                 coefficient[r, i, side] = c
-        return cls(rows, coefficient, np.array(bound, dtype=kind), np.array([row.per for row in rows]), np.array(first), names)
+        return cls(
+            rows,
+            coefficient,
+            np.array(bound, dtype=kind),
+            np.array([row.slack_per_distance for row in rows]),
+            np.array(first),
+            names,
+        )
 
     @cached_property
     def single(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]] | None:
@@ -135,7 +142,7 @@ class RowBlock:
 def least_slack(bezier: npt.NDArray[np.int64], block: RowBlock, unit_error: Fraction) -> Least:
     """The least slack of the rows over all segments, halving those whose hull does not show what an error of `unit_error` (in
     units of the table) in every edge may take. Pieces are looked at CHUNK rows at a time, so that memory stays small."""
-    required = unit_error * max(Fraction(*pair) for pair in {(row.size, row.per) for row in block.rows})
+    required = unit_error * max(Fraction(*pair) for pair in {(row.size, row.slack_per_distance) for row in block.rows})
     each = max(1, CHUNK // max(1, len(block.rows)))
     parts = [block.slack(bezier[k : k + each]) for k in range(0, len(bezier), each)]
     slack, row = (np.concatenate([part[q] for part in parts]) for q in (0, 1))

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.controller import starts_of
-from stt_codegen.designs import LEAST_WIDTH, require_adaptive, require_refined
+from stt_codegen.designs import MINIMUM_WIDTH, require_adaptive, require_refined
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
 
@@ -65,7 +65,7 @@ class _CasadiLaw(Backend):
         return (self._shares(lower, upper, x),)
 
     def _shares(self, lower: Array, upper: Array, x: Array) -> Array:
-        share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(LEAST_WIDTH))
+        share = np.minimum(x - lower, upper - x) / np.maximum(upper - lower, float(MINIMUM_WIDTH))
         return np.asarray(np.clip(share, -1.0, 0.5))
 
 
@@ -176,7 +176,7 @@ class CasadiAdaptive(_CasadiLaw):
         for side in (0, 1):
             for i in range(n):
                 total, slope = np.zeros_like(held), np.zeros_like(held)
-                for b in d.of(i, side):
+                for b in d.bumps_on(i, side):
                     shape = [float(v) for v in (b.height, b.steepness, b.middle, b.radius, circumvent.CUT["double"])]
                     bump, bump_rate = _over(circumvent.circumvent(True), held, *shape)
                     total, slope = _over(circumvent.join(True), total, bump, slope, bump_rate, float(d.nu))

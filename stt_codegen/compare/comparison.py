@@ -38,7 +38,7 @@ from stt_codegen.compare.points import random_alpha, random_states, random_times
 from stt_codegen.compare.start_comparison import covered_row
 from stt_codegen.controller import edge_error, errors_of_tube, probe_program, rate_error, ticks_of
 from stt_codegen.design_kinds import DesignKind
-from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, RefinedDesign, parameters_of, require_adaptive, require_refined
+from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, RefinedDesign, parameters_of, require_adaptive, require_refined
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.pipeline import EmittedController, build_program, build_task, render_files
 from stt_codegen.program import FORMATS
@@ -216,12 +216,12 @@ def _refined_rows(rows: _Rows, controller: EmittedController, design: RefinedDes
     if task.order == 2:
         _inertial_rows(rows, controller, design, backend, t, (delta, rate_bound))
         return
-    want = reference.margin(low, high, x, float(LEAST_WIDTH))
-    width = np.maximum(high - low, float(LEAST_WIDTH))
+    want = reference.margin(low, high, x, float(MINIMUM_WIDTH))
+    width = np.maximum(high - low, float(MINIMUM_WIDTH))
     moved = (delta + 2 * eps * np.maximum(np.abs(low), np.abs(high))) / (width - 2 * delta)  # an edge, over the width
     weight = 1 + 2 * np.abs(np.clip(np.minimum(x - low, high - x) / width, -1, 0.5))  # of the distance, and twice of the width
     rows.add("margin", backend.margin(t, x), want, (moved * weight).max(axis=1) + 8 * eps, 1.0)
-    by_component = reference.margins(low, high, x, float(LEAST_WIDTH))
+    by_component = reference.margins(low, high, x, float(MINIMUM_WIDTH))
     rows.add("margins", backend.call("margins", t, x)[0], by_component, moved * weight + 8 * eps, 1.0)
     _law_rows(rows, controller, (low, high, delta), x, backend.control(t, x), "")
     period = task.emit.tick_period
@@ -367,9 +367,9 @@ def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, point
         "tube": (flat(gamma), moved),
         "tube rate": (flat(rates), np.hstack([tube_rate["lower_rate"].error, tube_rate["upper_rate"].error])),
         "u": (u, law["u"].error),
-        "margin": (reference.margin(low, high, x, float(LEAST_WIDTH))[:, None], watched["return"].error[:, None]),
+        "margin": (reference.margin(low, high, x, float(MINIMUM_WIDTH))[:, None], watched["return"].error[:, None]),
         "margins": (
-            reference.margins(low, high, x, float(LEAST_WIDTH)),
+            reference.margins(low, high, x, float(MINIMUM_WIDTH)),
             by_component["margin"].error,
         ),
     }

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen import reference
-from stt_codegen.designs import LEAST_WIDTH, AdaptiveDesign, grid_tube, parameters_of
+from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, grid_tube, parameters_of
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
@@ -56,7 +56,7 @@ def with_trajectory(task: Task, t: Array, low: Array, high: Array, x: Array) -> 
     gain = np.array([abs(float(v)) for v in task.gain])
     state, before, result = np.array([float(v) for v in task.initial_state]), 0.0, x.copy()
     for k in inside:
-        width = np.maximum((high[k] - low[k]).astype(float), float(LEAST_WIDTH))
+        width = np.maximum((high[k] - low[k]).astype(float), float(MINIMUM_WIDTH))
         a = np.clip((state - low[k].astype(float)) / width, share, 1 - share)
         u = gain / width * (1 / a + 1 / (1 - a)) * np.log((1 - a) / a)
         state = state + np.clip((float(t[k]) - before) * u, -width / 4, width / 4)

@@ -31,7 +31,7 @@ from stt_codegen.controller.kernels import (
 )
 from stt_codegen.controller.ticks import segment_at_tick, ticks_of
 from stt_codegen.decimals import decimal
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign, filtered
+from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER, RefinedDesign, filtered_edges
 from stt_codegen.errors import BadInput
 from stt_codegen.program import (
     FALSE,
@@ -91,24 +91,27 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
 
 
 def _always_wide(design: RefinedDesign, program: Program) -> bool:
-    """Whether the emitted edges are more than LEAST_WIDTH apart for every t: the width is a mean, with weights of sum 6, of
+    """Whether the emitted edges are more than MINIMUM_WIDTH apart for every t: the width is a mean, with weights of sum 6, of
     the control points' widths, and the arithmetic moves each edge by no more than P7's bound."""
     table = design.integers()
     narrowest = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
-    if narrowest - 2 * max(edge_error(design, program)) <= 2 * LEAST_WIDTH:
+    if narrowest - 2 * max(edge_error(design, program)) <= 2 * MINIMUM_WIDTH:
         return False
     if not design.filter:
         return True
-    pieces, wrong = filtered(design), zip(edge_error(design, program), rate_error(design, program), design.filter, strict=True)
+    pieces, wrong = (
+        filtered_edges(design),
+        zip(edge_error(design, program), rate_error(design, program), design.filter, strict=True),
+    )
     room = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
-    return room - 2 * max(r + v * e for e, r, v in wrong) > 2 * LEAST_WIDTH
+    return room - 2 * max(r + v * e for e, r, v in wrong) > 2 * MINIMUM_WIDTH
 
 
 def _coefficients(design: RefinedDesign, scalar: str) -> Table:
     """The table. Raises `BadInput` where the scalar does not hold its numbers."""
-    if design.significant > FORMATS[scalar].precision:
-        raise BadInput(f'the tube needs {design.significant} bits, too many for a {scalar}; use emit.scalar = "double"')
-    both = "float and " if design.significant <= FORMATS["float"].precision else ""
+    if design.coefficient_bits > FORMATS[scalar].precision:
+        raise BadInput(f'the tube needs {design.coefficient_bits} bits, too many for a {scalar}; use emit.scalar = "double"')
+    both = "float and " if design.coefficient_bits <= FORMATS["float"].precision else ""
     values = tuple(v * design.unit for row in design.table for pair in row for v in pair)
     names = ", ".join(f"lower[{i}], upper[{i}]" for i in range(design.dimension))
     return Table(

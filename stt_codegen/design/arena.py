@@ -14,7 +14,16 @@ from fractions import Fraction
 
 import numpy as np
 
-from stt_codegen.constraints import Avoidance, Row, avoid_rows, fastest_edges, reach_rows, start_rows, stay_rows, width_rows
+from stt_codegen.constraints import (
+    Avoidance,
+    Constraint,
+    avoidances,
+    edge_speed_limits,
+    reach_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
+)
 from stt_codegen.decimals import below, decimal
 from stt_codegen.design.half_spaces import Array, HalfSpaces, ObliqueFaces
 from stt_codegen.design.lattice import Lattice, lattice_of
@@ -92,10 +101,10 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
     narrow to hold a tube at all."""
     lattice = lattice or lattice_of(task)
     origin, allowance = lattice.origin, lattice.allowance
-    found = list(zip(task.obstacles, avoid_rows(task), strict=True))
+    found = list(zip(task.obstacles, avoidances(task), strict=True))
     shapes, sets = [s for s, one in found if one.course is None], [one for _, one in found if one.course is None]
     n = task.dimension
-    least = max(row.bound for row in width_rows(task))
+    least = max(row.bound for row in width_constraints(task))
     wide = least + 2 * allowance
     for field, box in (("initial_set", task.start), ("target_set", task.target)):
         for i in range(n):
@@ -112,17 +121,17 @@ def arena_of(task: Task, lattice: Lattice | None = None) -> Arena:
                     )
                 )
     inset = 2 * allowance
-    speeds, accelerations = fastest_edges(task), task.max_acceleration
+    speeds, accelerations = edge_speed_limits(task), task.max_acceleration
     return Arena(
         names=tuple(one.name for one in sets),
         axes=task.axis_words,
-        space=_bounds(stay_rows(task), allowance, origin),
-        start=_bounds(start_rows(task), inset, origin),
-        target=_bounds(reach_rows(task), allowance, origin),
+        space=_bounds(stay_constraints(task), allowance, origin),
+        start=_bounds(start_constraints(task), inset, origin),
+        target=_bounds(reach_constraints(task), allowance, origin),
         unsafe=_spans(sets, origin),
         oblique_faces=_faces(sets, shapes, origin),
-        walls=_cuts(stay_rows(task), allowance, origin),
-        goals=_cuts(reach_rows(task), allowance, origin),
+        walls=_cuts(stay_constraints(task), allowance, origin),
+        goals=_cuts(reach_constraints(task), allowance, origin),
         initial_state=np.array([float(v - o) for v, o in zip(task.initial_state, origin, strict=True)]),
         prescribed_time=float(task.prescribed_time),
         clearance=float(task.tube.clearance + allowance),
@@ -159,49 +168,49 @@ def standing(arena: Arena) -> Arena:
     return replace(arena, names=names, unsafe=np.concatenate([arena.unsafe, spans]), oblique_faces=more, timed_obstacles=())
 
 
-def _bounds(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> Array:
+def _bounds(rows: Sequence[Constraint], room: Fraction, origin: Sequence[Fraction]) -> Array:
     """The box that rows of single edges leave, less `room`, seen from the origin: shape (2, n)."""
     box = np.stack([np.full(len(origin), -np.inf), np.full(len(origin), np.inf)])
     for row in rows:
         if row.dimension is not None:
             ((i, side, c),) = row.terms
-            edge = float((row.seen_from(origin) + row.per * room) / c)
+            edge = float((row.bound_from(origin) + row.slack_per_distance * room) / c)
             box[side, i] = max(box[side, i], edge) if c > 0 else min(box[side, i], edge)
     return box
 
 
-def _cuts(rows: Sequence[Row], room: Fraction, origin: Sequence[Fraction]) -> HalfSpaces:
+def _cuts(rows: Sequence[Constraint], room: Fraction, origin: Sequence[Fraction]) -> HalfSpaces:
     """What rows of several edges say, with `room` to spare."""
     found = [row for row in rows if row.dimension is None]
     normal = np.zeros((len(found), len(origin)))
     for x, row in enumerate(found):
         for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.per))
-    return HalfSpaces(normal, np.array([float(row.seen_from(origin) / row.per + room) for row in found]))
+            normal[x, i] = float(Fraction(c, row.slack_per_distance))
+    return HalfSpaces(normal, np.array([float(row.bound_from(origin) / row.slack_per_distance + room) for row in found]))
 
 
 def _spans(sets: Sequence[Avoidance], origin: Sequence[Fraction]) -> Array:
     """What rows of single edges say of every unsafe set, without the clearance, seen from the origin: shape (J, 2, n)."""
     spans = np.empty((len(sets), 2, len(origin)))
     for j, one in enumerate(sets):
-        for row in one.rows:
+        for row in one.alternatives:
             if row.dimension is not None:
                 ((i, side, sign),) = row.terms
-                spans[j, 1 - side, i] = float(row.seen_from(origin) / sign)
+                spans[j, 1 - side, i] = float(row.bound_from(origin) / sign)
     return spans
 
 
 def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Sequence[Fraction]) -> ObliqueFaces:
     """The avoidance rows whose normal is no axis, as arrays, seen from the origin."""
-    found = [(j, row) for j, one in enumerate(sets) for row in one.rows if row.dimension is None]
+    found = [(j, row) for j, one in enumerate(sets) for row in one.alternatives if row.dimension is None]
     normal = np.zeros((len(found), len(origin)))
     for x, (_, row) in enumerate(found):
         for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.per))
+            normal[x, i] = float(Fraction(c, row.slack_per_distance))
     skew = {j for j, _ in found}
     return ObliqueFaces(
         normal,
-        np.array([float(row.seen_from(origin) / row.per) for _, row in found]),
+        np.array([float(row.bound_from(origin) / row.slack_per_distance) for _, row in found]),
         np.array([j for j, _ in found], dtype=np.int64),
         tuple(_bends(s, origin) if j in skew else None for j, s in enumerate(shapes)),
         not any(s.radius for s in shapes),

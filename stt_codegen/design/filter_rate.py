@@ -12,10 +12,10 @@ from fractions import Fraction
 
 import numpy as np
 
-from stt_codegen.constraints import spare_input
+from stt_codegen.constraints import control_authority
 from stt_codegen.decimals import above
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER, RefinedDesign, filtered, pressed
+from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
 from stt_codegen.errors import NotCertified
 from stt_codegen.program import round_to
 from stt_codegen.properties import Property
@@ -44,14 +44,14 @@ def _chosen(task: Task, design: RefinedDesign, i: int) -> Fraction:
     bend = max(float(np.abs(v).max()) for v in edges.bend)
     balanced = float(np.sqrt(max(bend + push, 1e-9) / edges.width.max()))
     tried = [short(float(v)) for v in TRIED * balanced]
-    wide = [(edges.room(float(v)), edges.asked(float(v)), v) for v in tried if edges.room(float(v)) > 4 * float(LEAST_WIDTH)]
+    wide = [(edges.room(float(v)), edges.asked(float(v)), v) for v in tried if edges.room(float(v)) > 4 * float(MINIMUM_WIDTH)]
     if not wide:
         raise NotCertified(
             f"{Property.WIDTH.label}: no tube.filter up to {float(max(tried)):g} leaves v + lambda x room in "
             f"{task.axis_words[i]}, for the tube narrows too quickly there; raise prescribed_time, or make "
             "the initial set narrower"
         )
-    most = float(spare_input(task)[i]) if task.limits_are_demanded else np.inf
+    most = float(control_authority(task)[i]) if task.limits_are_demanded else np.inf
     good = [(room / (asked + push), v) for room, asked, v in wide if asked < most * (1 - 1e-6)]
     if not good:
         raise NotCertified(_too_much(task, i, min(asked for _, asked, _ in wide)))
@@ -61,7 +61,7 @@ def _chosen(task: Task, design: RefinedDesign, i: int) -> Fraction:
 def _too_much(task: Task, i: int, asked: float) -> str:
     """The refusal where every lambda asks for more than u_max leaves."""
     assert task.u_max is not None
-    lack = Fraction(asked) - spare_input(task)[i]
+    lack = Fraction(asked) - control_authority(task)[i]
     bounds = task.plant_bounds[i]
     enough = task.u_max[i] + lack / bounds.g_min
     if bounds.cross:  # the others' inputs grow too: one limit for all
@@ -100,8 +100,8 @@ class _Edges:
         both = replace(design, filter=still)
         edges = design.bezier()[:, i].astype(float) * float(design.unit)
         width = edges[:, UPPER] - edges[:, LOWER]
-        room = filtered(both).floats()[:, i]
-        press = pressed(both).floats()[:, i]
+        room = filtered_edges(both).floats()[:, i]
+        press = demanded_accelerations(both).floats()[:, i]
         return cls(width, room[:, UPPER] - room[:, LOWER] - width, (press[:, LOWER] - width, press[:, UPPER] + width))
 
     def room(self, value: float) -> float:

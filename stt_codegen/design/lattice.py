@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 
-from stt_codegen.designs import MOST_BITS
+from stt_codegen.designs import COEFFICIENT_BIT_LIMIT
 from stt_codegen.program import exponent_of
 from stt_codegen.task import Task
 
@@ -20,7 +20,7 @@ STEP_BITS = 23  # the step over the power of two that the lattice is scaled by
 FIXED_BITS = 21  # the same for a controller in integers, where a step between control points has 15 bits
 ALLOWANCE_STEPS = 32  # the usual allowance for rounding, in steps
 FAR = 6  # far: the power of two above the coordinates is over 2**FAR times that above the space's size
-MOST = MOST_BITS - STEP_BITS - 1  # so many bits more than a float's 24 a double spares
+MOST = COEFFICIENT_BIT_LIMIT - STEP_BITS - 1  # so many bits more than a float's 24 a double spares
 
 
 @dataclass(frozen=True)

@@ -1,25 +1,25 @@
-"""What a design is, as data: the numbers that fix a tube. How one is found stands in `design/`."""
+"""What a design is, as data: the numbers that fix a tube. The search for these numbers is in `design/`."""
 
-from stt_codegen.designs.adaptive import POINTS, AdaptiveDesign, Bump, grid_tube, parameters_of, require_adaptive
-from stt_codegen.designs.filtered import filtered, pressed, slopes_at_start
-from stt_codegen.designs.refined import MOST_BITS, RefinedDesign, require_refined
-from stt_codegen.designs.tube import LEAST_WIDTH, LOWER, UPPER, Design, Edge
+from stt_codegen.designs.adaptive import GRID_STEPS, AdaptiveDesign, Bump, grid_tube, parameters_of, require_adaptive
+from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges, slopes_at_start
+from stt_codegen.designs.refined import COEFFICIENT_BIT_LIMIT, RefinedDesign, require_refined
+from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge
 
 __all__ = [
-    "LEAST_WIDTH",
+    "COEFFICIENT_BIT_LIMIT",
+    "GRID_STEPS",
     "LOWER",
-    "MOST_BITS",
-    "POINTS",
+    "MINIMUM_WIDTH",
     "UPPER",
     "AdaptiveDesign",
     "Bump",
     "Design",
     "Edge",
     "RefinedDesign",
-    "filtered",
+    "demanded_accelerations",
+    "filtered_edges",
     "grid_tube",
     "parameters_of",
-    "pressed",
     "require_adaptive",
     "require_refined",
     "slopes_at_start",

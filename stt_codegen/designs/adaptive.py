@@ -1,7 +1,8 @@
 """What an adaptive or literal design is: the numbers of (2)-(11), as exact fractions; and its tube on a grid of times.
 
-The tube is computed by `reference.py`, which shares no code with what is emitted; alpha is stepped by the implicit step that the
-target makes.
+The tube is computed by `reference.py`, which shares no code with what is emitted. alpha is stepped by the implicit step that the
+emitted code makes. The falsification and the comparison with the emitted code read the grid; the lemmas `update.*` are about the
+step.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from stt_codegen.decimals import nine_digits
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
 from stt_codegen.designs.tube import LOWER, UPPER, Array, Design, Edge
 
-POINTS = 4000
+GRID_STEPS = 4000  # steps from 0 to t_c
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +73,7 @@ class AdaptiveDesign:
         return len(self.start)
 
     def parameters(self) -> dict[str, Any]:
-        """What a certificate tells of the design itself: all of its numbers, to nine digits."""
+        """Return what a certificate says about the design itself: all of its parameters, to nine digits."""
         names = ("theta0", "kappa", "mu", "varsigma", "nu")
         bumps = [
             {
@@ -92,22 +93,22 @@ class AdaptiveDesign:
         return f"{len(self.bumps)} circumvent function{'' if len(self.bumps) == 1 else 's'}"
 
     def numbers(self) -> dict[str, Any]:
-        """All numbers by name."""
+        """Return all numbers by name."""
         return asdict(self)
 
     def edges_at(self, t: Array) -> tuple[Array, Array]:
-        """Lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""
-        _, _, gamma, _ = grid_tube(self, len(t) - 1)
+        """Return lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""
+        gamma = grid_tube(self, len(t) - 1).gamma
         return gamma[:, :, LOWER], gamma[:, :, UPPER]
 
-    def of(self, dimension: int, side: int) -> tuple[Bump, ...]:
-        """The bumps on one side of one dimension."""
+    def bumps_on(self, dimension: int, side: int) -> tuple[Bump, ...]:
+        """Return the bumps on one side of one dimension."""
         return tuple(b for b in self.bumps if (b.dimension, b.side) == (dimension, side))
 
     @property
     def slots(self) -> tuple[int, int]:
-        """Rows of bumps that every dimension has, lower and upper side: as many as the fullest dimension needs."""
-        low, high = (max(len(self.of(i, side)) for i in range(self.dimension)) for side in (LOWER, UPPER))
+        """The number of bumps that every dimension gets on its lower and on its upper side: as many as any dimension needs."""
+        low, high = (max(len(self.bumps_on(i, side)) for i in range(self.dimension)) for side in (LOWER, UPPER))
         return low, high
 
 
@@ -119,7 +120,7 @@ def require_adaptive(design: Design) -> AdaptiveDesign:
 
 
 def parameters_of(design: AdaptiveDesign) -> reference.Parameters:
-    """The plain data of a design for the reference."""
+    """Return the plain data of a design for the reference."""
 
     def edges(pairs: tuple[tuple[Fraction, Fraction], ...]) -> Array:
         return np.array([[reference.exact(v) for v in pair] for pair in pairs])
@@ -132,19 +133,28 @@ def parameters_of(design: AdaptiveDesign) -> reference.Parameters:
     )  # fmt: skip
 
 
-def grid_tube(design: AdaptiveDesign, points: int = POINTS) -> tuple[Array, Array, Array, Array]:
-    """Times (S + 1,), and alpha, gamma and gammadot of shape (S + 1, n, 2), alpha stepped from 0 with dt = t_c / S."""
+class GridTube(NamedTuple):
+    """A tube on a grid: times (S + 1,), and alpha, gamma and gammadot of shape (S + 1, n, 2)."""
+
+    t: Array
+    alpha: Array
+    gamma: Array
+    rate: Array
+
+
+def grid_tube(design: AdaptiveDesign, steps: int = GRID_STEPS) -> GridTube:
+    """Return the tube at S + 1 equally spaced times, with alpha stepped from 0 by dt = t_c / S."""
     p = parameters_of(design)
-    step = float(design.prescribed_time) / points
-    t = np.arange(points + 1) * step
-    now = reference.lines(p, t)
-    alpha = step_alpha(design, now.psi.astype(float), step)
-    gamma, rate = reference.adaptive_tube(p, now, alpha)
-    return t, alpha, gamma.astype(float), rate.astype(float)
+    step = float(design.prescribed_time) / steps
+    t = np.arange(steps + 1) * step
+    lines = reference.lines(p, t)
+    alpha = step_alpha(design, lines.psi.astype(float), step)
+    gamma, rate = reference.adaptive_tube(p, lines, alpha)
+    return GridTube(t, alpha, gamma.astype(float), rate.astype(float))
 
 
 def step_alpha(design: AdaptiveDesign, psi: Array, dt: float) -> Array:
-    """alpha on a grid of step dt from 0, by the implicit step that is emitted; psi and the result of shape (S + 1, n, 2)."""
+    """Return alpha on a grid of step dt from 0, by the implicit step that is emitted. psi and alpha: (S + 1, n, 2)."""
     steps = _steps(len(psi) - 1)
     parameters = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
     alpha = np.zeros(psi.shape)

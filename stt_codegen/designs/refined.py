@@ -5,7 +5,8 @@ The tube's edge at spline time u = K t / t_c, in segment k = floor(u) with s = u
     gamma(u) = 2**-bits * sum_{j=0..3} table[k + j] * w_j(s),      w = ((1-s)^3, 3s^3-6s^2+4, -3s^3+3s^2+3s+1, s^3)
 
 so a table entry is a control point divided by 6: the division is done here, once, and not on the target.
-The numbers are dyadic, hence exact in the emitted file, and the certificate speaks about these very numbers.
+The numbers are dyadic, hence exact in the emitted file, and the certificate is about these very numbers. The design search
+(design/refine.py) or the user (design/user_tubes.py) makes them. The lemmas `refined.*` prove what the edges are between.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from stt_codegen import reference
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
 from stt_codegen.designs.tube import Array, Design
 
-MOST_BITS = 50  # of a coefficient: the hull's are up to 6 times as large
+COEFFICIENT_BIT_LIMIT = 50  # of a table entry; Bezier coefficients are up to 6 times as large
 
 
 @dataclass(frozen=True)
@@ -31,9 +32,9 @@ class RefinedDesign:
 
     table: control points over 6 in units of 2**-bits, `table[j][i]` = (lower, upper) for control point j = 0..K+2 and
     dimension i. prescribed_time: t_c in seconds. filter: lambda by component, for a plant of order 2 whose v + lambda x is held
-    in the tube (L' + lambda L, R' + lambda R); empty for order 1. seam: the segment with which the part begins that is repeated
-    for ever, to t_c; its first three control points are the last three once more, so that the tube is C2 there too. None for a
-    tube that stands from t_c on.
+    in the tube (L' + lambda L, R' + lambda R); empty for order 1. seam: the first segment of the part that is repeated for ever,
+    up to t_c; the first three control points of that part equal the last three, so that the tube is C2 there too. None for a tube
+    that is constant from t_c on.
     """
 
     prescribed_time: Fraction
@@ -48,10 +49,9 @@ class RefinedDesign:
     is_stateful: ClassVar[bool] = False  # the tube is a function of time alone
 
     def __post_init__(self) -> None:
-        """Every sum of the hull must be exact in a double, and every coefficient in the scalar of the emitted file, which is what
-        the certificate and the file rest on: `significant` says how many bits that takes."""
-        if self.significant > MOST_BITS:
-            raise ValueError(f"a coefficient of the tube needs more than {MOST_BITS} bits")
+        """Refuse a table whose Bezier coefficients are not exact in a double, since the certificate and the file rest on that."""
+        if self.coefficient_bits > COEFFICIENT_BIT_LIMIT:
+            raise ValueError(f"a coefficient of the tube needs more than {COEFFICIENT_BIT_LIMIT} bits")
 
     @property
     def capabilities(self) -> Capabilities:
@@ -62,8 +62,8 @@ class RefinedDesign:
         return len(self.table[0])
 
     @cached_property
-    def significant(self) -> int:
-        """The bits of the largest coefficient without its sign."""
+    def coefficient_bits(self) -> int:
+        """The number of bits of the largest table entry, without its sign."""
         return max(abs(v) for row in self.table for pair in row for v in pair).bit_length()
 
     @property
@@ -73,7 +73,7 @@ class RefinedDesign:
 
     @property
     def parts(self) -> int | None:
-        """Into how many parts of equal length its data divide the time."""
+        """The number of parts of equal length into which its data divide the time: the segments."""
         return self.segments
 
     @property
@@ -81,43 +81,48 @@ class RefinedDesign:
         return None if self.seam is None else self.prescribed_time * self.seam / self.segments
 
     def numbers(self) -> dict[str, Any]:
-        """All numbers by name; those of order 2 and of what is repeated only where there are some."""
+        """Return all numbers by name; the filter and the seam only where there are any."""
         return {name: value for name, value in asdict(self).items() if name not in ("filter", "seam") or value not in (None, ())}
 
     def edges_at(self, t: Array) -> tuple[Array, Array]:
-        """Lower and upper edges at any times t, shape (P, n) each, by `reference`."""
+        """Return lower and upper edges at any times t, shape (P, n) each, by `reference`."""
         low, high = reference.tube(self.integers(), self.unit, self.prescribed_time, t)
         return low.astype(float), high.astype(float)
 
     @property
     def unit(self) -> Fraction:
-        """The value of one table step."""
+        """The value of one table step, 2**-bits."""
         return Fraction(1, 1 << self.bits) if self.bits >= 0 else Fraction(1 << -self.bits)
 
     def integers(self) -> npt.NDArray[np.int64]:
-        """The table as an array of shape (K + 3, n, 2)."""
+        """Return the table as an array of shape (K + 3, n, 2)."""
         return np.array(self.table, dtype=np.int64)
 
     def bezier(self) -> npt.NDArray[np.int64]:
-        """Bezier coefficients of every segment, exact, in units of 2**-bits: shape (K, n, 2, 4)."""
+        """Return the Bezier coefficients of every segment, exact, in units of 2**-bits: shape (K, n, 2, 4)."""
         q = self.integers()
         q0, q1, q2, q3 = q[:-3], q[1:-2], q[2:-1], q[3:]
         return np.stack([q0 + 4 * q1 + q2, 4 * q1 + 2 * q2, 2 * q1 + 4 * q2, q1 + 4 * q2 + q3], axis=-1)
 
     def windows(self) -> npt.NDArray[np.int64]:
-        """The same, and last the time from t_c on: shape (K + 1, n, 2, 4). There the tube stands, or what is repeated begins
-        again."""
-        found = self.bezier()
-        after = np.repeat(found[-1:, ..., 3:], 4, axis=-1) if self.seam is None else found[self.seam : self.seam + 1]
-        return np.concatenate([found, after])
+        """Return the coefficients of `bezier`, and last those of the time from t_c on: shape (K + 1, n, 2, 4).
+
+        From t_c on the tube is constant, or the repeated part begins again.
+        """
+        segments = self.bezier()
+        after = np.repeat(segments[-1:, ..., 3:], 4, axis=-1) if self.seam is None else segments[self.seam : self.seam + 1]
+        return np.concatenate([segments, after])
 
     def kink(self, order: int = 1) -> npt.NDArray[np.int64]:
-        """By dimension how much the control points that must agree differ: the last three and those that they repeat, or, of a
-        tube that stands from t_c on, for order 1 the last and the last but two, for order 2 all of the last three."""
+        """Return by dimension by how many steps the control points differ that must agree for a smooth tube at t_c.
+
+        Of a repeated tube these are the last three and the first three of the repeated part. Of a tube that is constant from t_c
+        on they are, for order 1, the last and the last but two; for order 2 all of the last three.
+        """
         q = self.integers()
-        wanted = q[-3:-2] if self.seam is None else q[self.seam : self.seam + 3]
+        expected = q[-3:-2] if self.seam is None else q[self.seam : self.seam + 3]
         last = q[-order:] if self.seam is None else q[-3:]
-        return np.asarray(np.abs(last - wanted).max(axis=(0, 2)))
+        return np.asarray(np.abs(last - expected).max(axis=(0, 2)))
 
 
 def require_refined(design: Design) -> RefinedDesign:

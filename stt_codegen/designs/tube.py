@@ -1,4 +1,7 @@
-"""What every design answers, whatever its kind: a tube has a lower and an upper edge in every dimension."""
+"""What every design answers, whatever its kind: a tube has a lower and an upper edge in every dimension.
+
+The classes are in refined.py and adaptive.py; the rooms after the design stage ask designs through this protocol.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +14,12 @@ from stt_codegen.design_kinds import Capabilities, DesignKind
 
 LOWER, UPPER = 0, 1  # the sides, as indices
 Edge = tuple[Fraction, Fraction]  # lower, upper
-LEAST_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide, so that xi stays finite
+MINIMUM_WIDTH = Fraction(1, 1 << 20)  # narrower tubes are treated as this wide, so that xi stays finite
 Array = npt.NDArray[Any]
 
 
 class Design(Protocol):
-    """The numbers that fix a tube. What is done by kind stands in tables whose keys are kinds; everything else is asked here."""
+    """The numbers that fix a tube. What is done by kind stands in tables whose keys are kinds; this protocol has the rest."""
 
     @property
     def kind(self) -> DesignKind:
@@ -44,7 +47,7 @@ class Design(Protocol):
 
     @property
     def parts(self) -> int | None:
-        """Into how many parts of equal length its data divide the time; None where they divide nothing."""
+        """The number of parts of equal length into which its data divide the time; None where they divide nothing."""
 
     @property
     def filter(self) -> tuple[Fraction, ...]:
@@ -52,10 +55,10 @@ class Design(Protocol):
 
     @property
     def cycle_begin(self) -> Fraction | None:
-        """The time with which the part begins that is repeated for ever, to t_c; None for a tube that stands from t_c on."""
+        """The time at which the repeated part begins, which ends at t_c; None for a tube that is constant from t_c on."""
 
     def numbers(self) -> dict[str, Any]:
-        """All numbers that fix the tube, by name, as the design's hash reads them."""
+        """Return all numbers that fix the tube, by name, as the design's hash reads them."""
 
     def edges_at(self, t: Array) -> tuple[Array, Array]:
-        """Lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""
+        """Return lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""

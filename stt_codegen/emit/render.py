@@ -80,7 +80,7 @@ def _texts(task: Task, design: Design, program: Program, certificate: Certificat
         "phases": _phases(task, program, certificate),
     }
     t_c = Const(round_to(task.prescribed_time, program.scalar))
-    if design.capabilities.tells_covered_starts:
+    if design.capabilities.emits_covered_starts:
         common["share_text"] = decimal(start_share(task))
         common["share"] = Const(round_down(start_share(task), program.scalar))
     period = task.emit.tick_period

@@ -10,14 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify import Lines
-from stt_codegen.constraints import Avoidance, Row, avoid_rows
+from stt_codegen.constraints import Avoidance, Constraint, avoidances
 from stt_codegen.task import Task
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
 
-def _reached(row: Row, low: Array, high: Array) -> Array:
+def _reached(row: Constraint, low: Array, high: Array) -> Array:
     """What a row is of tubes (P, n), without its bound: (P,)."""
     return np.asarray(sum((float(c) * (high if side else low)[:, i] for i, side, c in row.terms), np.zeros(len(low))))
 
@@ -25,9 +25,9 @@ def _reached(row: Row, low: Array, high: Array) -> Array:
 def bounds_over(one: Avoidance, t: Array) -> Array:
     """The bounds of a set's rows over time, without the clearance, (R, T); minus infinity while it is safe."""
     if one.course is None:
-        return np.repeat(np.array([[float(row.bound)] for row in one.rows]), len(t), axis=1)
-    found = np.full((len(one.rows), len(t)), -np.inf)
-    keep = np.array([float(row.keep) for row in one.rows])[:, None]
+        return np.repeat(np.array([[float(row.bound)] for row in one.alternatives]), len(t), axis=1)
+    found = np.full((len(one.alternatives), len(t)), -np.inf)
+    keep = np.array([float(row.clearance) for row in one.alternatives])[:, None]
     for leg in one.course.legs:
         lines = Lines.of(one, leg)
         here = (t >= float(leg.begin)) & (t <= float(leg.end))
@@ -39,8 +39,8 @@ def bounds_over(one: Avoidance, t: Array) -> Array:
 def distance(one: Avoidance, t: Array, low: Array, high: Array) -> Array:
     """How far tubes at times t are from a set at least, along the best of its normals, the clearance not counted: (T,); negative
     where they meet it, infinite while it is safe."""
-    slack = np.array([_reached(row, low, high) for row in one.rows]) - bounds_over(one, t)
-    size = np.array([np.sqrt(sum(c * c for _, _, c in row.terms)) for row in one.rows])[:, None]
+    slack = np.array([_reached(row, low, high) for row in one.alternatives]) - bounds_over(one, t)
+    size = np.array([np.sqrt(sum(c * c for _, _, c in row.terms)) for row in one.alternatives])[:, None]
     return np.asarray((slack / size).max(axis=0))
 
 
@@ -64,11 +64,11 @@ class Band:
 
 def bands(task: Task, i: int, t: Array, low: Array, high: Array) -> Iterator[Band]:
     """Every unsafe set in dimension i."""
-    for one, convex in zip(avoid_rows(task), task.obstacles, strict=True):
+    for one, convex in zip(avoidances(task), task.obstacles, strict=True):
         bounds, off = bounds_over(one, t), np.zeros(len(t), dtype=bool)
         ends = dict(zip((-1, 1), (float(v) for v in convex.span(i)), strict=True))
         lower, upper = np.full(len(t), ends[-1]), np.full(len(t), ends[1])
-        for row, bound in zip(one.rows, bounds, strict=True):
+        for row, bound in zip(one.alternatives, bounds, strict=True):
             if {d for d, _, _ in row.terms} != {i}:
                 off |= _reached(row, low, high) >= bound
             elif one.course is not None and row.terms[0][2] < 0:

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered, pressed, slopes_at_start
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerations, filtered_edges, slopes_at_start
 from stt_codegen.program import FORMATS, round_down
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.sampling.plant import Bounds
@@ -51,7 +51,7 @@ class Extent:
 
 def extent(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Extent:
     """Exact but for the conversion to doubles, which is rounded outwards."""
-    edges, press = filtered(design), pressed(design)
+    edges, press = filtered_edges(design), demanded_accelerations(design)
     z = edges.coefficients[:, :, UPPER] - edges.coefficients[:, :, LOWER]
     bezier = design.bezier()
     w = bezier[:, :, UPPER] - bezier[:, :, LOWER]

@@ -13,14 +13,14 @@ from stt_codegen.certify.adaptive.finder import Finder
 from stt_codegen.certify.slack import RowBlock, least_slack
 from stt_codegen.constraints import (
     Avoidance,
-    Row,
-    avoid_rows,
-    reach_rows,
-    speed_rows,
-    start_rows,
-    state_rows,
-    stay_rows,
-    width_rows,
+    Constraint,
+    avoidances,
+    initial_state_constraints,
+    reach_constraints,
+    speed_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
 )
 from stt_codegen.design.arena import arena_of, starting_box
 from stt_codegen.designs.refined import RefinedDesign
@@ -40,10 +40,10 @@ def tables(draw: st.DrawFn) -> RefinedDesign:
 
 
 @st.composite
-def rows(draw: st.DrawFn) -> Row:
+def rows(draw: st.DrawFn) -> Constraint:
     c = draw(st.tuples(st.integers(-7, 7), st.integers(-7, 7)).filter(any))
     terms = tuple((i, LOWER if v > 0 else UPPER, v) for i, v in enumerate(c) if v)
-    return Row(
+    return Constraint(
         terms,
         Fraction(draw(st.integers(-400, 400)), draw(st.integers(1, 9))),
         Fraction(draw(st.integers(0, 9)), 4),
@@ -51,11 +51,11 @@ def rows(draw: st.DrawFn) -> Row:
     )
 
 
-def exact(row: Row, design: RefinedDesign, k: int, s: Fraction) -> Fraction:
+def exact(row: Constraint, design: RefinedDesign, k: int, s: Fraction) -> Fraction:
     """The row's slack at place s of segment k, as a distance, by the basis itself."""
     weights = ((1 - s) ** 3, 3 * s**3 - 6 * s**2 + 4, -3 * s**3 + 3 * s**2 + 3 * s + 1, s**3)
     left = sum(c * sum(w * design.table[k + j][i][side] for j, w in enumerate(weights)) for i, side, c in row.terms)
-    return (left * design.unit - row.bound - row.keep) / row.per
+    return (left * design.unit - row.bound - row.clearance) / row.slack_per_distance
 
 
 PLACES = [Fraction(k, 24) for k in range(25)]
@@ -63,30 +63,34 @@ PLACES = [Fraction(k, 24) for k in range(25)]
 
 @given(tables(), rows(), st.integers(0, 60))
 @settings(max_examples=150, deadline=None)
-def test_the_least_slack_is_below_every_value_and_near_the_least(design: RefinedDesign, row: Row, error: int) -> None:
+def test_the_least_slack_is_below_every_value_and_near_the_least(design: RefinedDesign, row: Constraint, error: int) -> None:
     """Where a row fails, what is told is met at the place that is told; where it holds with the error, no value lacks it."""
     needed = Fraction(error, 7)
     found = least_slack(design.bezier(), RowBlock.of([row], design.unit), needed)
     values = {(k, s): exact(row, design, k, s) for k in range(6) for s in PLACES}
-    if found.slack >= needed * row.needed:
+    if found.slack >= needed * row.distance_error:
         assert min(values.values()) >= found.slack
         hull = min(
             sum(c * int(v) for (i, side, c), v in zip(row.terms, (b[i, side, q] for i, side, _ in row.terms), strict=True))
             for b in design.bezier()
             for q in range(4)
         )
-        assert found.slack >= (hull - row.bound - row.keep) / row.per - 1 - Fraction(1, row.per)
+        assert found.slack >= (hull - row.bound - row.clearance) / row.slack_per_distance - 1 - Fraction(
+            1, row.slack_per_distance
+        )
     else:
-        assert min(values.values()) < needed * row.needed + 1 + Fraction(1, row.per) + Fraction(700 * row.size, 24)
+        assert min(values.values()) < needed * row.distance_error + 1 + Fraction(1, row.slack_per_distance) + Fraction(
+            700 * row.size, 24
+        )
         a, b = found.interval
         k = min(int(a), 5)
         if a == b:
-            assert exact(row, design, k, a - k) <= found.slack + 1 + Fraction(1, row.per)
+            assert exact(row, design, k, a - k) <= found.slack + 1 + Fraction(1, row.slack_per_distance)
 
 
 @given(tables(), st.lists(rows(), min_size=2, max_size=4))
 @settings(max_examples=100, deadline=None)
-def test_of_a_choice_the_best_row_counts_and_of_sets_the_worst(design: RefinedDesign, several: list[Row]) -> None:
+def test_of_a_choice_the_best_row_counts_and_of_sets_the_worst(design: RefinedDesign, several: list[Constraint]) -> None:
     one, rest = Avoidance("one", tuple(several[:1])), Avoidance("rest", tuple(several[1:]))
     low = Fraction(-(10**6))
     both = least_slack(design.bezier(), RowBlock.choice([one, rest], design.unit), low)
@@ -103,10 +107,10 @@ def test_a_fault_in_the_second_half_of_a_segment_is_met() -> None:
     """An edge that dips only late: halving that forgot the later half would not see it."""
     dip = (0, 0, 0, 0, 0, 0, -3, 0, 0)
     design = RefinedDesign(Fraction(1), 6, 0, tuple(((v, 40), (0, 40)) for v in dip))
-    row = Row(((0, LOWER, 1),), Fraction(0))
+    row = Constraint(((0, LOWER, 1),), Fraction(0))
     for bound in range(-14, 0):
-        found = least_slack(design.bezier(), RowBlock.of([Row(row.terms, Fraction(bound))], design.unit), Fraction(0))
-        least = min(exact(Row(row.terms, Fraction(bound)), design, k, s) for k in range(6) for s in PLACES)
+        found = least_slack(design.bezier(), RowBlock.of([Constraint(row.terms, Fraction(bound))], design.unit), Fraction(0))
+        least = min(exact(Constraint(row.terms, Fraction(bound)), design, k, s) for k in range(6) for s in PLACES)
         assert (found.slack >= 0) == (least >= 0)
 
 
@@ -123,10 +127,10 @@ ends = st.floats(-1e3, 1e3)
 def test_the_finders_slack_is_a_lower_bound(first, second, c, bound: Fraction) -> None:
     """In doubles, for coefficients that are no doubles too, against exact numbers."""
     terms = tuple((i, LOWER if v > 0 else UPPER, v) for i, v in enumerate(c) if v)
-    row = Row(terms, bound, Fraction(0), sum(map(abs, c)))
+    row = Constraint(terms, bound, Fraction(0), sum(map(abs, c)))
     gamma = np.array([[[sorted(first)] * 2, [sorted(second)] * 2]])
     told = Finder(with_sets(), np.array([0.0, 1.0]), gamma).slack(row)
-    true = (sum(v * Fraction(gamma[0, i, side, 0 if v > 0 else 1]) for i, side, v in terms) - bound) / row.per
+    true = (sum(v * Fraction(gamma[0, i, side, 0 if v > 0 else 1]) for i, side, v in terms) - bound) / row.slack_per_distance
     assert Fraction(float(told[0])) <= true
     assert float(told[0]) >= float(true) - 1e-9 * (1 + abs(float(true)))
 
@@ -156,11 +160,14 @@ def test_the_start_is_cut_along_a_slanted_face() -> None:
 
 def test_every_property_has_its_rows() -> None:
     task = built(with_sets()).task
-    assert [len(f(task)) for f in (width_rows, state_rows, start_rows, stay_rows, reach_rows)] == [2, 4, 4, 4, 4]
-    assert speed_rows(task) == ()
-    assert avoid_rows(task) == ()
+    assert [
+        len(f(task))
+        for f in (width_constraints, initial_state_constraints, start_constraints, stay_constraints, reach_constraints)
+    ] == [2, 4, 4, 4, 4]
+    assert speed_constraints(task) == ()
+    assert avoidances(task) == ()
     limited = task.changed(tube={"max_speed": 2})
-    assert {(r.order, r.bound) for r in speed_rows(limited)} == {(1, Fraction(-2))}
+    assert {(r.order, r.bound) for r in speed_constraints(limited)} == {(1, Fraction(-2))}
 
 
 @pytest.mark.parametrize("name", OPERATIONS)

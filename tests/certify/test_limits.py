@@ -17,7 +17,7 @@ import stt_codegen as stt
 from stt_codegen.certify import checker
 from stt_codegen.certify.certificate import Certificate
 from stt_codegen.compare.comparison import compare
-from stt_codegen.constraints import spare_input
+from stt_codegen.constraints import control_authority
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
@@ -83,7 +83,7 @@ def test_the_tube_needs_no_more_than_u_max(name: str, tmp_path: Path) -> None:
     finding = eighth(made.certificate)
     t = np.linspace(0, 9, 20001)
     low, high = made_rates(made, t)
-    spare = np.array([float(v) for v in spare_input(task)])
+    spare = np.array([float(v) for v in control_authority(task)])
     assert (low.max(axis=0) < spare).all()
     assert (-high.min(axis=0) < spare).all()
     seen = min((spare - low.max(axis=0)).min(), (spare + high.min(axis=0)).min())
@@ -312,11 +312,11 @@ def test_a_tube_for_a_scaled_u_moves_no_faster_than_the_norm_allows() -> None:
         text.replace("g_max = 4.7", "g_max = 4.7, w_max = 0.02").replace("prescribed_time = 5.0", "prescribed_time = 15.0")
     )
     controller = built(task)
-    assert 0 < (Fraction("0.37") - Fraction("0.02")) ** 2 / 2 - spare_input(task)[0] ** 2 < Fraction(1, 10**10)
+    assert 0 < (Fraction("0.37") - Fraction("0.02")) ** 2 / 2 - control_authority(task)[0] ** 2 < Fraction(1, 10**10)
     design = controller.design
     assert isinstance(design, RefinedDesign)
     fastest = 3 * np.abs(np.diff(design.bezier(), axis=3)).max() * float(design.unit) * design.segments / 15.0
-    assert fastest <= float(spare_input(task)[0])
+    assert fastest <= float(control_authority(task)[0])
     with pytest.raises(NotCertified, match="raise"):
         built(task.changed(prescribed_time=Fraction("0.5")))
 

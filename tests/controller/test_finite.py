@@ -8,7 +8,7 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
-from stt_codegen.designs.tube import LEAST_WIDTH
+from stt_codegen.designs.tube import MINIMUM_WIDTH
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.analyse.ball_arithmetic import ball
 from stt_codegen.program.analyse.balls import Enclosure
@@ -46,13 +46,13 @@ def _hull(low: Fraction, high: Fraction) -> arb:
 @pytest.mark.parametrize("name", ["omni_s2", "omni_board", "spacecraft"])
 @pytest.mark.parametrize("scalar", ["float", "double"])
 def test_the_law_is_far_from_overflow_over_all_that_the_clamp_lets_through(name: str, scalar: str) -> None:
-    """Widths from LEAST_WIDTH to any that the state space has; the bound is what `control_law_of` refuses tasks by, or less."""
+    """Widths from MINIMUM_WIDTH to any that the state space has; the bound is what `control_law_of` refuses tasks by, or less."""
     controller = controller_of(name, scalar)
     near = (1 - controller.task.e_max[0]) / 2
     space = controller.task.state_space
     widest = max(b - a for a, b in zip(space.lower, space.upper, strict=True))
-    bound = law_bound(controller, (LEAST_WIDTH, 2 * widest), near)
-    claimed = abs(controller.task.gain[0]) * 2 / (near * LEAST_WIDTH) * 64
+    bound = law_bound(controller, (MINIMUM_WIDTH, 2 * widest), near)
+    claimed = abs(controller.task.gain[0]) * 2 / (near * MINIMUM_WIDTH) * 64
     assert bound <= float(claimed)
     assert claimed <= FORMATS[scalar].largest / 4
 

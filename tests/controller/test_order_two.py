@@ -21,7 +21,7 @@ from stt_codegen.certify import checker
 from stt_codegen.certify.filtered_findings import allowance, filtered_width, spare_acceleration, starts
 from stt_codegen.compare.comparison import compare
 from stt_codegen.controller.edge_errors import edge_error, rate_error
-from stt_codegen.designs.filtered import filtered, pressed
+from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import foretold, within_bounds
@@ -137,10 +137,10 @@ def test_the_exact_pieces_are_the_splines() -> None:
     low, high, low_rate, high_rate, low_bend, high_bend = edges(design, t)
     value = np.array([float(v) for v in design.filter])
     weight = np.array([0.63**3, 3 * 0.63**2 * 0.37, 3 * 0.63 * 0.37**2, 0.37**3])
-    a, b = np.moveaxis((filtered(design).floats() * weight).sum(axis=-1), 2, 0)
+    a, b = np.moveaxis((filtered_edges(design).floats() * weight).sum(axis=-1), 2, 0)
     np.testing.assert_allclose(a, low_rate + value * low, rtol=0, atol=1e-11)  # a hundred roundings of numbers below 20
     np.testing.assert_allclose(b, high_rate + value * high, rtol=0, atol=1e-11)
-    lower, upper = np.moveaxis((pressed(design).floats() * weight).sum(axis=-1), 2, 0)
+    lower, upper = np.moveaxis((demanded_accelerations(design).floats() * weight).sum(axis=-1), 2, 0)
     np.testing.assert_allclose(lower, value**2 * (high - low) + low_bend, rtol=0, atol=1e-10)
     np.testing.assert_allclose(upper, high_bend - value**2 * (high - low), rtol=0, atol=1e-10)
 

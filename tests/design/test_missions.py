@@ -23,7 +23,7 @@ from benchmarks.suites.scenarios import FAMILIES, random_mission
 from stt_codegen.certify import checker
 from stt_codegen.certify.missions.schedule import phases, sentence, served
 from stt_codegen.certify.monitor import holds, satisfied
-from stt_codegen.constraints import mission_rows
+from stt_codegen.constraints import mission_avoidances
 from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.loop.command import with_gain
@@ -238,14 +238,15 @@ def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(d
     formula = data.draw(st.sampled_from(["a or b", "a or b or c", "a or not b", "a and b or c", "not a or not b"]))
     head = COURIER[: COURIER.index("unsafe")].replace("upper = [8, 6]", "upper = [12, 12]")
     task = parse_task(f'{head}region = [{regions}]\nmission = [{{ formula = "{formula}" }}]\n[tube]\nclearance = 0\n')
-    sets = [one for state in states_of(task.formula) for one in mission_rows(task, state)]  # type: ignore[arg-type]
+    sets = [one for state in states_of(task.formula) for one in mission_avoidances(task, state)]  # type: ignore[arg-type]
     parts = {str(s): [one for one in sets if one.name == str(s)] for s in states_of(task.formula)}  # type: ignore[arg-type]
     low = [data.draw(st.integers(0, 9)) + 0.25 for _ in range(2)]
     high = [v + data.draw(st.integers(0, 3)) + 0.5 for v in low]
     kept = {
         name: all(
             any(
-                sum(c * (high if side else low)[i] for i, side, c in row.terms) >= float(row.bound + row.keep) for row in one.rows
+                sum(c * (high if side else low)[i] for i, side, c in row.terms) >= float(row.bound + row.clearance)
+                for row in one.alternatives
             )
             for one in found
         )

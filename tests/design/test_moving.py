@@ -17,7 +17,7 @@ from benchmarks.mutants.tubes import MOVING
 from benchmarks.mutations import judge
 from benchmarks.oracles.tubes import first_fault
 from stt_codegen.certify.moving_slack import FREE, Lines, MovingBlock, cut
-from stt_codegen.constraints import avoid_rows
+from stt_codegen.constraints import avoidances
 from stt_codegen.design.refine import refine
 from stt_codegen.emit.render import render
 from stt_codegen.errors import BadInput, NotCertified
@@ -176,7 +176,7 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
     controller = built(parse_task(TEXTS["all"]))
     design, draw = controller.design, Random(3)
     per = Fraction(design.segments) / design.prescribed_time
-    for one in avoid_rows(controller.task):
+    for one in avoidances(controller.task):
         assert one.course is not None
         block = MovingBlock.moving(one, design)
         whole = block.told(design.bezier())
@@ -191,16 +191,16 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
             for leg in legs:
                 a, b = max(leg.begin * per, begin), min(leg.end * per, begin + length)
                 part = cut(piece, (a - begin) / length, (b - begin) / length)
-                for r, row in enumerate(one.rows):
+                for r, row in enumerate(one.alternatives):
                     slack = []
                     for j in range(4):
                         left = sum(c * part[i, side, j] for i, side, c in row.terms)
                         t = (a + (b - a) * Fraction(j, 3)) / per
                         shift = max(sum(c * by[i] for i, _, c in row.terms) for by in leg.at(t))
-                        bound = (row.bound + row.keep + shift + one.growing[r] * one.course.growth(t)) / design.unit
+                        bound = (row.bound + row.clearance + shift + one.growth_rates[r] * one.course.growth(t)) / design.unit
                         slack.append(left - math.ceil(bound))
-                    assert told[r] <= math.floor(min(slack) / row.per)
-                    assert len(legs) > 1 or told[r] == math.floor(min(slack) / row.per)
+                    assert told[r] <= math.floor(min(slack) / row.slack_per_distance)
+                    assert len(legs) > 1 or told[r] == math.floor(min(slack) / row.slack_per_distance)
 
 
 def test_a_slope_beyond_64_bits_is_no_trouble_at_time_0() -> None:

@@ -10,7 +10,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from stt_codegen.constraints import avoid_rows
+from stt_codegen.constraints import avoidances
 from stt_codegen.design.arena import arena_of, normalised
 from stt_codegen.design.lattice import lattice_of
 from stt_codegen.design.moving_half_spaces import timed_obstacle_of
@@ -103,7 +103,7 @@ def test_a_mover_is_where_its_course_says() -> None:
         sets += f"timing = {float(course.early)}\nspread = {float(course.spread)}\n"
         head, tail = sets.split("\n", 1)
         task = parse_task(f"{head}\n" + ROOM.format(sets=tail))
-        (one,) = avoid_rows(task)
+        (one,) = avoidances(task)
         assert one.course == course
         origin = (Fraction(0), Fraction(0))
         obstacle = timed_obstacle_of(one, origin).scaled(1.0, 9.0)
@@ -114,9 +114,13 @@ def test_a_mover_is_where_its_course_says() -> None:
                 t = Fraction(9) * (k + Fraction(draw.randint(0, 48), 48)) / count
                 share = float(t * count / 9 - k)
                 for leg in (leg for leg in course.legs if leg.begin <= t <= leg.end):
-                    for r, row in enumerate(one.rows):
-                        moved = max(sum(Fraction(c, row.per) * by[i] for i, _, c in row.terms) for by in leg.at(t))
-                        true = float(row.bound / row.per + one.growing[r] / row.per * course.growth(t) + moved)
+                    for r, row in enumerate(one.alternatives):
+                        moved = max(sum(Fraction(c, row.slack_per_distance) * by[i] for i, _, c in row.terms) for by in leg.at(t))
+                        true = float(
+                            row.bound / row.slack_per_distance
+                            + one.growth_rates[r] / row.slack_per_distance * course.growth(t)
+                            + moved
+                        )
                         line = bounds[r, k, 0] + share * (bounds[r, k, 3] - bounds[r, k, 0])
                         assert line >= true - 1e-12 * max(1.0, abs(true))  # a dozen roundings of numbers below 100
             safe = [

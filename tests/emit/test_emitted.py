@@ -16,7 +16,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stt_codegen.designs.tube import LEAST_WIDTH
+from stt_codegen.designs.tube import MINIMUM_WIDTH
 from stt_codegen.emit.naming import check_names
 from stt_codegen.pipeline import EmittedController, build_program, build_task
 from stt_codegen.program.nodes import Assign, Kernel, Op, Program, Var
@@ -382,7 +382,7 @@ def test_an_empty_tube_gives_zero_and_outside(monkeypatch) -> None:
 
 
 def test_a_tube_narrower_than_the_least_width_still_gives_finite_inward_u(backends) -> None:
-    width = float(LEAST_WIDTH) / 1000
+    width = float(MINIMUM_WIDTH) / 1000
     for backend in backends:
         e, epsilon, xi = backend.transform(np.zeros((1, 2)), np.full((1, 2), width), np.array([[-1.0, 1.0]]))
         assert np.all(np.isfinite(np.stack([e, epsilon, xi])))

@@ -151,7 +151,7 @@ def wrong_bump(t: ca.SX, height: ca.SX, steepness: ca.SX, middle: ca.SX, radius:
 
 
 WRONG = SimpleNamespace(  # what is bent below is bent from these
-    rows=rows.apart_rows,
+    rows=rows.separation_constraints,
     of=update_module.Curve.of,
     beyond=update_module.Curve.beyond,
     cell=update_module.Curve.cell,
@@ -192,9 +192,9 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (moving.Lines, "at", lambda lines, t: (lines.constant // lines.whole).tolist(), "moving.bounds"),
         (Leg, "at", lambda leg, t: tuple(a for a, _ in leg.places), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
-        (rows, "state_rows", lambda task: rows.start_rows(task), "rows.plain"),
-        (rows, "apart_rows", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),
-        (rows.Row, "seen_from", lambda row, origin: row.bound, "rows.moved"),
+        (rows, "initial_state_constraints", lambda task: rows.start_constraints(task), "rows.plain"),
+        (rows, "separation_constraints", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),
+        (rows.Constraint, "bound_from", lambda row, origin: row.bound, "rows.moved"),
         (BoxSet, "support", lambda box, normal: Fraction(0), "rows.support"),
         (
             sampled_windows,

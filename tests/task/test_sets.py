@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from stt_codegen.certify.adaptive.falsification import falsify
 from stt_codegen.certify.exact import certify_refined
-from stt_codegen.constraints import apart_rows, avoid_rows
+from stt_codegen.constraints import avoidances, separation_constraints
 from stt_codegen.design.arena import arena_of
 from stt_codegen.design.routes.grown_sets import obstacles_of
 from stt_codegen.errors import NotCertified
@@ -184,8 +184,8 @@ def test_a_grown_set_holds_a_point_just_where_the_box_about_it_meets_the_set(pol
 @given(polygons(), boxes(2), st.fractions(min_value=0, max_value=1, max_denominator=8))
 def test_the_slack_of_a_row_is_the_clearance_beyond(polygon: Polygon, box: BoxSet, clearance: Fraction) -> None:
     """A row holds by s just where the set grown by clearance + s is not past its normal."""
-    for row, (normal, offset) in zip(apart_rows(polygon, clearance), polygon.faces, strict=True):
-        slack = (low_of(normal, box.lower, box.upper) - row.bound - row.keep) / row.per
+    for row, (normal, offset) in zip(separation_constraints(polygon, clearance), polygon.faces, strict=True):
+        slack = (low_of(normal, box.lower, box.upper) - row.bound - row.clearance) / row.slack_per_distance
         assert low_of(normal, box.lower, box.upper) == offset + (clearance + slack) * sum(map(abs, normal))
 
 
@@ -351,8 +351,8 @@ def test_adaptive_tubes_are_judged_by_the_true_shape() -> None:
 
 def test_every_row_of_a_choice_is_sound() -> None:
     """Each row of P4 alone keeps box and set apart: normals may be missing, none may be wrong."""
-    for one, shape in zip(avoid_rows(CORRIDOR), CORRIDOR.obstacles, strict=True):
-        for row, (x, y) in product(one.rows, [(Fraction(a, 4), Fraction(b, 4)) for a in range(20) for b in range(20)]):
+    for one, shape in zip(avoidances(CORRIDOR), CORRIDOR.obstacles, strict=True):
+        for row, (x, y) in product(one.alternatives, [(Fraction(a, 4), Fraction(b, 4)) for a in range(20) for b in range(20)]):
             left = sum(c * ((x, y)[i]) for i, _, c in row.terms)
-            if left >= row.bound + row.keep:
+            if left >= row.bound + row.clearance:
                 assert shape.apart((x, y), (x, y))

@@ -29,7 +29,14 @@ from stt_codegen.certify.adaptive.finder import Finder, gap, lower_bound
 from stt_codegen.certify.adaptive.lines import HIGH, LOW, Lines, ends
 from stt_codegen.certify.adaptive.slopes import speed_bound
 from stt_codegen.certify.certificate import Certificate, Finding
-from stt_codegen.constraints import least_width, reach_rows, start_rows, state_rows, stay_rows, width_rows
+from stt_codegen.constraints import (
+    initial_state_constraints,
+    minimum_width,
+    reach_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
+)
 from stt_codegen.controller import lines_program
 from stt_codegen.controller.kernels import alpha_cap
 from stt_codegen.decimals import above, by_component, decimal
@@ -209,7 +216,7 @@ def _certificate(
     speed = tuple(-lower_bound(-v) for v in speed_bound(task, design, exact, lines, alpha))
     find = Finder(task, lines.times, gamma)
     width = gap(gamma[:, :, LOWER, HIGH], gamma[:, :, UPPER, LOW])
-    least = least_width(task)
+    least = minimum_width(task)
     always, begin, end = slice(None), slice(0, 1), slice(-1, None)
     limit, fastest = task.max_speed, ", ".join(f"{above(v, 4):g}" for v in speed)
     seventh = (
@@ -218,12 +225,12 @@ def _certificate(
     )
     return Certificate(
         findings=(
-            find.least(width_rows(task), always, Property.WIDTH, f"width >= {decimal(least)} in every dimension"),
-            find.least(state_rows(task), begin, Property.START, "x(0) inside gamma(0)", Property.START.advice),
-            find.least(start_rows(task), begin, Property.START, "gamma(0) within the initial set"),
-            find.least(stay_rows(task), always, Property.STAY, "gamma within the state space"),
+            find.least(width_constraints(task), always, Property.WIDTH, f"width >= {decimal(least)} in every dimension"),
+            find.least(initial_state_constraints(task), begin, Property.START, "x(0) inside gamma(0)", Property.START.advice),
+            find.least(start_constraints(task), begin, Property.START, "gamma(0) within the initial set"),
+            find.least(stay_constraints(task), always, Property.STAY, "gamma within the state space"),
             find.avoid(),
-            find.least(reach_rows(task), end, Property.REACH, "gamma(t_c) within the target set"),
+            find.least(reach_constraints(task), end, Property.REACH, "gamma(t_c) within the target set"),
             Finding(
                 Property.SMOOTH, f"gamma is continuous, C1 up to t_c; |gammadot| <= {fastest}",
                 Fraction(0) if limit is None else min(m - v for m, v in zip(limit, speed, strict=True)), Fraction(0),

@@ -14,9 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.certify.certificate import Certificate, Finding
-from stt_codegen.constraints import Row, avoid_rows, least_width, reach_rows, start_rows, state_rows, stay_rows, width_rows
+from stt_codegen.constraints import (
+    Constraint,
+    avoidances,
+    initial_state_constraints,
+    minimum_width,
+    reach_constraints,
+    start_constraints,
+    stay_constraints,
+    width_constraints,
+)
 from stt_codegen.decimals import decimal
-from stt_codegen.designs import POINTS, AdaptiveDesign, grid_tube
+from stt_codegen.designs import GRID_STEPS, AdaptiveDesign, grid_tube
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
@@ -29,11 +38,11 @@ def falsify(task: Task, design: AdaptiveDesign) -> Certificate:
     low, high = gamma[:, :, 0], gamma[:, :, 1]
     settings = 'use tube.design = "refined", or other parameters in [tube.adaptive]'
     findings = [
-        _at(t, width_rows(task), (low, high), Property.WIDTH, f"width >= {decimal(least_width(task))}", settings),
+        _at(t, width_constraints(task), (low, high), Property.WIDTH, f"width >= {decimal(minimum_width(task))}", settings),
         *_start(task, t, low, high),
-        _at(t, stay_rows(task), (low, high), Property.STAY, "gamma within the state space", settings),
+        _at(t, stay_constraints(task), (low, high), Property.STAY, "gamma within the state space", settings),
         _avoid(task, t, low, high, settings),
-        _at(t[-1:], reach_rows(task), (low[-1:], high[-1:]), Property.REACH, "gamma(t_c) within the target set", settings),
+        _at(t[-1:], reach_constraints(task), (low[-1:], high[-1:]), Property.REACH, "gamma(t_c) within the target set", settings),
     ]
     speed = np.abs(rate).max(axis=(0, 2))
     bound = ", ".join(f"{v:.4g}" for v in speed)
@@ -41,7 +50,11 @@ def falsify(task: Task, design: AdaptiveDesign) -> Certificate:
     margin = min(_exact(float(m) - v) for m, v in zip(limit, speed.tolist(), strict=True)) if limit is not None else Fraction(0)
     findings.append(
         Finding(
-            Property.SMOOTH, f"|gammadot| up to {bound} at {POINTS} samples", margin, Fraction(0), advice="raise tube.max_speed"
+            Property.SMOOTH,
+            f"|gammadot| up to {bound} at {GRID_STEPS} samples",
+            margin,
+            Fraction(0),
+            advice="raise tube.max_speed",
         )
     )
     return Certificate(
@@ -60,18 +73,20 @@ def _exact(value: float) -> Fraction:
     return Fraction(f"{value:.9g}").limit_denominator(10**9) if math.isfinite(value) else Fraction(-(10**9))
 
 
-def _slack(rows: Sequence[Row], low: Array, high: Array) -> Array:
+def _slack(rows: Sequence[Constraint], low: Array, high: Array) -> Array:
     """By how much each row holds for tubes (S, n), as a distance: (S, R)."""
     found = []
     for row in rows:
         left: Any = 0.0
         for i, side, c in row.terms:
             left = left + float(c) * (high if side else low)[:, i]
-        found.append((left - float(row.bound) - float(row.keep)) / float(row.per))
+        found.append((left - float(row.bound) - float(row.clearance)) / float(row.slack_per_distance))
     return np.stack(found, axis=1)
 
 
-def _at(t: Array, rows: Sequence[Row], tube: tuple[Array, Array], subject: Property, statement: str, advice: str) -> Finding:
+def _at(
+    t: Array, rows: Sequence[Constraint], tube: tuple[Array, Array], subject: Property, statement: str, advice: str
+) -> Finding:
     """The row that holds by least at these times. tube: lower and upper edges, (S, n) each."""
     slack = _slack(rows, *tube)
     slack = np.where(np.isnan(slack), -np.inf, slack)
@@ -84,18 +99,18 @@ def _at(t: Array, rows: Sequence[Row], tube: tuple[Array, Array], subject: Prope
 def _start(task: Task, t: Array, low: Array, high: Array) -> list[Finding]:
     tube = low[:1], high[:1]
     return [
-        _at(t[:1], state_rows(task), tube, Property.START, "x(0) inside gamma(0)", Property.START.advice),
-        _at(t[:1], start_rows(task), tube, Property.START, "gamma(0) within the initial set", "use another design"),
+        _at(t[:1], initial_state_constraints(task), tube, Property.START, "x(0) inside gamma(0)", Property.START.advice),
+        _at(t[:1], start_constraints(task), tube, Property.START, "gamma(0) within the initial set", "use another design"),
     ]
 
 
 def _avoid(task: Task, t: Array, low: Array, high: Array, advice: str) -> Finding:
     """P4 on the hull of samples k and k + 1."""
-    sets = avoid_rows(task)
+    sets = avoidances(task)
     if not sets:
         return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
     below, above = np.minimum(low[:-1], low[1:]), np.maximum(high[:-1], high[1:])
-    gap = np.stack([_slack(one.rows, below, above).max(axis=1) for one in sets], axis=1)  # (S, J)
+    gap = np.stack([_slack(one.alternatives, below, above).max(axis=1) for one in sets], axis=1)  # (S, J)
     gap = np.where(np.isnan(gap), -np.inf, gap)
     k, j = np.unravel_index(int(np.argmin(gap)), gap.shape)
     statement = f"gamma at least {decimal(task.tube.clearance)} from each of {len(sets)} unsafe sets"

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from stt_codegen.certify.adaptive.lines import HIGH, LOW
 from stt_codegen.certify.certificate import Finding
-from stt_codegen.constraints import Row, avoid_rows
+from stt_codegen.constraints import Constraint, avoidances
 from stt_codegen.decimals import decimal
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
@@ -33,7 +33,7 @@ class Finder:
     times: Array
     gamma: Array
 
-    def slack(self, row: Row) -> Array:
+    def slack(self, row: Constraint) -> Array:
         """A lower bound on the slack of a row in every cell, as a distance: (N + 1,). Of an edge the end counts that makes it
         least; every operation that may round is rounded down, and what is exact is not."""
         left: Any = None
@@ -41,11 +41,17 @@ class Finder:
             edge = self.gamma[:, i, side, LOW if c > 0 else HIGH]
             term = edge * c if abs(c) == 1 else _down(float(c) * edge, 1 if abs(c) < EXACT else 3)
             left = term if left is None else _down(left + term, 1)
-        found = gap(double_above(row.bound + row.keep), left)
-        found = found if row.per == 1 else _down(found / float(row.per), 1 if row.per < EXACT else 3)
+        found = gap(double_above(row.bound + row.clearance), left)
+        found = (
+            found
+            if row.slack_per_distance == 1
+            else _down(found / float(row.slack_per_distance), 1 if row.slack_per_distance < EXACT else 3)
+        )
         return np.where(np.isnan(found), -np.inf, found)  # where an enclosure says nothing, nothing is shown
 
-    def least(self, rows: Sequence[Row], cells: slice, subject: Property, statement: str, advice: str = SETTINGS) -> Finding:
+    def least(
+        self, rows: Sequence[Constraint], cells: slice, subject: Property, statement: str, advice: str = SETTINGS
+    ) -> Finding:
         """The row that holds by least over some of the cells, as a finding."""
         slack = np.stack([self.slack(row) for row in rows], axis=1)
         k, r = np.unravel_index(int(np.argmin(slack[cells])), slack[cells].shape)
@@ -56,12 +62,12 @@ class Finder:
 
     def avoid(self) -> Finding:
         """P4: in every cell the best row of each unsafe set."""
-        sets = avoid_rows(self.task)
+        sets = avoidances(self.task)
         if not sets:
             return Finding(Property.AVOID, "there is no unsafe set", Fraction(0), Fraction(0))
         worst: tuple[float, int, str] = (math.inf, 0, "")
         for one in sets:
-            slack = np.max([self.slack(row) for row in one.rows], axis=0)
+            slack = np.max([self.slack(row) for row in one.alternatives], axis=0)
             k = int(np.argmin(slack))
             worst = min(worst, (float(slack[k]), k, one.name))
         slack_, k, name = worst

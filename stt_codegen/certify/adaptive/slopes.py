@@ -27,7 +27,7 @@ def speed_bound(task: Task, design: AdaptiveDesign, exact: Enclosure, lines: Lin
 
     gamma's weights lie in [0, 1], so |gammadot| <= max(|rhodot| + |alphadot|, |betadot|). With a = alphadot,
     adot = F_psi psidot + F_alpha a and both derivatives negative: |a| <= max(|a(0)|, sup |F_psi / F_alpha| sup |psidot|).
-    It holds where P1 does, which keeps psi + alpha above LEAST_WIDTH, and so above the floors of the emitted divisions.
+    It holds where P1 does, which keeps psi + alpha above MINIMUM_WIDTH, and so above the floors of the emitted divisions.
     """
     t_c, kappa = float(design.prescribed_time), float(design.kappa)
     theta0, sharp, mu = float(design.theta0), float(design.varsigma), float(design.mu)
@@ -59,7 +59,7 @@ def _beta_rate(task: Task, design: AdaptiveDesign, exact: Enclosure, i: int, sid
     weights each by at most 1)."""
     slopes = [
         (float(b.middle - b.radius), float(b.middle + b.radius), steepest_slope(b, task.emit.scalar, exact))
-        for b in design.of(i, side)
+        for b in design.bumps_on(i, side)
     ]
     return max((sum(s for c, d, s in slopes if c <= a <= d) for a, _, _ in slopes), default=0.0)
 

@@ -21,7 +21,7 @@ from stt_codegen.certify.certificate import Finding, MissionProof
 from stt_codegen.certify.monitor import Cycle, Span, holds, witnesses
 from stt_codegen.certify.moving_slack import cut
 from stt_codegen.certify.slack import CHUNK, RowBlock
-from stt_codegen.constraints import Avoidance, mission_rows
+from stt_codegen.constraints import Avoidance, mission_avoidances
 from stt_codegen.decimals import decimal
 from stt_codegen.designs import Design, RefinedDesign
 from stt_codegen.properties import Property
@@ -64,7 +64,7 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
     formula = task.formula
     if formula is None:
         return (), None
-    held = {state: held_of(design, mission_rows(task, state)) for state in states_of(formula)}
+    held = {state: held_of(design, mission_avoidances(task, state)) for state in states_of(formula)}
     slice_, last = design.prescribed_time / design.segments / SLICES, design.segments * SLICES
     needed = math.ceil(clock_error(task) / slice_)
 
@@ -134,10 +134,10 @@ def held_of(design: RefinedDesign, sets: Sequence[Avoidance]) -> Held:
     """The slack of a state on parts of segments, at their ends, and on slices next to ends that are better than what is beside
     them."""
     count, step, bezier = design.segments * PARTS, SLICES // PARTS, design.bezier()
-    kind: Any = np.int64 if design.significant < WIDE.bit_length() else object
+    kind: Any = np.int64 if design.coefficient_bits < WIDE.bit_length() else object
     ends = np.arange(count + 1) * step
     places = np.concatenate([np.stack([ends[:-1], ends[1:]], axis=1), np.stack([ends, ends], axis=1)])
-    if not sets or any(not one.rows for one in sets):  # everywhere, or nowhere
+    if not sets or any(not one.alternatives for one in sets):  # everywhere, or nowhere
         return Held(places, np.full(len(places), NOWHERE if sets else WIDE, dtype=object))
     pieces = _parts(bezier.astype(kind))
     points = np.concatenate([pieces[..., :1], pieces[-1:, ..., 3:]]).repeat(4, axis=-1)

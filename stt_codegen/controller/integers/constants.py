@@ -10,7 +10,7 @@ from functools import cached_property
 from stt_codegen.controller.integers.curves import RISE_BITS, over_rows, rise_rows
 from stt_codegen.controller.integers.integer_kernels import HALF_WORD
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered_edges
 from stt_codegen.errors import BadInput
 from stt_codegen.program import INT, Table, round_down
 from stt_codegen.task import Task
@@ -120,7 +120,7 @@ def narrowest(design: RefinedDesign) -> tuple[Fraction, Fraction]:
     own = 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).min()) * design.unit
     if not design.filter:
         return own, own
-    pieces = filtered(design)
+    pieces = filtered_edges(design)
     return own, int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).min()) * pieces.unit
 
 

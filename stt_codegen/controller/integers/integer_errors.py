@@ -34,7 +34,7 @@ from stt_codegen.controller.integers.integer_kernels import (
     weights_kernel,
 )
 from stt_codegen.decimals import by_component, decimal
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered_edges
 from stt_codegen.errors import BadInput
 from stt_codegen.program import OPERATIONS, Const, Kernel, Op, Operand, Select
 from stt_codegen.program.analyse import logarithm
@@ -120,7 +120,7 @@ def widest(task: Task, design: RefinedDesign) -> Fraction:
     if not design.filter:
         table = design.integers()
         return 6 * int((table[:, :, UPPER] - table[:, :, LOWER]).max()) * design.unit + widths_wrong(task, design)[0]
-    pieces = filtered(design)
+    pieces = filtered_edges(design)
     most = int((pieces.coefficients[:, :, UPPER] - pieces.coefficients[:, :, LOWER]).max()) * pieces.unit
     return most + widths_wrong(task, design)[1]
 

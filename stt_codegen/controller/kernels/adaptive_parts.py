@@ -124,7 +124,7 @@ def tables_of(frame: Frame) -> list[Table]:
         rows = []
         for i in range(frame.n):
             for side in (LOWER, UPPER):
-                own = [(b.height, b.steepness, b.middle, b.radius) for b in d.of(i, side)]
+                own = [(b.height, b.steepness, b.middle, b.radius) for b in d.bumps_on(i, side)]
                 rows += own + [FILLER] * (slots[side] - len(own))
         doc = (
             f"Circumvent functions B, k, m, r: for each dimension {slots[LOWER]} of beta_L, then {slots[UPPER]} of beta_U,",

@@ -16,7 +16,7 @@ from functools import cache
 from typing import Protocol
 
 from stt_codegen.controller.kernels.logarithm import without_library
-from stt_codegen.designs import LEAST_WIDTH
+from stt_codegen.designs import MINIMUM_WIDTH
 from stt_codegen.errors import BadInput
 from stt_codegen.paper import control_law
 from stt_codegen.program import (
@@ -105,7 +105,7 @@ def control_law_of(task: Task) -> Law:
     scalar = task.emit.scalar
     largest, roundoff = FORMATS[scalar].largest, FORMATS[scalar].roundoff
     for gain, e_max in zip(task.gain, task.e_max, strict=True):
-        steepest = abs(gain) * 2 / ((1 - e_max) / 2 * LEAST_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
+        steepest = abs(gain) * 2 / ((1 - e_max) / 2 * MINIMUM_WIDTH) * 64  # 64 > ln((1 - c)/c) for every c in range
         if steepest > largest / 4:
             raise BadInput(
                 f"control: gain {float(gain):.6g} with e_max {float(e_max):.12g} overflows a {scalar}; "
@@ -148,7 +148,7 @@ def _kernels_of_the_law() -> tuple[Kernel, Kernel, Kernel]:
 class Place:
     """Where x stands between its two edges: the distance to the nearer one (negative outside), whether that is the upper one,
     and `gain` with the sign of that side (minus at the upper one); near and far, the clamped distances to both, and the width
-    that they add up to (never below LEAST_WIDTH); the room between the edges; whether the tube is empty in this component
+    that they add up to (never below MINIMUM_WIDTH); the room between the edges; whether the tube is empty in this component
     (None where it never is)."""
 
     nearest: Var
@@ -194,8 +194,8 @@ def nearest_of(block: Block, apart: Apart) -> tuple[Var, Var]:
 
 
 def _width(block: Block, room: Var) -> Var:
-    wide = block.op("wide", "lt", real(LEAST_WIDTH), room)
-    return block.select("width", wide, room, real(LEAST_WIDTH))
+    wide = block.op("wide", "lt", real(MINIMUM_WIDTH), room)
+    return block.select("width", wide, room, real(MINIMUM_WIDTH))
 
 
 def place_of(
@@ -207,7 +207,7 @@ def place_of(
 ) -> Place:
     """Statements for where a component stands; near is within [c, 1/2] and far within [1/2, 1 - c] of the width, c = `share`,
     roundings apart. A NaN counts as outside. signed_gain: k and -k. guarded=False: the caller has proved that the edges are more
-    than LEAST_WIDTH apart."""
+    than MINIMUM_WIDTH apart."""
     room = apart.room(block)
     filled = block.op("filled", "lt", real(0), room) if guarded else None
     empty = block.op("empty", "not", filled) if filled is not None else None

@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.constraints import Row, mission_rows
+from stt_codegen.constraints import Constraint, mission_avoidances
 from stt_codegen.decimals import decimal
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array, HalfSpaces, ObliqueFaces
@@ -181,28 +181,28 @@ def seams_of(task: Task) -> list[float]:
 
 
 def _asked(task: Task, arena: Arena, state: State) -> Asked:
-    found = mission_rows(task, state)
-    sets = tuple(_half_spaces(one.rows, arena) for one in found)
+    found = mission_avoidances(task, state)
+    sets = tuple(_half_spaces(one.alternatives, arena) for one in found)
     inner = state.inner
     if isinstance(inner, In) and not inner.kept:
-        return Asked(sets, (_piece([row for one in found for row in one.rows], arena),), None)
+        return Asked(sets, (_piece([row for one in found for row in one.alternatives], arena),), None)
     pieces = [] if isinstance(inner, In) else _pieces(task, arena, inner)
     return Asked(sets, tuple(pieces), _blocking(task, arena, state, sets))
 
 
-def _room(row: Row, arena: Arena) -> float:
+def _room(row: Constraint, arena: Arena) -> float:
     """The bound of a row in the arena's units over |n|_1, with its clearance and what rounding takes."""
-    return float((row.seen_from(arena.origin) + row.keep) / row.per) / arena.length_unit + arena.allowance
+    return float((row.bound_from(arena.origin) + row.clearance) / row.slack_per_distance) / arena.length_unit + arena.allowance
 
 
-def _normal(row: Row, n: int) -> Array:
+def _normal(row: Constraint, n: int) -> Array:
     normal = np.zeros(n)
     for i, _, c in row.terms:
-        normal[i] = c / row.per
+        normal[i] = c / row.slack_per_distance
     return normal
 
 
-def _half_spaces(rows: tuple[Row, ...], arena: Arena) -> tuple[Array, Array]:
+def _half_spaces(rows: tuple[Constraint, ...], arena: Arena) -> tuple[Array, Array]:
     """normal (N, n), the 2n axes first, and bound (N,); what no row says counts for nothing."""
     n = arena.dimension
     normal, bound = np.zeros((2 * n, n)), np.full(2 * n, NOWHERE)
@@ -219,7 +219,7 @@ def _half_spaces(rows: tuple[Row, ...], arena: Arena) -> tuple[Array, Array]:
     return normal, bound
 
 
-def _piece(rows: list[Row], arena: Arena) -> Piece:
+def _piece(rows: list[Constraint], arena: Arena) -> Piece:
     """Where all of these rows hold."""
     box, cuts = arena.space.copy(), []
     for row in rows:
@@ -236,11 +236,11 @@ def _piece(rows: list[Row], arena: Arena) -> Piece:
 def _pieces(task: Task, arena: Arena, formula: Formula) -> list[Piece]:
     """Boxes in each of which a formula of boxes is true; a tube that is in none of them alone may still satisfy it."""
     if isinstance(formula, In):
-        rows = mission_rows(task, State(formula))
+        rows = mission_avoidances(task, State(formula))
         return (
-            [_piece([row], arena) for one in rows for row in one.rows]
+            [_piece([row], arena) for one in rows for row in one.alternatives]
             if formula.kept
-            else [_piece([row for one in rows for row in one.rows], arena)]
+            else [_piece([row for one in rows for row in one.alternatives], arena)]
         )
     if isinstance(formula, Or):
         return [piece for part in formula.parts for piece in _pieces(task, arena, part)][:MOST_PIECES]

@@ -26,7 +26,7 @@ Point = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Case:
-    """A program and its design; guarded: the law looks for tubes narrower than LEAST_WIDTH."""
+    """A program and its design; guarded: the law looks for tubes narrower than MINIMUM_WIDTH."""
 
     program: Program
     design: Design

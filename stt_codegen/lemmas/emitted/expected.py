@@ -12,7 +12,7 @@ from typing import Any
 import sympy as sp
 
 from stt_codegen.controller import ticks_of
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
+from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.lemmas.emitted.examples import (
     BOX,
     E_MAX,
@@ -107,12 +107,12 @@ def _component(low: Any, high: Any, x: Any, numbers: tuple[float, float, float],
     a, b, room = at - lower, upper - at, upper - lower
     upper_nearer, inside, empty = b < a, min(a, b) > 0, guarded and not room > 0
     c = rational((1 - E_MAX) / 2)
-    least = rational(LEAST_WIDTH)
-    narrow = guarded and not float(LEAST_WIDTH) < room
+    least = rational(MINIMUM_WIDTH)
+    narrow = guarded and not float(MINIMUM_WIDTH) < room
     width = least if narrow else high - low
     spare = (width - (high - low)) / 2 if guarded else 0
     nearest = (high - x if upper_nearer else x - low) + spare
-    number = float(LEAST_WIDTH) if narrow else room
+    number = float(MINIMUM_WIDTH) if narrow else room
     clear = float((1 - E_MAX) / 2) * number < min(a, b) + ((number - room) / 2 if guarded else 0)
     clear = clear and not empty
     near = nearest if clear else c * width
@@ -194,7 +194,7 @@ def margin_of(edges: Callable[[Case, Point], tuple[Any, list[tuple[Any, Any]]]])
             lower, upper, at = numbers
             low, high = edges(case, point)[1][i]
             share = (high - X[i] if part.upper_nearer else X[i] - low) / part.width
-            size = min(at - lower, upper - at) / (float(LEAST_WIDTH) if part.regime[3] else upper - lower)
+            size = min(at - lower, upper - at) / (float(MINIMUM_WIDTH) if part.regime[3] else upper - lower)
             beyond = size < -1
             share, size = (sp.Integer(-1), -1.0) if beyond else (share, size)
             less = size < number
@@ -215,7 +215,7 @@ def margins_of(edges: Callable[[Case, Point], tuple[Any, list[tuple[Any, Any]]]]
         for i, (regime, part, numbers) in enumerate(_with_edges(case, point, edges)):
             lower, upper, at = numbers
             low, high = edges(case, point)[1][i]
-            size = min(at - lower, upper - at) / (float(LEAST_WIDTH) if part.regime[3] else upper - lower)
+            size = min(at - lower, upper - at) / (float(MINIMUM_WIDTH) if part.regime[3] else upper - lower)
             beyond = size < -1
             shares.append(sp.Integer(-1) if beyond else (high - X[i] if part.upper_nearer else X[i] - low) / part.width)
             regimes.append((regime, part.regime, beyond))

@@ -19,7 +19,7 @@ import sympy as sp
 
 from stt_codegen import constraints as rows
 from stt_codegen.certify import slack
-from stt_codegen.designs import LEAST_WIDTH, LOWER, UPPER
+from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.properties import Property
@@ -35,12 +35,12 @@ def _box(name: str) -> Any:
     return BoxSet(lower, upper)
 
 
-def _slack(row: rows.Row) -> Any:
+def _slack(row: rows.Constraint) -> Any:
     """The left side less what it must be at least."""
-    return sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.keep
+    return sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.clearance
 
 
-def _same(what: str, made: Sequence[rows.Row], wanted: Sequence[Any]) -> dict[str, Any]:
+def _same(what: str, made: Sequence[rows.Constraint], wanted: Sequence[Any]) -> dict[str, Any]:
     found = {f"{what}: how many rows": sp.Integer(len(made) - len(wanted))}
     return found | {f"{what} {k + 1}": sp.expand(_slack(row) - w) for k, (row, w) in enumerate(zip(made, wanted, strict=False))}
 
@@ -59,32 +59,34 @@ def _prove_plain() -> Outcome:
     def inside(box: Any) -> list[Any]:
         return [v for i in range(N) for v in (low[i] - box.lower[i], box.upper[i] - high[i])]
 
-    wide = [rows.Row(r.terms, r.bound.expression) for r in rows.width_rows(task)]  # type: ignore[attr-defined]
-    speed, second = rows.speed_rows(task), rows.acceleration_rows(task)
+    wide = [rows.Constraint(r.terms, r.bound.expression) for r in rows.width_constraints(task)]  # type: ignore[attr-defined]
+    speed, second = rows.speed_constraints(task), rows.acceleration_constraints(task)
     found = _same("P1 width", wide, [high[i] - low[i] - width for i in range(N)])
-    found |= _same("P2 x(0)", rows.state_rows(task), [v for i in range(N) for v in (x[i] - low[i], high[i] - x[i])])
-    found |= _same("P2 start", rows.start_rows(task), inside(start)) | _same(
-        Property.STAY.code, rows.stay_rows(task), inside(space)
+    found |= _same(
+        "P2 x(0)", rows.initial_state_constraints(task), [v for i in range(N) for v in (x[i] - low[i], high[i] - x[i])]
     )
-    found |= _same(Property.REACH.code, rows.reach_rows(task), inside(target))
+    found |= _same("P2 start", rows.start_constraints(task), inside(start)) | _same(
+        Property.STAY.code, rows.stay_constraints(task), inside(space)
+    )
+    found |= _same(Property.REACH.code, rows.reach_constraints(task), inside(target))
     for what, made, most in (("P6 speed", speed, fast), ("P6 acceleration", second, bend)):
         found |= _same(what, made, [most[i] + s * e for i in range(N) for e in (low[i], high[i]) for s in (-1, 1)])
     every = {
         Property.WIDTH: wide,
-        Property.START: (*rows.state_rows(task), *rows.start_rows(task)),
-        Property.STAY: rows.stay_rows(task),
+        Property.START: (*rows.initial_state_constraints(task), *rows.start_constraints(task)),
+        Property.STAY: rows.stay_constraints(task),
     }
-    every |= {Property.REACH: rows.reach_rows(task)}
+    every |= {Property.REACH: rows.reach_constraints(task)}
     wrong = [
-        f"{k.label}: order {r.order}, per {r.per}"
+        f"{k.label}: order {r.order}, per {r.slack_per_distance}"
         for k, made in every.items()
         for r in made
-        if (r.order, r.per) != (0, 1) or r.keep
+        if (r.order, r.slack_per_distance) != (0, 1) or r.clearance
     ]
     wrong += [f"P6: order {r.order}" for k, made in enumerate((speed, second), 1) for r in made if r.order != k]
-    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=LEAST_WIDTH / 2), None, None
-    wrong += [f"P1: {r.bound}" for r in rows.width_rows(task) if r.bound != LEAST_WIDTH]
-    wrong += ["P6 without a bound"] if rows.speed_rows(task) or rows.acceleration_rows(task) else []
+    task.tube, task.max_speed, task.max_acceleration = SimpleNamespace(min_width=MINIMUM_WIDTH / 2), None, None
+    wrong += [f"P1: {r.bound}" for r in rows.width_constraints(task) if r.bound != MINIMUM_WIDTH]
+    wrong += ["P6 without a bound"] if rows.speed_constraints(task) or rows.acceleration_constraints(task) else []
     count = sum(map(len, every.values())) + len(speed) + len(second) + N + 2
     return all_of(
         prove_identities(found, METHOD),
@@ -112,7 +114,7 @@ def _prove_apart() -> Outcome:
     normals = list(_normals())
     for normal in normals:
         one: Any = SimpleNamespace(faces=((normal, h),))
-        (row,) = rows.apart_rows(one, keep)
+        (row,) = rows.separation_constraints(one, keep)
         size = sum(map(abs, normal))
         low = sum(c * EDGE[i, side] for i, side, c in row.terms)
         y = [EDGE[i, LOWER] + share[i] * wide[i] for i in range(N)]
@@ -120,21 +122,21 @@ def _prove_apart() -> Outcome:
         rest = sum(c * v for c, v in zip(normal, y, strict=True)) - above
         found |= {
             f"{normal}: bound": row.bound - h,
-            f"{normal}: clearance": sp.expand(row.keep - size * keep),
-            f"{normal}: per": sp.expand(row.per - size),
+            f"{normal}: clearance": sp.expand(row.clearance - size * keep),
+            f"{normal}: per": sp.expand(row.slack_per_distance - size),
             f"{normal}: size": sp.expand(row.size - size),
         }
         parts = [abs(c) * (v if c.is_positive else 1 - v) * w for c, v, w in zip(normal, share, wide, strict=True) if c != 0]
         found[f"{normal}: n.y less low_n less its parts"] = sp.cancel(sp.together(rest - sum(parts)))
         signs[f"{normal}: n.y - low_n"] = sp.together(sum(sp.together(v) for v in parts))
     one = SimpleNamespace(faces=(((1, 0, 0), h), ((0, -2, 3), h)))
-    unit, slanted = rows.apart_rows(one, keep)
-    found |= {"a normal of size 1": unit.keep - keep, "a slanted one": slanted.keep - 5 * keep}
-    wrong += [f"needed {r.needed}" for r in (unit, slanted) if r.needed != 1]
+    unit, slanted = rows.separation_constraints(one, keep)
+    found |= {"a normal of size 1": unit.clearance - keep, "a slanted one": slanted.clearance - 5 * keep}
+    wrong += [f"needed {r.distance_error}" for r in (unit, slanted) if r.distance_error != 1]
     task: Any = SimpleNamespace(obstacles=(one, one), courses=(None, None), tube=SimpleNamespace(clearance=keep))
     one.name = "a set"
-    chosen = rows.avoid_rows(task)
-    wrong += [f"{a}" for a in chosen if (a.name, a.rows) != ("a set", (unit, slanted))] + ["a set is missing"] * (
+    chosen = rows.avoidances(task)
+    wrong += [f"{a}" for a in chosen if (a.name, a.alternatives) != ("a set", (unit, slanted))] + ["a set is missing"] * (
         len(chosen) != 2
     )
     return all_of(
@@ -150,19 +152,19 @@ def _prove_moved() -> Outcome:
     found = {}
     for terms in (((0, LOWER, 1),), ((1, UPPER, -1),), ((0, LOWER, 2), (2, UPPER, -3)), ((1, UPPER, 1), (1, LOWER, -1))):
         bound: Any = sp.Symbol("b", real=True)
-        row = rows.Row(terms, bound)
-        there = sum(c * (EDGE[i, side] - origin[i]) for i, side, c in terms) - row.seen_from(origin)
+        row = rows.Constraint(terms, bound)
+        there = sum(c * (EDGE[i, side] - origin[i]) for i, side, c in terms) - row.bound_from(origin)
         found[str(terms)] = sp.expand(there - _slack(row))
     wrong = [
-        f"{t}: {rows.Row(t, Fraction(0)).dimension}"
+        f"{t}: {rows.Constraint(t, Fraction(0)).dimension}"
         for t, d in ((((0, 1, 1),), 0), (((2, 0, 1), (2, 1, -1)), 2), (((0, 0, 1), (1, 0, 1)), None))
-        if rows.Row(t, Fraction(0)).dimension != d
+        if rows.Constraint(t, Fraction(0)).dimension != d
     ]
     width, far = (
-        rows.Row(((0, UPPER, 1), (0, LOWER, -1)), Fraction(1)),
-        rows.Row(((0, LOWER, 2), (1, UPPER, -3)), Fraction(1), per=5),
+        rows.Constraint(((0, UPPER, 1), (0, LOWER, -1)), Fraction(1)),
+        rows.Constraint(((0, LOWER, 2), (1, UPPER, -3)), Fraction(1), slack_per_distance=5),
     )
-    wrong += [f"{r}: needs {r.needed}" for r, v in ((width, 2), (far, 1)) if r.needed != v]
+    wrong += [f"{r}: needs {r.distance_error}" for r, v in ((width, 2), (far, 1)) if r.distance_error != v]
     return all_of(
         prove_identities(found, METHOD),
         outcome_of_cases(5, wrong, "a row is about one dimension or several; an error counts |c|/per times"),
@@ -219,11 +221,11 @@ def _prove_told() -> Outcome:
     """`RowBlock` on pieces whose coefficients are symbols, in every order: c.E_j - bound at the j where it is least, over per."""
     found: dict[str, Any] = {}
     one, half = Fraction(1), Fraction(1, 2)
-    plain = [rows.Row(((0, LOWER, 1),), Fraction(3)), rows.Row(((1, UPPER, -1),), Fraction(-7, 2))]
+    plain = [rows.Constraint(((0, LOWER, 1),), Fraction(3)), rows.Constraint(((1, UPPER, -1),), Fraction(-7, 2))]
     mixed = [
         *plain,
-        rows.Row(((0, LOWER, 2), (1, UPPER, -3)), Fraction(5), Fraction(1), 5),
-        rows.Row(((1, 1, 1), (1, 0, -1)), one),
+        rows.Constraint(((0, LOWER, 2), (1, UPPER, -3)), Fraction(5), Fraction(1), 5),
+        rows.Constraint(((1, 1, 1), (1, 0, -1)), one),
     ]
     for count, order in enumerate(permutations(range(4))):
         numbers = np.array([[[[*order], [9 + 2.5 * v for v in order[::-1]]]] * 2], dtype=float).reshape(1, 2, 2, 4)
@@ -234,8 +236,8 @@ def _prove_told() -> Outcome:
             told = slack.RowBlock.of(given, half).told(pieces)
             for r, row in enumerate(given):
                 left = [sum(c * pieces[0, i, side, j] for i, side, c in row.terms) for j in range(4)]
-                bound = -((-(row.bound + row.keep)) // half)
-                wanted = (min(left, key=float).expression - sp.Integer(int(bound))) / row.per
+                bound = -((-(row.bound + row.clearance)) // half)
+                wanted = (min(left, key=float).expression - sp.Integer(int(bound))) / row.slack_per_distance
                 found[f"{kind}, order {count}, row {r}"] = sp.expand(told[0, r].expression - wanted)
     return all_of(prove_identities(found, METHOD), _whole())
 
@@ -249,17 +251,17 @@ def _whole() -> Outcome:
         pieces = np.array([[[[draw.randint(-99, 99) for _ in range(4)] for _ in range(2)] for _ in range(2)] for _ in range(3)])
         block, choice = slack.RowBlock.of(made, Fraction(1, 2)), slack.RowBlock.choice(sets, Fraction(1, 2))
         by_row = [[_units(row, piece) for row in made] for piece in pieces.tolist()]
-        by_set = [[[_units(row, piece) for row in one.rows] for one in sets] for piece in pieces.tolist()]
+        by_set = [[[_units(row, piece) for row in one.alternatives] for one in sets] for piece in pieces.tolist()]
         least, at = block.slack(pieces)
         best, chosen = choice.slack(pieces)
-        every = [row for one in sets for row in one.rows]
+        every = [row for one in sets for row in one.alternatives]
         for k in range(3):
             count += 1
             wanted = min(max(v) for v in by_set[k])
             good = least[k] == min(by_row[k]) == by_row[k][at[k]] and best[k] == wanted == _units(
                 every[chosen[k]], pieces[k].tolist()
             )
-            good = good and every[chosen[k]] in sets[choice.set_of(int(chosen[k]))].rows
+            good = good and every[chosen[k]] in sets[choice.set_of(int(chosen[k]))].alternatives
             good = good and max(by_set[k][choice.set_of(int(chosen[k]))]) == wanted
             good = good and block.told_of(block.told(pieces))[k] == min(by_row[k])
             alone = slack.RowBlock.choice(sets[:1], Fraction(1, 2))
@@ -268,19 +270,19 @@ def _whole() -> Outcome:
     return outcome_of_cases(count, wrong, "whole units, rounded down; the worst row, and of the best rows of the sets the worst")
 
 
-def _drawn(draw: random.Random) -> rows.Row:
+def _drawn(draw: random.Random) -> rows.Constraint:
     terms = {(draw.randint(0, 1), draw.randint(0, 1)): draw.choice((-3, -1, 1, 2)) for _ in range(draw.randint(1, 3))}
     size = sum(map(abs, terms.values()))
     keep = Fraction(draw.randint(0, 3), 3)
-    return rows.Row(
+    return rows.Constraint(
         tuple((i, s, c) for (i, s), c in terms.items()), Fraction(draw.randint(-40, 40), 3), keep, draw.choice((1, size))
     )
 
 
-def _units(row: rows.Row, piece: Any) -> int:
+def _units(row: rows.Constraint, piece: Any) -> int:
     """The slack of a row on a piece in halves of a unit, from its definition."""
     left = min(sum(c * piece[i][side][j] for i, side, c in row.terms) for j in range(4))
-    return int((left + ((-(row.bound + row.keep)) // Fraction(1, 2))) // row.per)
+    return int((left + ((-(row.bound + row.clearance)) // Fraction(1, 2))) // row.slack_per_distance)
 
 
 def _prove_subdivided() -> Outcome:
@@ -295,14 +297,14 @@ def _prove_subdivided() -> Outcome:
         made = [_drawn(draw) for _ in range(2)]
         for block, groups in (
             (slack.RowBlock.of(made, Fraction(1, 2)), [[r] for r in made]),
-            (slack.RowBlock.choice(sets, Fraction(1, 2)), [list(s.rows) for s in sets]),
+            (slack.RowBlock.choice(sets, Fraction(1, 2)), [list(s.alternatives) for s in sets]),
         ):
             points = [_least_at(groups, bezier[k], w) for k in range(5) for w in weights]
             for error in (Fraction(0), Fraction(1, 3), max(Fraction(0), min(points) - 3)):
                 least = slack.least_slack(bezier, block, error)
                 if least != _in_chunks(bezier, block, error):
                     wrong.append(f"{least} in one piece, another one in chunks")
-                required = error * max(r.needed for g in groups for r in g)
+                required = error * max(r.distance_error for g in groups for r in g)
                 count += 1
                 if least.slack >= required and least.slack > min(points):
                     wrong.append(f"{float(least.slack)} is said to be there, {float(min(points))} is")
@@ -320,12 +322,12 @@ def _in_chunks(bezier: Any, block: slack.RowBlock, error: Fraction) -> slack.Lea
         slack.CHUNK = kept
 
 
-def _least_at(groups: Sequence[Sequence[rows.Row]], piece: Any, weights: Sequence[Fraction]) -> Fraction:
+def _least_at(groups: Sequence[Sequence[rows.Constraint]], piece: Any, weights: Sequence[Fraction]) -> Fraction:
     """The slack at one point: of every group's best row the worst, in units."""
 
-    def one(row: rows.Row) -> Fraction:
+    def one(row: rows.Constraint) -> Fraction:
         left = sum(c * sum(w * int(v) for w, v in zip(weights, piece[i, side], strict=True)) for i, side, c in row.terms)
-        return Fraction(left + ((-(row.bound + row.keep)) // Fraction(1, 2))) / row.per
+        return Fraction(left + ((-(row.bound + row.clearance)) // Fraction(1, 2))) / row.slack_per_distance
 
     return min(max(map(one, group)) for group in groups)
 

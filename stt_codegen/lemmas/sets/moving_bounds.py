@@ -44,7 +44,8 @@ def _prove_bounds() -> Outcome:
     for _ in range(DRAWN):
         told = [tuple(draw.choice((-5, -1, 0, 2, 3)) for _ in range(N)) for _ in range(3)]
         made = [
-            rows.Row(tuple((i, 0, c) for i, c in enumerate((*n[:-1], n[-1] or 1)) if c), number(), abs(number())) for n in told
+            rows.Constraint(tuple((i, 0, c) for i, c in enumerate((*n[:-1], n[-1] or 1)) if c), number(), abs(number()))
+            for n in told
         ]
         begin, late, growing = abs(number()), abs(number()), tuple(abs(number()) for _ in made)
         places = tuple((tuple(number() for _ in range(N)), tuple(number() for _ in range(N))) for _ in range(2))
@@ -56,7 +57,7 @@ def _prove_bounds() -> Outcome:
         lines = moving.Lines.of(rows.Avoidance("", tuple(made), course, growing), leg, time, length)
         t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
         wanted = [
-            [r.bound + r.keep + g * course.growth(t) + sum(c * by[i] for i, _, c in r.terms) for by in leg.at(t)]
+            [r.bound + r.clearance + g * course.growth(t) + sum(c * by[i] for i, _, c in r.terms) for by in leg.at(t)]
             for r, g in zip(made, growing, strict=True)
         ]
         if [[v * length for v in row] for row in lines.at(t / time)] != wanted:

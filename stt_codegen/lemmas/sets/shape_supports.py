@@ -34,13 +34,16 @@ def _prove_behind() -> Outcome:
     near, far = ([(n, b) for n in normals] for b in (h, 2 * h))
     task: Any = SimpleNamespace(free_space=box, target=box, space_cuts=near, target_cuts=far)
     wrong = []
-    for what, made, bound in ((Property.STAY.code, rows.stay_rows(task), h), (Property.REACH.code, rows.reach_rows(task), 2 * h)):
+    for what, made, bound in (
+        (Property.STAY.code, rows.stay_constraints(task), h),
+        (Property.REACH.code, rows.reach_constraints(task), 2 * h),
+    ):
         wrong += [f"{what}: {len(made)} rows"] * (len(made) != 2 * N + len(normals))
         for normal, row in zip(normals, made[2 * N :], strict=True):
             most = sum(c * EDGE[i, 1 if c.is_positive else 0] for i, c in enumerate(normal) if c != 0)
-            left = sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.keep
+            left = sum(c * EDGE[i, side] for i, side, c in row.terms) - row.bound - row.clearance
             found[f"{what} {normal}"] = sp.expand(left - (bound - most))
-            found[f"{what} {normal}: per"] = sp.expand(row.per - sum(map(abs, normal)))
+            found[f"{what} {normal}: per"] = sp.expand(row.slack_per_distance - sum(map(abs, normal)))
     return all_of(
         prove_identities(found, METHOD), outcome_of_cases(2, wrong, "a row for every half-space, after those of the box")
     )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from stt_codegen.designs import LOWER, UPPER, RefinedDesign, filtered, pressed
+from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.lemmas.sampling import refusing_condition
 from stt_codegen.sampling import FRACTIONS, extent, inertial_motion
@@ -148,7 +148,7 @@ def _prove_evaluated() -> Outcome:
     for _ in range(DESIGNS):
         design = _random_design(draw)
         per, unit = sp.Rational(design.segments) / sp.Rational(str(design.prescribed_time)), sp.Rational(str(design.unit))
-        edges, press = filtered(design), pressed(design)
+        edges, press = filtered_edges(design), demanded_accelerations(design)
         for k in (0, design.segments // 2, design.segments - 1):
             for i, value in enumerate(design.filter):
                 own = sp.Rational(str(value))

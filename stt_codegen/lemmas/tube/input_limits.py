@@ -74,8 +74,8 @@ def _prove_rows() -> Outcome:
         for i, v in enumerate(held):
             others = plant.get("g_cross", 0) * sum(held[:i] + held[i + 1 :])
             most = plant.get("g_min", 1) * v - plant.get("f_max", 0) - plant.get("w_max", 0) - others
-            here = [row for row in rows.limit_rows(task) if row.dimension == i]
-            wanted = [rows.Row(((i, LOWER, -1),), -most, order=1), rows.Row(((i, UPPER, 1),), -most, order=1)]
+            here = [row for row in rows.limit_constraints(task) if row.dimension == i]
+            wanted = [rows.Constraint(((i, LOWER, -1),), -most, order=1), rows.Constraint(((i, UPPER, 1),), -most, order=1)]
             wrong += [] if here == wanted else [f"{plant}, u_max {u_max}: {here}"]
     return outcome_of_cases(TASKS, wrong, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
 

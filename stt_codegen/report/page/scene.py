@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stt_codegen.certify.missions import Served
-from stt_codegen.constraints import avoid_rows
+from stt_codegen.constraints import avoidances
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance, spans
 from stt_codegen.report.outlines import Array, Plane, outline, target_outline, walls
@@ -82,7 +82,7 @@ def _target(task: Task, planes: list[Plane], round_: Rounding) -> dict[str, Any]
 def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
     """By sample the nearest unsafe set and how far it is at least, left out where lengths along different axes cannot be
     compared; and where no normal keeps the tube off a set: name, from, to, and whether it meets it then (boxes) or may."""
-    rows = avoid_rows(task)
+    rows = avoidances(task)
     if not rows:
         return {"near": None, "meets": []}
     far = np.array([distance(one, t, low, high) for one in rows])

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
 from stt_codegen.certify.missions import served
-from stt_codegen.constraints import avoid_rows
+from stt_codegen.constraints import avoidances
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.report.clearances import bands, distance
@@ -159,7 +159,7 @@ def _collisions(controller: EmittedController, low: Array, high: Array) -> npt.N
     """At which samples the tube overlaps some unsafe set: shape (T,)."""
     t = np.linspace(0.0, float(controller.task.prescribed_time), len(low))
     found = np.zeros(len(t), dtype=bool)
-    for one in avoid_rows(controller.task):
+    for one in avoidances(controller.task):
         found |= distance(one, t, low, high) < 0
     return found
 
