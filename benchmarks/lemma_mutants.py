@@ -483,8 +483,8 @@ def _rows() -> list[float]:
     faces = [
         [s.faces, s.support((2, -3)), s.grown((Fraction(1), Fraction(2))).faces, s.vertices, s.span(0)] for s in task.obstacles
     ]
-    faces += [sets.Grown(s, (Fraction(1), Fraction(2))).support((2, -3)) for s in task.obstacles]
-    lows = [sets.low_of(n, (Fraction(1), Fraction(2)), (Fraction(5), Fraction(7))) for n in ((1, 2), (-1, 3), (0, -2))]
+    faces += [sets.GrownSet(s, (Fraction(1), Fraction(2))).support((2, -3)) for s in task.obstacles]
+    lows = [sets.minimum_over_box(n, (Fraction(1), Fraction(2)), (Fraction(5), Fraction(7))) for n in ((1, 2), (-1, 3), (0, -2))]
     return _numbers_of([every, about, faces, lows, len(rows.avoidances(task))])
 
 
@@ -530,9 +530,9 @@ READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = 
      "speed_constraints box_constraints _interval_constraints separation_constraints _lowest_value_terms", _rows,
      (row_lemmas,)),
     (rows.Constraint, "size bound_from distance_error dimension", _rows, (row_lemmas,)),
-    (sets, "low_of", _rows, (row_lemmas,)),
+    (sets, "minimum_over_box", _rows, (row_lemmas,)),
     (sets.BoxSet, "support faces grown", _rows, (row_lemmas,)),
-    (sets.Grown, "support", _rows, (row_lemmas,)),
+    (sets.GrownSet, "support", _rows, (row_lemmas,)),
     (slack, "least_slack _halve halves units_above", _slack, (spline_edges, row_lemmas)),
     (slack.RowBlock, "choice _made single slack told told_of _left set_of", _slack, (row_lemmas,)),
     (arithmetic, "late time_error", _arithmetic, (spline_edges,)),

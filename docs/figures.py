@@ -42,7 +42,7 @@ def robot(name: str, *axes: str) -> None:
     task, file = controller.task, TASKS / f"{name}.py"
     plant = plant_of(str(file) if file.exists() else "integrator", task.dimension, task.order)
     start = starts(controller.certificate.start, 0.99 * float(task.initial_set.share), 2, corner=True)
-    strength = float(plant.w_max or task.wind)
+    strength = float(plant.w_max or task.disturbance_bound)
     run = Loop(controller, plant).run(
         Scenario(disturbance="outward", strength=strength, seed=2, start=start, **of_task(task)), trace=True
     )

@@ -378,7 +378,7 @@ class Controller(pipeline.EmittedController):
         x_before is the last unwrapped state, at first the initial one. All are of shape (n,). Raises `BadInput` where no axis
         closes.
         """
-        if not self.task.closed:
+        if not self.task.closed_axes:
             raise BadInput(f"{self.task.name}: no axis closes (periodic); take x as it is measured")
         before = as_floats("x_before", x_before)
         state = as_floats("x", x, finite=False)

@@ -111,7 +111,7 @@ def avoidances(task: Task) -> tuple[Avoidance, ...]:
     """Return P4, for all t: for every unsafe set, grown by the body, the alternatives of which one must hold."""
     result = []
     for s, course in zip(task.obstacles, task.courses, strict=True):
-        larger = s.spread(Fraction(1)) if course is not None else s
+        larger = s.inflated(Fraction(1)) if course is not None else s
         growth_rates = () if course is None else tuple(larger.support(normal) - h for normal, h in s.faces)
         result.append(Avoidance(s.name, separation_constraints(s, task.tube.clearance), course, growth_rates))
     return tuple(result)
@@ -131,7 +131,7 @@ def mission_avoidances(task: Task, state: State) -> tuple[Avoidance, ...]:
     assert isinstance(region, Unsafe)
     axes = task.axis_indices(region)
     if inner.kept:
-        convex = region.within(task.state_space, axes).grown(task.half_extents)
+        convex = region.to_set_in(task.state_space, axes).grown(task.half_extents)
         return (Avoidance(str(state), separation_constraints(convex, task.tube.clearance)),)
     components = [(dict(zip(axes, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
     half_spaces = [(tuple(component.get(i, 0) for i in range(n)), offset) for component, offset in components]
@@ -184,7 +184,7 @@ def control_authority(task: Task) -> tuple[Fraction, ...]:
     """
     assert task.u_max is not None
     limit = [round_down(v, task.emit.scalar) for v in task.u_max]
-    if task.scales:
+    if task.scales_input:
         share = inverse_square_root(task.dimension)
         return tuple((b.g_min * v - b.force) * share for b, v in zip(task.plant_bounds, limit, strict=True))
     total = sum(limit, Fraction(0))
@@ -197,10 +197,10 @@ def limit_constraints(task: Task) -> tuple[Constraint, ...]:
     So L_i' and -R_i' are below `control_authority`. There are none where the task does not demand limits, and none for order 2,
     where P8 is about accelerations.
     """
-    if not task.limits_are_demanded or task.order == 2:
+    if not task.requires_input_limits or task.order == 2:
         return ()
     speeds = control_authority(task)
-    if task.scales:  # the norm of the edges' rates counts, whatever their direction
+    if task.scales_input:  # the norm of the edges' rates counts, whatever their direction
         return _rate_constraints(speeds, 1)
     sides = ((LOWER, -1), (UPPER, 1))
     return tuple(Constraint(((i, side, sign),), -v, order=1) for i, v in enumerate(speeds) for side, sign in sides)
@@ -211,7 +211,7 @@ def edge_speed_limits(task: Task) -> tuple[Fraction, ...] | None:
 
     An edge that moves away from the state could be faster under P8.
     """
-    if not task.limits_are_demanded or task.order == 2:
+    if not task.requires_input_limits or task.order == 2:
         return task.max_speed
     authority = control_authority(task)
     return authority if task.max_speed is None else tuple(map(min, authority, task.max_speed))

@@ -64,7 +64,7 @@ def build(
     task = load_task(path)
     with about(path):
         task = task.with_options(design, scalar, language)
-    with about(path), noted(task.notes):
+    with about(path), noted(task.map_notes):
         return build_task(task, uncertified)
 
 
@@ -126,7 +126,7 @@ def require_design_for(task: Task, tube: Design) -> None:
 
 def with_chosen_gain(task: Task, design: Design) -> Task:
     """Return the task with the gain that is chosen for this tube, where the task leaves it open ("auto")."""
-    if not task.gain_chosen or not design.capabilities.proves_periods:
+    if not task.has_automatic_gain or not design.capabilities.proves_periods:
         return task
     from stt_codegen.certify.sampled import choose_gain
     from stt_codegen.controller import errors_of_tube

@@ -477,6 +477,6 @@ def well_formed(task: Task) -> bool:
     for s in task.unsafe:
         if s.problem():
             return False
-        s.within(task.state_space, task.axis_indices(s))  # raises ValueError where there is nothing of it
+        s.to_set_in(task.state_space, task.axis_indices(s))  # raises ValueError where there is nothing of it
     sizes = (*(b - a for box in boxes for a, b in zip(box.lower, box.upper, strict=True)), *(task.max_speed or (1,)))
     return min(sizes) > 0 and min(task.tube.clearance, task.tube.min_width, *(task.body or ())) >= 0

@@ -156,9 +156,9 @@ def _fine(family: Family, seed: int, reach: float) -> bool:
     middles = [(axis[:-1] + axis[1:]) / 2 for axis in edges]
     points = np.stack(np.meshgrid(*middles, indexing="ij"), axis=-1)
     free = np.ones(points.shape[:-1], dtype=bool)
-    for one in arena_task(family, seed).bare:
+    for one in arena_task(family, seed).unsafe_sets:
         if family.shape == "ball":
-            core = [(float(one.line[0][i]),) * 2 for i in range(n)]
+            core = [(float(one.segment_ends[0][i]),) * 2 for i in range(n)]
             gaps = [
                 np.maximum(np.maximum(a - reach - points[..., i], points[..., i] - b - reach), 0) for i, (a, b) in enumerate(core)
             ]

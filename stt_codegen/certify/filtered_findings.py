@@ -71,7 +71,7 @@ def starts(task: Task, design: RefinedDesign, wrong: Sequence[Fraction]) -> Slac
 
 def spare_acceleration(task: Task, design: RefinedDesign) -> Slack | None:
     """By how much an input within u_max outdoes what pushes v + lambda x at an edge; None where that is not asked for."""
-    if not task.limits_are_demanded:
+    if not task.requires_input_limits:
         return None
     pieces, found = demanded_accelerations(design), []
     for i, spare in enumerate(control_authority(task)):

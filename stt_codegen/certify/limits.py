@@ -53,7 +53,7 @@ def certify_limits(task: Task, design: RefinedDesign) -> tuple[Finding, ...]:
     spare = by_component(control_authority(task))
     assert task.u_max is not None
     statement = f"|u| <= {by_component(task.u_max)} holds x off every edge: it moves x by {spare}/s against all that pushes"
-    if task.scales:
+    if task.scales_input:
         most = by_component(task.u_max)
         statement = f"|u| <= {most}, scaled as a whole, outdoes all that pushes: no edge moves at {spare}/s or more"
     where = (least.segment * length, (least.segment + 1) * length)

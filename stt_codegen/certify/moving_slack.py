@@ -44,7 +44,7 @@ class Lines:
         ends, pairs = (leg.begin, leg.end), list(zip(one.alternatives, one.growth_rates, strict=True))
         grown = [one.course.growth(t) for t in ends]
         still = [[(row.bound + row.clearance + g * more) / length for row, g in pairs] for more in grown]
-        moved = [[[v / length for v in place[e]] for place in leg.places] for e in (0, 1)]
+        moved = [[[v / length for v in place[e]] for place in leg.displacements] for e in (0, 1)]
         common = math.lcm(*(v.denominator for told in (*still, *(p for end in moved for p in end)) for v in told))
         n = 1 + max(i for row in one.alternatives for i, _, _ in row.terms)
         normal = np.zeros((len(one.alternatives), n), dtype=object)

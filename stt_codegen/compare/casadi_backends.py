@@ -52,7 +52,7 @@ class _CasadiLaw(Backend):
         if self.task.u_max is not None:
             bound = np.array([float(v) for v in self.task.u_max])
             largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), bound[:1])
-            u = u * (bound[:1] / largest) if self.task.scales else np.clip(u, -bound, bound)
+            u = u * (bound[:1] / largest) if self.task.scales_input else np.clip(u, -bound, bound)
         inside = np.all((lower < x) & (x < upper), axis=1)
         return np.where(inside, 0, 1), u
 

@@ -260,7 +260,7 @@ def _inertial_rows(
     rows.add("margins", backend.call("margins", t, x, v)[0], want, bound, 1.0)
     bound = np.maximum(*(b.max(axis=1) for b in bounds)) + 8 * rows.eps
     rows.add("margin", backend.call("margin", t, x, v)[0], want.min(axis=1), bound, 1.0)
-    if task.differs:
+    if task.uses_differences:
         dt = np.abs(v[:, 0]) % np.asarray(2, dtype=x.dtype) + np.asarray(float(task.shortest_period), dtype=x.dtype)
         dt[::16] = np.array([0, -1], dtype=x.dtype)[np.arange(len(dt[::16])) % 2]
         before = np.asarray(x + dt[:, None] * np.clip(v, -1, 1), dtype=x.dtype)
@@ -297,13 +297,13 @@ def _input_row(
     """u for what is held, x, in its tube, as for `_law_rows`."""
     task, eps = controller.task, rows.eps
     low, high, delta = tube
-    _, u = reference.control(low, high, x, task.gain, task.e_max, None if task.scales else task.u_max)
+    _, u = reference.control(low, high, x, task.gain, task.e_max, None if task.scales_input else task.u_max)
     _, epsilon, xi = reference.transform(low, high, x, task.e_max)
     gain = np.array([abs(float(v)) for v in task.gain])
     clamp = np.array([float(v) for v in task.e_max])
     spread = law_spread(low, high, x, delta + 2 * eps * np.maximum(np.abs(low), np.abs(high)), clamp)
     bound = gain * spread + gain * xi * (8 + 4 * np.abs(epsilon)) * eps + (16 * eps + logarithm_error(controller)) * np.abs(u)
-    if task.scales:  # u and the factor are both wrong; the factor by what the largest is
+    if task.scales_input:  # u and the factor are both wrong; the factor by what the largest is
         assert task.u_max is not None
         largest = np.maximum(np.abs(u).max(axis=1, keepdims=True), float(task.u_max[0]))
         wrong = bound.max(axis=1, keepdims=True) / largest

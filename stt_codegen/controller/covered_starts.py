@@ -80,7 +80,9 @@ def start_share(task: Task) -> Fraction:
 def measurement_error(task: Task) -> Fraction:
     """What a measured x may be wrong by before it is rounded: noise, and where axes close what unwrapping adds, whether or not
     the task states a plant or a period."""
-    return (task.stated.plant.noise or Fraction(0)) + max((axis.unwrap_error for axis in task.closed), default=Fraction(0))
+    return (task.as_stated.plant.noise or Fraction(0)) + max(
+        (axis.unwrap_error for axis in task.closed_axes), default=Fraction(0)
+    )
 
 
 def starts_of(task: Task, design: RefinedDesign) -> Starts:
@@ -94,7 +96,7 @@ def starts_of(task: Task, design: RefinedDesign) -> Starts:
         return Starts(places, ())
     reaches = start_reach(task, design, numbers=FRACTIONS) if task.control.period is not None else None
     is_known = reaches is not None and bool((reaches < math.inf).all())
-    noise_v = Fraction(0) if task.differs else task.plant.noise_v or Fraction(0)
+    noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
     filtered = []
     for i, ((low, high), (low_rate, high_rate), value) in enumerate(
         zip(ends, slopes_at_start(design), design.filter, strict=True)
@@ -164,7 +166,7 @@ def between_bounds(block: Block, value: Var, i: Operand, names: Sequence[str]) -
 def covered_doc(task: Task) -> tuple[str, ...]:
     """What `covered` says, in lines of a comment."""
     inertial = task.order == 2
-    state = "x, and at v = 0, at rest" if inertial and task.differs else "x and v" if inertial else "x"
+    state = "x, and at v = 0, at rest" if inertial and task.uses_differences else "x and v" if inertial else "x"
     continuous = "the paper's Theorem 4.1, in continuous time,"
     proof = continuous if task.control.period is None else f"the proof of the sampling period ({Property.PERIOD.code})"
     where = f"every component of x is within {decimal(start_share(task))} of the tube's half width about its middle at t = 0"

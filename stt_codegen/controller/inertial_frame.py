@@ -153,7 +153,7 @@ def inertial_functions(
     """`filtered_tube`, `control`, `control_tick` where there is a clock, `margin` and `margins`."""
     frame = Frame(spline, Filter.of(design), design.dimension)
     frames = [replace(frame, spline=replace(spline, segment=kernel)) for kernel in (spline.segment, *clock)]
-    velocity = (_velocity(task, frame.n),) if task.differs else ()
+    velocity = (_velocity(task, frame.n),) if task.uses_differences else ()
     controls = (_control(task, f, law, guarded) for f in frames)
     return (_filtered_tube(frame), *velocity, *controls, _margin(frame, guarded), _margins(frame, guarded))
 

@@ -219,8 +219,8 @@ def _faces(sets: Sequence[Avoidance], shapes: Sequence[ConvexSet], origin: Seque
 
 def _bends(convex: ConvexSet, origin: Sequence[Fraction]) -> Array:
     """The bends of a set seen from the origin, points and signs: shape (2, V, n)."""
-    points = [[float(v - o) for v, o in zip(p, origin, strict=True)] for p, _ in convex.bends]
-    return np.array([points, [list(map(float, signs)) for _, signs in convex.bends]])
+    points = [[float(v - o) for v, o in zip(p, origin, strict=True)] for p, _ in convex.route_corners]
+    return np.array([points, [list(map(float, signs)) for _, signs in convex.route_corners]])
 
 
 def normalised(arena: Arena, exponent: int) -> Arena:

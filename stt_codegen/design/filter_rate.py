@@ -51,7 +51,7 @@ def _chosen(task: Task, design: RefinedDesign, i: int) -> Fraction:
             f"{task.axis_words[i]}, for the tube narrows too quickly there; raise prescribed_time, or make "
             "the initial set narrower"
         )
-    most = float(control_authority(task)[i]) if task.limits_are_demanded else np.inf
+    most = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
     good = [(room / (asked + push), v) for room, asked, v in wide if asked < most * (1 - 1e-6)]
     if not good:
         raise NotCertified(_too_much(task, i, min(asked for _, asked, _ in wide)))

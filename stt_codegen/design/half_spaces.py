@@ -22,7 +22,7 @@ class ObliqueFaces:
 
     normal: (X, n), each over its |n|_1. bound: (X,), the support h(n) of the set. set_index: (X,), rising, the index of the set.
     bends: for each set with such faces, points and signs (2, V, n): where a shortest way around the grown set may bend
-    (`ConvexSet.bends`); None for a box. is_complete: whether these are all faces of all sets; a round set has more.
+    (`ConvexSet.route_corners`); None for a box. is_complete: whether these are all faces of all sets; a round set has more.
     """
 
     normal: Array

@@ -110,8 +110,8 @@ def timed_obstacle_of(avoidance: Avoidance, origin: Sequence[Fraction]) -> Timed
 
     def bounds_at(leg: Leg, t: Fraction) -> Array:
         """Return the bounds at a time of the leg, (N, C)."""
-        bounds = np.repeat((resting + growth * float(course.growth(t)))[:, None], len(leg.places), axis=1)
-        for c, displacement in enumerate(leg.at(t)):
+        bounds = np.repeat((resting + growth * float(course.growth(t)))[:, None], len(leg.displacements), axis=1)
+        for c, displacement in enumerate(leg.displacements_at(t)):
             for i, d in enumerate(displacement):
                 bounds[:, c] += normal[:, i] * float(d)
         return bounds

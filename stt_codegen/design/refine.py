@@ -151,7 +151,7 @@ def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> f
     where that is left open. 0 where there are none. allowance: for the arithmetic, whose error is not derived yet."""
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
     setting, statements = loop_of(task, design, edge, rate), statements_of(task)
-    if task.control.gain is None or task.gain_chosen:
+    if task.control.gain is None or task.has_automatic_gain:
         best = Gains(setting, natural_gain(setting), statements=statements).longest
         return 0.0 if best is None else best[1].seconds
     period = Gains(setting, setting.law.gain, statements=statements).at(setting.law.gain)

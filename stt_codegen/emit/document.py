@@ -75,7 +75,7 @@ def _exact(task: Task, any_design: Design, certificate: Certificate) -> dict[str
         "start": [[int(a), int(b)] for a, b in bezier[0, :, :, 0]],
         "covers_initial_set": certificate.whole_start,
         "control": _control(task),
-        **({"clock": _clock(task)} if task.timed else {}),
+        **({"clock": _clock(task)} if task.has_timed_sets else {}),
         "claims": [_claim(claim, cuts) for claim in claims],
         **({} if certificate.mission is None else {"mission": _mission(certificate.mission, cuts)}),
         **({} if certificate.proved_period is None else {"sampled": _sampled(task, certificate.proved_period)}),
@@ -132,7 +132,7 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
             name: [str(v) for v in value] if isinstance(value, tuple) else None if value is None else str(value)
             for name, value in task.plant.bounds.items()
         },
-        **({"period_min": str(task.shortest_period)} if task.differs else {}),
+        **({"period_min": str(task.shortest_period)} if task.uses_differences else {}),
         "rho": [str(v) for v in proved.rho],
         "u": [str(Fraction(str(above(v)))) for v in proved.u],
         "shift": [str(v) for v in proved.shift],

@@ -46,7 +46,7 @@ def adapter_source(task: Task, design: Design, certificate: Certificate) -> str:
     longest = repr(float(steps[1])) if steps is not None else repr(float(task.prescribed_time) / STEPS)
     return template("loop/adapter.c.j2").render(
         prefix=task.name, macro=task.name.upper(), is_stateful=design.is_stateful, longest=longest, order=task.order,
-        outside=task.control.outside, differs=task.differs, cycle=cycle_literal(design),
+        outside=task.control.outside, differs=task.uses_differences, cycle=cycle_literal(design),
     )  # fmt: skip
 
 

@@ -67,8 +67,8 @@ def render(task: Task, design: Design, program: Program, certificate: Certificat
         files = _texts(task, design, program, certificate, common)
     encoded = {name: text.encode() for name, text in files.items()}
     digests = {name: hashlib.sha256(data).hexdigest() for name, data in encoded.items()}
-    if task.written is not None:
-        encoded[spelled_name(task.name)] = task.written.encode()
+    if task.expanded_text is not None:
+        encoded[spelled_name(task.name)] = task.expanded_text.encode()
     encoded[proof] = certificate_text(task, design, program, certificate, digests).encode()
     return encoded
 
@@ -86,7 +86,7 @@ def _texts(task: Task, design: Design, program: Program, certificate: Certificat
     period = task.emit.tick_period
     if certificate.proved_period is not None:
         common["proved"] = Const(round_down(certificate.proved_period.period, program.scalar))
-        if task.differs:
+        if task.uses_differences:
             common["shortest"] = Const(round_up(task.shortest_period, program.scalar))
     if period is not None:
         common["tick"] = Const(round_to(period, program.scalar))
@@ -114,7 +114,7 @@ def _texts(task: Task, design: Design, program: Program, certificate: Certificat
         files[phase_name(task.name)] = template("c/phase.c.j2").render(**common, c=c)
     if cycle is not None:
         files[wrap_name(task.name)] = template("c/wrap.c.j2").render(**common)
-    if task.closed:
+    if task.closed_axes:
         files[unwrap_name(task.name)] = template("c/unwrap.c.j2").render(**common)
     return files
 
@@ -140,7 +140,7 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
             moving = (
                 f"with |v| <= {by_component(task.start_speed)} in the share of it" if any(task.start_speed) else "at rest in it"
             )
-            of_v = "v is by differences" if task.differs else "v is measured too"
+            of_v = "v is by differences" if task.uses_differences else "v is measured too"
             lines.append(f"The plant is of order 2: xdot = v, vdot = f + g u + w, and {of_v}. Covered is every start")
             lines.append(f"{moving}; gamma(0) is in the certificate.")
         if certificate.steps is not None:
@@ -157,7 +157,7 @@ def notice(task: Task, certificate: Certificate) -> list[str]:
             for comparison in (" <= ", " = ", " < "):  # is not broken over two lines
                 sentence = sentence.replace(comparison, comparison.replace(" ", NO_BREAK))
             lines += [line.replace(NO_BREAK, " ") for line in textwrap.wrap(sentence, 115)]
-        elif task.scales and any(f.subject is Property.LIMITS for f in certificate.findings):
+        elif task.scales_input and any(f.subject is Property.LIMITS for f in certificate.findings):
             lines.append("For every plant within [plant] of the task u within u_max, scaled as a whole, outdoes all that pushes")
             lines.append(f"({Property.LIMITS.code}), in continuous time. What this gain holds against `stt-codegen prove` tells.")
         elif any(f.subject is Property.LIMITS for f in certificate.findings):
@@ -224,7 +224,7 @@ def _cycle(task: Task, cycle: Cycle, scalar: str) -> dict[str, Any]:
 
 def clock_words(task: Task) -> str:
     """What is said beside t_c where the clock of the sets, or that of a mission, matters."""
-    if not task.timed:
+    if not task.has_timed_sets:
         late = f" at the latest {decimal(task.start_delay)} s after" if task.start_delay else " when"
         return f"; t = 0 is{late} the mission begins" if task.mission else ""
     late = f", or at most {decimal(task.start_delay)} s after" if task.start_delay else ""
@@ -233,7 +233,7 @@ def clock_words(task: Task) -> str:
 
 def _stated(task: Task) -> list[str]:
     """About which sets the guarantee is, where some move or are unsafe only at times."""
-    if not task.timed:
+    if not task.has_timed_sets:
         return []
     late = f", or up to {decimal(task.start_delay)} s later" if task.start_delay else ""
     sentence = f"The sets are those of the task, where and when it states them: t = 0 here is t = 0 on their clock{late}"

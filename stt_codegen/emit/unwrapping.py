@@ -13,9 +13,9 @@ from stt_codegen.task import Task
 
 def turns_notice(task: Task) -> list[str]:
     """What the guarantee is about, where axes close."""
-    if not task.closed:
+    if not task.closed_axes:
         return []
-    periods = [f"{task.axis_names[a.index]} after {decimal(a.period)}" for a in task.closed]
+    periods = [f"{task.axis_names[a.index]} after {decimal(a.period)}" for a in task.closed_axes]
     text = f"Axes that close: {', '.join(periods)}. Unsafe sets count at every turn; {_target_turns(task)}x is the "
     return textwrap.wrap(text + f"unwrapped state: measured angles go through {task.name}_unwrap first.", 115)
 
@@ -24,7 +24,7 @@ def _target_turns(task: Task) -> str:
     """Where the middle of the target is taken in these axes, as part of a sentence."""
     if task.target_set is None:
         return ""
-    middles = ((a.index, (task.target.lower[a.index] + task.target.upper[a.index]) / 2) for a in task.closed)
+    middles = ((a.index, (task.target.lower[a.index] + task.target.upper[a.index]) / 2) for a in task.closed_axes)
     return f"the target's middle is at {', '.join(f'{task.axis_names[i]} = {decimal(middle)}' for i, middle in middles)}; "
 
 
@@ -42,11 +42,11 @@ def unwrapping(task: Task, scalar: str) -> dict[str, Any]:
             "step": f"{below(axis.largest_step):g}",
             **{name: f"{float(value)!r}{end}" for name, value in numbers.items()},
         }
-        for axis in task.closed
+        for axis in task.closed_axes
     ]
     first = ", ".join(map(decimal, task.initial_state))
-    wrong = max((axis.unwrap_error for axis in task.closed), default=Fraction(0))
+    wrong = max((axis.unwrap_error for axis in task.closed_axes), default=Fraction(0))
     return {
         "closed": axes, "first_state": f"the initial state, {first}", "unwrap_error": f"{above(wrong, 2):g}",
-        "noise_raised": bool(task.closed) and task.control.period is not None,
+        "noise_raised": bool(task.closed_axes) and task.control.period is not None,
     }  # fmt: skip

@@ -48,7 +48,7 @@ class Request:
         """What the loop runs under. Raises `BadInput` for what is no number or no name, or a disturbance of no size."""
         given = {"rate": self.rate, "noise": self.noise, "latency": self.latency}
         told = of_task(task) | {name: value for name, value in given.items() if value is not None}
-        strength = self.w_max if self.w_max is not None else float(plant.w_max or task.wind)
+        strength = self.w_max if self.w_max is not None else float(plant.w_max or task.disturbance_bound)
         scenario = Scenario(
             disturbance=self.disturbance, strength=strength, seed=self.seed, lost=self.lost, clock=self.clock,
             lag=self.lag, **told,
@@ -153,14 +153,14 @@ def within_bounds(task: Task) -> list[Plant]:
     stated, n = task.plant_bounds, task.dimension
     push = max(b.force for b in stated)
     cross = [b.cross for b in stated]
-    if task.scales and n > 1:  # there g_min and g_max are about norms: what couples turns, and leaves g_s as it is
+    if task.scales_input and n > 1:  # there g_min and g_max are about norms: what couples turns, and leaves g_s as it is
         least, most = float(stated[0].g_min), float(stated[0].g_max)
         cross = [min(c, Fraction(math.sqrt(max(most**2 - least**2, 0.0)) / (n - 1)) * Fraction(999, 1000)) for c in cross]
 
     def plant(words: str, own: list[Fraction], other: int) -> Plant:
         def matrix(*_: Any) -> list[list[float]]:
             def beside(i: int, j: int) -> Fraction:
-                return other * cross[i] * (-1 if task.scales and j < i else 1)
+                return other * cross[i] * (-1 if task.scales_input and j < i else 1)
 
             return [[float(sign * own[i] if i == j else beside(i, j)) for j in range(n)] for i in range(n)]
 
@@ -175,7 +175,7 @@ def within_bounds(task: Task) -> list[Plant]:
 
     weakest, strongest = [b.g_min for b in stated], [b.g_max for b in stated]
     gains = [("weakest g", weakest), ("strongest g", strongest)][: 1 + (weakest != strongest)]
-    gains = gains[:1] if task.scales and task.is_coupled else gains
+    gains = gains[:1] if task.scales_input and task.is_coupled else gains
     signs = [(", coupled", 1), (", coupled the other way", -1)] if task.is_coupled else [("", 0)]
     return [plant(word + way, own, other) for word, own in gains for way, other in signs]
 
@@ -246,9 +246,9 @@ def foretold(controller: EmittedController, plant: Model | None, scenario: Scena
         controller.task,
         [float(v) for v in (controller.task.initial_state if scenario.start is None else scenario.start)],
     )
-    if task.differs and any(start[task.dimension :]):
+    if task.uses_differences and any(start[task.dimension :]):
         return ["not proved: a velocity by differences is 0 at the first sample, so starts are at rest"]
-    if task.differs and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
+    if task.uses_differences and scenario.rate > (1 + 1e-9) / float(task.shortest_period):
         return [f"not proved: samples are nearer than control.period_min = {float(task.shortest_period):g} s"]
     analysis = Analysis(controller, plant, scenario.noise, scenario.latency, start)
     lines = [f"not shown: {h.statement}" for h in analysis.hypotheses() if not h.holds]

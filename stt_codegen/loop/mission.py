@@ -49,7 +49,7 @@ def _inside(task: Task, name: str, x: Array, grown: bool = False) -> Flags:
     if isinstance(region, UnsafeBall):
         away = np.maximum(np.abs(x[:, own] - [float(v) for v in region.centre]) - half, 0.0)
         return np.asarray(np.hypot.reduce(away, axis=1) <= float(region.radius))
-    faces = region.half_spaces() or region.within(task.state_space, own).faces  # of a capsule half-spaces that hold it
+    faces = region.half_spaces() or region.to_set_in(task.state_space, own).faces  # of a capsule half-spaces that hold it
     columns = x[:, own] if region.half_spaces() else x
     room = half if region.half_spaces() else np.array([float(v) if grown else 0.0 for v in task.half_extents])
     found = np.ones(len(x), dtype=bool)

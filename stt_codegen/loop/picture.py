@@ -104,7 +104,7 @@ def _tube3(axis: Any, controller: EmittedController, colour: str) -> None:
 
     task = controller.task
     end = float(task.prescribed_time)
-    for s in task.bare:
+    for s in task.unsafe_sets:
         axis.add_collection3d(Poly3DCollection(pillar(outline(s), end), facecolor=COLOURS["unsafe"], alpha=0.12))
     t = np.linspace(0.0, end, SLICES * 8 + 1)
     low, high = controller.design.edges_at(t)

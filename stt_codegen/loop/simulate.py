@@ -298,9 +298,9 @@ class _Field:
 def _hours(course: Course | None) -> list[float]:
     if course is None:
         return [-math.inf, math.inf, 0.0, 0.0, 0.0]
-    first, last = course.window or (-math.inf, math.inf)
+    first, last = course.active_interval or (-math.inf, math.inf)
     closed = float(last) if last != course.t_c else math.inf  # a window that ends at t_c stays closed
-    return [float(first), closed, float(course.spread), float(course.early), float(course.late)]
+    return [float(first), closed, float(course.spread), float(course.clock_lag), float(course.clock_lead)]
 
 
 def doubtful(task: Task) -> list[str]:
@@ -325,7 +325,7 @@ def _ends(convex: ConvexSet, task: Task) -> Array:
     ends, half = np.zeros((2, task.dimension)), np.full(task.dimension, np.inf)
     if convex.radius:
         for i in convex.bounded_axes:
-            ends[:, i] = [float(end[i]) for end in convex.line]
+            ends[:, i] = [float(end[i]) for end in convex.segment_ends]
             half[i] = float(task.half_extents[i])
     return np.vstack([ends, half])
 
@@ -361,12 +361,12 @@ def columns(task: Task) -> list[str]:
 def csv(trace: Array, task: Task, clock: str = "stated") -> bytes:
     """A trace as CSV; numbers in nine digits. Sets that move are where they are by that clock, by the worst as stated."""
     lines, courses = [",".join(columns(task))], [c for c in task.courses if c is not None]
-    behind = {c: {"early": -c.early, "late": c.late}.get(clock, Fraction(0)) for c in courses}
+    behind = {c: {"early": -c.clock_lag, "late": c.clock_lead}.get(clock, Fraction(0)) for c in courses}
     for row in trace.tolist():
         told = [f"{v:.9g}" for v in row[:-1]] + [f"{int(row[-1])}"]
         for course in courses:
             tau = Fraction(row[0]) + behind[course]
-            told += [f"{float(v):.9g}" for v in course.displaced(tau)] + [f"{int(course.unsafe_at(tau))}"]
+            told += [f"{float(v):.9g}" for v in course.displacement(tau)] + [f"{int(course.is_unsafe_at(tau))}"]
         lines.append(",".join(told))
     return ("\n".join(lines) + "\n").encode()
 

@@ -78,7 +78,7 @@ def controller_unit(controller: EmittedController) -> Unit:
     task, n = controller.task, controller.task.dimension
     if controller.design.is_stateful:
         raise BadInput(f"--package fmu: is for refined tubes; the {controller.design.kind} one has steps of its own")
-    if task.differs:
+    if task.uses_differences:
         raise BadInput("--package fmu: velocity by differences depends on when x is sampled, which no importer says; measure v")
     units, waits = task.units or ("",) * n, task.control.outside == "hold"  # then the tube's time depends on x
     literal = [shortest(round_to(v, "double"), "double") for v in task.initial_state]

@@ -42,7 +42,7 @@ def package(controller: EmittedController, kind: str, plant: Model | None = None
     if kind == "fmu":
         if controller.program.tick is not None:
             raise BadInput(f"--package fmu: {NO_INTEGERS}")
-        if controller.task.closed:
+        if controller.task.closed_axes:
             raise BadInput("--package fmu: a unit does not count turns (periodic); package the C, which has <p>_unwrap")
         return fmu_units(controller, plant)
     if plant is not None:
@@ -71,9 +71,9 @@ def _library(kind: str, controller: EmittedController) -> Files:
         "is_stateful": controller.design.is_stateful,
         "order": controller.task.order,
         "outside": controller.task.control.outside,
-        "differs": controller.task.differs,
+        "differs": controller.task.uses_differences,
         "repeats": controller.task.repeat,
-        "closed": bool(controller.task.closed),
+        "closed": bool(controller.task.closed_axes),
         "first_state": ", ".join(map(decimal, controller.task.initial_state)),
         **(sketch_words(controller) if kind in ("arduino", "platformio") else {}),
     }

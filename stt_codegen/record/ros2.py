@@ -47,7 +47,7 @@ def ros2_package(controller: EmittedController) -> Files:
     design = controller.design
     if design.is_stateful:
         raise BadInput(f"--package ros2: is for refined tubes; the {design.kind} one has steps of its own")
-    if task.differs:
+    if task.uses_differences:
         raise BadInput("--package ros2: a velocity by differences needs samples at even times; measure v")
     proved, cycle = controller.certificate.proved_period, cycle_of(design)
     period, latency = task.control.period or task.emit.tick_period or PERIOD, task.control.latency or Fraction(0)
@@ -89,7 +89,7 @@ def ros2_package(controller: EmittedController) -> Files:
         "state": state,
         "command": command,
         "axes": repr(axes),
-        "turns": {axis.index: float(axis.period) for axis in task.closed},
+        "turns": {axis.index: float(axis.period) for axis in task.closed_axes},
         "turn": command in ("twist", "accel"),
         "sources": ", ".join(f'"src/{name}"' for name in sources if name.endswith(".c")),
     }

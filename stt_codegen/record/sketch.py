@@ -53,11 +53,11 @@ def loop_times(controller: EmittedController) -> LoopTimes:
     else:
         if task.control.period is None:
             period = min(LOOP_PERIOD, period)
-        if task.differs:
+        if task.uses_differences:
             period = max(period, task.shortest_period)
         if steps is not None:
             period = min(max(period, steps[0] + MICROSECOND), steps[1] * (1 - JITTER_SHARE))
-        round_us = _ceil_us if task.differs else _floor_us
+        round_us = _ceil_us if task.uses_differences else _floor_us
         period = max(1, round_us(period)) * MICROSECOND
     return LoopTimes(period, longest if longest is not None and longest >= period else None, source)
 
@@ -99,7 +99,7 @@ def sketch_words(controller: EmittedController) -> dict[str, Any]:
         "period_ms": f"{float(times.period * 1000):g}",
         "longest_us": times.longest_us,
         "proved_by": "" if times.longest is None else times.source,
-        "shortest_us": _ceil_us(task.shortest_period) if task.differs else 0,
+        "shortest_us": _ceil_us(task.shortest_period) if task.uses_differences else 0,
         "latency_us": _floor_us(task.control.latency),
         "alpha_us": _floor_us(steps[1] if steps else task.prescribed_time / SETTLING_STEPS),
     }

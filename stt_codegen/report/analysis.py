@@ -155,7 +155,7 @@ class Analysis:
             return self.plant.name
         return (
             "[plant] of the task"
-            if self.controller.task.plant.stated
+            if self.controller.task.plant.is_stated
             else "xdot = u"
             if self.controller.task.gain[0] > 0
             else "xdot = -u"
@@ -166,7 +166,7 @@ class Analysis:
     @cached_property
     def periods(self) -> dict[str, Period | None]:
         """By statement, the longest period proved for the task's gain."""
-        known = STATEMENTS if self.controller.task.order == 1 and not self.controller.task.scales else self.statements
+        known = STATEMENTS if self.controller.task.order == 1 and not self.controller.task.scales_input else self.statements
         return {statement: longest_from(self.shortest, statement, self.setting) for statement in known}
 
     @property
@@ -174,7 +174,7 @@ class Analysis:
         """The shortest period: 0 but for adaptive tubes, whose alpha may not be stepped more finely than is certified, and for a
         velocity by differences."""
         steps = self.controller.certificate.steps
-        if self.controller.task.differs:
+        if self.controller.task.uses_differences:
             return float(self.controller.task.shortest_period)
         return 0.0 if steps is None else float(steps[0])
 
@@ -191,16 +191,16 @@ class Analysis:
             found.append("samples are taken at ticks; `generate` says which gains integers hold beside u_max")
         if task.order == 2:
             found.append("below, |e| is that of v + lambda x in its tube; x stays in its own")
-        if task.differs:
+        if task.uses_differences:
             found.append(f"samples are at least {decimal(task.shortest_period)} s apart, and their distance is measured exactly")
         if self.state_is_outside:
             found.append("the start is not initial_state, which is nearer to an edge of gamma(0) than initial_set.share allows")
-        if self.plant is None and task.plant.stated:
+        if self.plant is None and task.plant.is_stated:
             if task.plant.g_cross is None and task.dimension > 1:
                 found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:
                 found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
-        if self.shortest and not task.differs:
+        if self.shortest and not task.uses_differences:
             found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
         return found
 
@@ -244,7 +244,7 @@ class Analysis:
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
-            free = self.period is not None or (holds_scaled(s) if task.scales else holds_saturated(s))
+            free = self.period is not None or (holds_scaled(s) if task.scales_input else holds_saturated(s))
             free = free or bool(((effort(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
             told = f"control.u_max is at least what the law may ask for, or outdoes all that pushes ({Property.LIMITS.code})"
             yield Hypothesis("saturation", told, free)
@@ -252,7 +252,7 @@ class Analysis:
             period = self.period
             enough = period is not None and float(task.emit.tick_period) + self.latency <= period.seconds
             yield Hypothesis("sampling", f"emit.tick_period = {float(task.emit.tick_period):g} s is proved short enough", enough)
-        if self.plant is not None and (task.control.period is not None or task.limits_are_demanded):
+        if self.plant is not None and (task.control.period is not None or task.requires_input_limits):
             stated = Property.PERIOD if task.control.period is not None else Property.LIMITS
             told = f"this plant is one of those that {stated.code} is about: {self._stated}"
             easier = self.noise < float(task.plant.noise or 0) or self.latency < float(task.control.latency)
@@ -266,7 +266,7 @@ class Analysis:
     @property
     def _stated(self) -> str:
         stated = self.controller.task.plant_bounds
-        if self.controller.task.scales:
+        if self.controller.task.scales_input:
             one = stated[0]
             return f"|f + w| <= {decimal(one.force)}, g_s >= {decimal(one.g_min)}, |g| <= {decimal(one.g_max)}"
         force, low, high, cross = (by_component([getattr(b, k) for b in stated]) for k in ("force", "g_min", "g_max", "cross"))
@@ -330,7 +330,7 @@ class Analysis:
             latency=self.latency,
             assumes=tuple(self.assumptions()),
             shortest=above_float(self.shortest),
-            shortest_for="control.period_min" if task.differs else "alpha_step",
+            shortest_for="control.period_min" if task.uses_differences else "alpha_step",
             starts=self.starts,
             gain=tuple(float(v) for v in task.gain),
             at_this_gain=ProvedPeriod.of(own, self.latency),

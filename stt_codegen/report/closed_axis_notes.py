@@ -16,7 +16,7 @@ FULL_TURNS = {  # of an axis by its unit: what is written in `periodic`
 
 def turn_notes(task: Task) -> tuple[str, ...]:
     """Sentences about the axes that close, and about angles that do not although the target is the long way round."""
-    return (*(_closes(task, axis) for axis in task.closed), *_might_close(task))
+    return (*(_closes(task, axis) for axis in task.closed_axes), *_might_close(task))
 
 
 def _number(value: Fraction) -> str:
@@ -50,7 +50,7 @@ def _closes(task: Task, axis: ClosedAxis) -> str:
 
 def _might_close(task: Task) -> Iterator[str]:
     """Axes in angles that go more than half a turn from start to target."""
-    closed = {axis.index for axis in task.closed}
+    closed = {axis.index for axis in task.closed_axes}
     for i, unit in enumerate(task.units or ()):
         period = FULL_TURNS.get(unit.strip().lower())
         if period is None or i in closed or task.target_set is None:

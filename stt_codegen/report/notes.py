@@ -10,21 +10,21 @@ from math import lcm
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
 from stt_codegen.task.map import Point, self_meeting, twice_area
-from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, around
+from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
 
 
 def task_notes(task: Task) -> tuple[str, ...]:
     """The notes, a sentence each: of the task's maps, its room, its polytopes, and the way round where axes close or might."""
-    return (*task.notes, *_notes(task), *turn_notes(task))
+    return (*task.map_notes, *_notes(task), *turn_notes(task))
 
 
 def _notes(task: Task) -> Iterator[str]:
-    room = task.room
+    room = task.floor_plan
     if room is not None:
         yield "state_space: the outline is a box" + (f" less {_walls(room.walls)}, an exact partition" if room.walls else "")
-    regions = (("region", region) for region in task.stated.region if isinstance(region, Unsafe))
-    for kind, table in (*(("unsafe", table) for table in task.stated.unsafe), *regions):
-        if isinstance(table, UnsafePolytope) and table.thinned:
+    regions = (("region", region) for region in task.as_stated.region if isinstance(region, Unsafe))
+    for kind, table in (*(("unsafe", table) for table in task.as_stated.unsafe), *regions):
+        if isinstance(table, UnsafePolytope) and table.has_inner_points:
             yield f"{kind} {table.name}: {_hull_note(task, table)}"
 
 
@@ -54,4 +54,4 @@ def added_area(points: tuple[Vector, ...]) -> Fraction | None:
     polygon: list[Point] = [p for p, q in zip(scaled, [*scaled[1:], scaled[0]], strict=True) if p != q]
     if self_meeting(polygon) is not None:
         return None
-    return Fraction(twice_area(around(polygon)) - abs(twice_area(polygon)), 2 * scale**2)
+    return Fraction(twice_area(hull_corners(polygon)) - abs(twice_area(polygon)), 2 * scale**2)

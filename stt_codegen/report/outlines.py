@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.task import Task
-from stt_codegen.task.sets import ConvexSet, around, cut_box
+from stt_codegen.task.sets import ConvexSet, cut_box, hull_corners
 
 Array = npt.NDArray[np.float64]
 Plane = tuple[int, int]  # two dimensions, from 0
@@ -14,12 +14,12 @@ Plane = tuple[int, int]  # two dimensions, from 0
 
 def outline(convex: ConvexSet, plane: Plane = (0, 1)) -> Array:
     """The corners of a set's shadow on two dimensions, in order around it: (V, 2)."""
-    return hull_of(np.array(convex.shadow(*plane)))
+    return hull_of(np.array(convex.projection(*plane)))
 
 
 def hull_of(points: Array) -> Array:
     """The corners of the hull of points (P, 2), in order around it: (V, 2)."""
-    return np.array(around([(float(x), float(y)) for x, y in points]))
+    return np.array(hull_corners([(float(x), float(y)) for x, y in points]))
 
 
 def target_outline(task: Task, plane: Plane) -> Array:
@@ -39,7 +39,7 @@ def walls(task: Task, plane: Plane) -> list[Array]:
         if sum(1 for c in normal if c) != sum(1 for c in own if c):
             continue
         beyond = cut_box(lower, upper, [(tuple(-c for c in own), -offset)])
-        corners = around([(float(v.point[0]), float(v.point[1])) for v in beyond])
+        corners = hull_corners([(float(v.point[0]), float(v.point[1])) for v in beyond])
         if len(corners) > 2:
             found.append(np.array(corners))
     return found

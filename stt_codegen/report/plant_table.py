@@ -64,11 +64,11 @@ def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
 def uncovered_bounds(task: Task, bounds: Sequence[Bounds]) -> list[str]:
     """Where a plant is outside what [plant] states: the number, and what is stated. Empty where it is covered. In norms where u
     is scaled as a whole, else by component."""
-    extremes = norm_extremes if task.scales else component_extremes
+    extremes = norm_extremes if task.scales_input else component_extremes
     worst, stated = extremes(bounds), extremes([bounds_of_task(task)])
     g = "g" if task.gain[0] > 0 else "-g"
     names = ("|f + w|", f"{g}_ii", f"{g}_ii", "|g_ij|")
-    if task.scales:
+    if task.scales_input:
         names = ("|f + w|", f"least eigenvalue of {g}_s", "|g|", "")
     lines: list[str] = []
     for i in range(len(worst.push)):

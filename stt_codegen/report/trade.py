@@ -65,7 +65,7 @@ def trade_report(task: Task) -> TradeReport:
         found.setdefault(design, []).append(prefer)
     for design in family(task):
         found.setdefault(design, [])
-    gain = None if task.gain_chosen else task.control.gain
+    gain = None if task.has_automatic_gain else task.control.gain
     free = task.changed(control={"gain": gain, "period": None})  # P9 would refuse tubes whose period is shorter
     pairs = [(build_task(free, uncertified=True, tube=design), tuple(named)) for design, named in found.items()]
     tubes = [_trade(controller, named) for controller, named in pairs if controller.certificate.holds]

@@ -80,7 +80,7 @@ def _inertial_loop(
 
 def statements_of(task: Task) -> tuple[str, ...]:
     """Those that may prove a period of such a loop: of order 2 the sharp one, which is not there where u is scaled as a whole."""
-    return ("sharp",) if task.order == 2 else ("general",) if task.scales else ("sharp", "general")
+    return ("sharp",) if task.order == 2 else ("general",) if task.scales_input else ("sharp", "general")
 
 
 def eps_of_states(task: Task, design: Design, windows: Windows | None, start: Sequence[float] | None) -> npt.NDArray[Any]:

@@ -142,7 +142,7 @@ def difference_error(
 def difference_age(task: Task, latency: Any, more: Fraction, numbers: Numbers = DOUBLES) -> Any:
     """To which age of a sample a velocity by differences has that error, seconds: samples `more` times the period apart, whose u
     acts `latency` later; without end where v is measured."""
-    return numbers.of(task.sampling_period * more) + latency if task.differs else math.inf
+    return numbers.of(task.sampling_period * more) + latency if task.uses_differences else math.inf
 
 
 def inertial_law(
@@ -165,7 +165,7 @@ def inertial_law(
     size = numbers.of(max(abs(v) for side in (task.state_space.lower, task.state_space.upper) for v in side))
     fastest, width, wide = (v.max(axis=0) for v in (found.rate, found.width, found.wide))
     of_v: Any = noise[1]
-    if task.differs:
+    if task.uses_differences:
         fast, far = ([Fraction(v) for v in values.tolist()] for values in (fastest, width))
         error = difference_error(task, Fraction(noise[0]), fast, far, lambdas, more)
         of_v = of_v + numbers.outward(np.array([numbers.of(v) for v in error]), OUT)

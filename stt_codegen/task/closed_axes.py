@@ -277,7 +277,7 @@ def spelled_out(task: TaskTables) -> tuple[dict[str, Any], tuple[ClosedAxis, ...
         "state_space": space, "target_set": target, "unsafe": (*sets, *(table for table, _ in images)),
         "tube": task.tube.model_copy(update={"clearance": task.tube.clearance + more}) if more else task.tube,
     }  # fmt: skip
-    if task.plant.stated or task.control.period is not None:
+    if task.plant.is_stated or task.control.period is not None:
         noise = (task.plant.noise or Fraction(0)) + max(axis.unwrap_error for axis in axes)
         changes["plant"] = task.plant.model_copy(update={"noise": noise})
     return changes, axes, tuple(sources)

@@ -47,9 +47,9 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
         with noted(expansion.notes):
             task = Task.model_validate(expansion.document, context={FILE: True})
         task._notes = expansion.notes
-        if task.room is None:  # else it was written with the sets of the outline
+        if task.floor_plan is None:  # else it was written with the sets of the outline
             task._written = written(expansion.document)
-        task._spelled_from = ("map", *task.spelled_from)
+        task._spelled_from = ("map", *task.expanded_keys)
         return task
 
 

@@ -184,7 +184,7 @@ class PlantBounds(Table):
         return {name: getattr(self, name) for name in names}
 
     @property
-    def stated(self) -> bool:
+    def is_stated(self) -> bool:
         """Whether the task says anything about the plant but its order."""
         return any(v is not None for v in self.bounds.values())
 
@@ -266,7 +266,7 @@ class TaskTables(Table):
         return value if isinstance(value, tuple) else (value,) * self.dimension
 
     @property
-    def gain_chosen(self) -> bool:
+    def has_automatic_gain(self) -> bool:
         """Whether the pipeline has to choose the gain: "auto"."""
         given = self.control.gain
         return given == "auto" or (given is None and self.control.period is not None)
@@ -300,7 +300,7 @@ class TaskTables(Table):
         return tuple(found)
 
     @property
-    def wind(self) -> Fraction:
+    def disturbance_bound(self) -> Fraction:
         """The largest norm of w that is within plant.w_max whatever its direction."""
         return min(self._each(self.plant.w_max or Fraction(0)))
 
@@ -310,12 +310,12 @@ class TaskTables(Table):
         return any(b.cross for b in self.plant_bounds)
 
     @property
-    def scales(self) -> bool:
+    def scales_input(self) -> bool:
         """Whether u is limited as a whole."""
         return self.control.saturate == "scale"
 
     @property
-    def limits_are_demanded(self) -> bool:
+    def requires_input_limits(self) -> bool:
         """Whether P8 is asked for: u is limited, the plant has bounds, and no period is to be proved, which asks for more."""
         bounded = any(getattr(self.plant, name) is not None for name in PLANT_BOUNDS)
         return self.control.u_max is not None and bounded and self.control.period is None and self.tube.capabilities.proves_limits
@@ -352,7 +352,7 @@ class TaskTables(Table):
         return self.control.period or self.emit.tick_period or Fraction(1, 1000)
 
     @property
-    def differs(self) -> bool:
+    def uses_differences(self) -> bool:
         """Whether v is of differences of measured x."""
         return self.control.velocity == "differences"
 
@@ -386,7 +386,7 @@ class TaskTables(Table):
     def target(self) -> BoxSet:
         """The target set T at t_c, or the box that is cut to it."""
         box = self.target_at_rest
-        by = self.target_course.displaced(self.prescribed_time)
+        by = self.target_course.displacement(self.prescribed_time)
         lower, upper = (tuple(v + d for v, d in zip(edges, by, strict=True)) for edges in (box.lower, box.upper))
         return BoxSet(lower, upper)
 
@@ -402,7 +402,7 @@ class TaskTables(Table):
         """The half-spaces that cut the target set at t_c."""
         if self.target_set is None:
             return self.space_cuts
-        by = self.target_course.displaced(self.prescribed_time)
+        by = self.target_course.displacement(self.prescribed_time)
         given = self.target_set.cuts(self.axis_indices(self.target_set), self.dimension)
         return tuple((n, h + sum((c * v for c, v in zip(n, by, strict=True)), Fraction(0))) for n, h in given)
 
@@ -415,16 +415,17 @@ class TaskTables(Table):
     def courses(self) -> tuple[Course | None, ...]:
         """How each of the unsafe sets moves, and when it is unsafe; None for one that is the same at all times."""
         return tuple(
-            self._course(s, s.during, s.timing or Fraction(0), s.spread or Fraction(0)) if s.timed else None for s in self.unsafe
+            self._course(s, s.during, s.timing or Fraction(0), s.spread or Fraction(0)) if s.is_timed else None
+            for s in self.unsafe
         )
 
     @property
-    def timed(self) -> bool:
+    def has_timed_sets(self) -> bool:
         """Whether the clock of the sets matters: some unsafe set is not always the same, or the target moves."""
-        return any(s.timed for s in self.unsafe) or self.target_moves
+        return any(s.is_timed for s in self.unsafe) or self.has_moving_target
 
     @property
-    def target_moves(self) -> bool:
+    def has_moving_target(self) -> bool:
         """Whether the target is displaced."""
         return self.target_set is not None and self.target_set.motion is not None
 
@@ -447,22 +448,22 @@ class TaskTables(Table):
         return both(*self.formulas) if self.mission else None
 
     def _course(self, table: Unsafe | Region, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
-        own, n = self.axis_indices(table), self.dimension
-        motion = getattr(table, "motion", None)
-        knots = [(p.at, dict(zip(own, p.by, strict=True))) for p in motion or ()] or [(Fraction(0), {})]
+        """Return the course of a set from what its table says of its time."""
+        axes, motion = self.axis_indices(table), getattr(table, "motion", None)
+        knots = [(p.at, dict(zip(axes, p.by, strict=True))) for p in motion or ()] or [(Fraction(0), {})]
         return course_of(
-            tuple((at, tuple(place.get(i, Fraction(0)) for i in range(n))) for at, place in knots),
-            None if during is None else (during[0], during[1]),
-            timing,
-            timing + self.start_delay,
-            spread,
-            self.prescribed_time,
+            knots=tuple((at, tuple(by.get(i, Fraction(0)) for i in range(self.dimension))) for at, by in knots),
+            active_interval=None if during is None else (during[0], during[1]),
+            clock_lag=timing,
+            clock_lead=timing + self.start_delay,
+            spread=spread,
+            t_c=self.prescribed_time,
         )
 
     @property
-    def bare(self) -> tuple[ConvexSet, ...]:
+    def unsafe_sets(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets as they are, in the order of the file."""
-        return tuple(s.within(self.state_space, self.axis_indices(s)) for s in self.unsafe)
+        return tuple(s.to_set_in(self.state_space, self.axis_indices(s)) for s in self.unsafe)
 
     def unsafe_field(self, j: int) -> str:
         """Where the file has unsafe set j."""
@@ -475,4 +476,4 @@ class TaskTables(Table):
     @property
     def obstacles(self) -> tuple[ConvexSet, ...]:
         """The unsafe sets grown by `body`, in the order of the file."""
-        return tuple(s.grown(self.half_extents) for s in self.bare)
+        return tuple(s.grown(self.half_extents) for s in self.unsafe_sets)

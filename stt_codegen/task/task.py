@@ -49,7 +49,7 @@ class Task(TaskTables):
             task = handler(data if stated is None else stated)
         except ValidationError as error:
             raise BadInput(explain(error, TaskTables)) from None
-        if isinstance(data, Task) and data.room is not None:
+        if isinstance(data, Task) and data.floor_plan is not None:
             task._written, task._spelled_from = data._written, data._spelled_from
             task._room, task._with_outline = data._room, data._with_outline
         space = task.state_space
@@ -87,11 +87,11 @@ class Task(TaskTables):
         except BadInput as error:
             raise BadInput(in_words_of_outline(str(error), len(task.unsafe), room)) from None
         spelled._room, spelled._with_outline = room, task
-        spelled._written, spelled._spelled_from = written(document_of(spelled.stated)), ("outline",)
+        spelled._written, spelled._spelled_from = written(document_of(spelled.as_stated)), ("outline",)
         return spelled
 
     @property
-    def room(self) -> Room | None:
+    def floor_plan(self) -> Room | None:
         """The outline, the holes and the names of the unsafe sets that it was turned into; None of a task without an outline."""
         return self._room
 
@@ -101,27 +101,27 @@ class Task(TaskTables):
         return self._digest
 
     @property
-    def written(self) -> str | None:
+    def expanded_text(self) -> str | None:
         """The task as the text of a file with the sets of its map or outline spelled out; None for a task without these."""
         return self._written
 
     @property
-    def notes(self) -> tuple[str, ...]:
+    def map_notes(self) -> tuple[str, ...]:
         """What you should know of the task's maps: cells whose grey only the thresholds make free."""
         return self._notes
 
     @property
-    def spelled_from(self) -> tuple[str, ...]:
+    def expanded_keys(self) -> tuple[str, ...]:
         """What was turned into unsafe sets there: "map", "outline", both or neither."""
         return self._spelled_from
 
     @property
-    def stated(self) -> Task:
+    def as_stated(self) -> Task:
         """The task as the file states it, before turns of axes that close were spelled out; without such axes this one."""
         return self if self._stated is None else self._stated
 
     @property
-    def closed(self) -> tuple[ClosedAxis, ...]:
+    def closed_axes(self) -> tuple[ClosedAxis, ...]:
         """The axes that close, and what was chosen in them."""
         return self._closed
 
@@ -132,7 +132,7 @@ class Task(TaskTables):
     def with_options(self, design: str | None = None, scalar: str | None = None, language: str | None = None) -> Task:
         """The same task with the options that the command line may override; language: one that it is printed in too.
         Raises `BadInput` where its other options are not for that design."""
-        stated = self.stated
+        stated = self.as_stated
         tube = stated.tube.model_copy(update={"design": design}) if design else stated.tube
         chosen = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
         emit = stated.emit.model_copy(update=chosen) if chosen else stated.emit
@@ -157,7 +157,7 @@ class Task(TaskTables):
     def changed(self, **values: Any) -> Task:
         """The same task with other values for some fields, checked like a new one. A dictionary changes those fields of a table
         that it names and leaves the others; None takes a field away."""
-        source = self._with_outline or self.stated
+        source = self._with_outline or self.as_stated
         given = {name: getattr(source, name) for name in source.model_fields_set}
         for name, value in values.items():
             table = given.get(name)

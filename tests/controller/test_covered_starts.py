@@ -78,7 +78,10 @@ def test_no_state_of_which_nothing_is_proved_is_covered(name: str) -> None:
     controller, dice = controller_of_case(name), random.Random(name)
     task, design = controller.task, controller.design
     starts, covered = starts_of(task, design), 0
-    noise, noise_v = (task.plant.noise or Fraction(0)), (Fraction(0) if task.differs else task.plant.noise_v or Fraction(0))
+    noise, noise_v = (
+        (task.plant.noise or Fraction(0)),
+        (Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)),
+    )
 
     def near(bounds: tuple[Fraction, Fraction], wrong: Fraction) -> Fraction:
         low, high = bounds
@@ -234,7 +237,7 @@ def test_without_a_period_covered_takes_off_what_unwrapping_is_wrong_by(plant: s
         "[target_set]\nlower = [8]\nupper = [9]\n" + plant
     )
     controller = stt.build(task)
-    wrong = float(task.closed[0].unwrap_error)
+    wrong = float(task.closed_axes[0].unwrap_error)
     lower, upper = controller.tube(0.0)
     half, middle = (upper[0] - lower[0]) / 2 * 0.99, (upper[0] + lower[0]) / 2
     assert not controller.covered([middle + half - 0.9 * wrong])

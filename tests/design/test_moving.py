@@ -97,7 +97,12 @@ def random_course(draw: Random, n: int) -> Course:
     early, delay = (Fraction(draw.choice((0, 0, 3, 17)), 10) for _ in range(2))
     window = tuple(Fraction(v, 10) for v in sorted(draw.sample(range(91), 2))) if draw.random() < 0.5 else None
     return Course(
-        knots=knots, window=window, early=early, late=early + delay, spread=Fraction(draw.randint(0, 9), 100), t_c=Fraction(9)
+        knots=knots,
+        active_interval=window,
+        clock_lag=early,
+        clock_lead=early + delay,
+        spread=Fraction(draw.randint(0, 9), 100),
+        t_c=Fraction(9),
     )  # type: ignore[arg-type]
 
 
@@ -107,16 +112,16 @@ def test_the_legs_are_where_the_set_may_be_and_no_more() -> None:
     for _ in range(300):
         course = random_course(draw, 2)
         t = Fraction(draw.randint(0, 9000), 1000)
-        readings = {t - course.early, t + course.late}
-        readings |= {at for at, _ in course.knots if t - course.early <= at <= t + course.late}
-        first, last = course.window or (-course.early, course.t_c + course.late)
-        readings |= {v for v in (first, last) if t - course.early <= v <= t + course.late}
-        places = [course.displaced(tau) for tau in readings if first <= tau <= last]
+        readings = {t - course.clock_lag, t + course.clock_lead}
+        readings |= {at for at, _ in course.knots if t - course.clock_lag <= at <= t + course.clock_lead}
+        first, last = course.active_interval or (-course.clock_lag, course.t_c + course.clock_lead)
+        readings |= {v for v in (first, last) if t - course.clock_lag <= v <= t + course.clock_lead}
+        places = [course.displacement(tau) for tau in readings if first <= tau <= last]
         legs = [leg for leg in course.legs if leg.begin <= t <= leg.end]
         assert bool(places) == bool(legs)
         for leg in legs:
             for normal in itertools.product((-2, 0, 1, 3), repeat=2):
-                told = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in leg.at(t))
+                told = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in leg.displacements_at(t))
                 true = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in places)
                 assert told == true
 
@@ -196,7 +201,7 @@ def test_a_bound_in_whole_units_is_the_least_that_is_no_less() -> None:
                     for j in range(4):
                         left = sum(c * part[i, side, j] for i, side, c in row.terms)
                         t = (a + (b - a) * Fraction(j, 3)) / per
-                        shift = max(sum(c * by[i] for i, _, c in row.terms) for by in leg.at(t))
+                        shift = max(sum(c * by[i] for i, _, c in row.terms) for by in leg.displacements_at(t))
                         bound = (row.bound + row.clearance + shift + one.growth_rates[r] * one.course.growth(t)) / design.unit
                         slack.append(left - math.ceil(bound))
                     assert told[r] <= math.floor(min(slack) / row.slack_per_distance)

@@ -97,10 +97,14 @@ def test_a_mover_is_where_its_course_says() -> None:
     for _ in range(60):
         course = random_course(draw, 2)
         motion = ", ".join(f"{{at = {float(at)}, by = [{float(x)}, {float(y)}]}}" for at, (x, y) in course.knots)
-        hours = "" if course.window is None else f"during = [{float(course.window[0])}, {float(course.window[1])}]\n"
+        hours = (
+            ""
+            if course.active_interval is None
+            else f"during = [{float(course.active_interval[0])}, {float(course.active_interval[1])}]\n"
+        )
         shape = draw.choice(("centre = [20, 20]\nradius = 0.5", "lower = [20, 20]\nupper = [21, 20.5]"))
-        sets = f"start_delay = {float(course.late - course.early)}\n[[unsafe]]\n{shape}\nmotion = [{motion}]\n{hours}"
-        sets += f"timing = {float(course.early)}\nspread = {float(course.spread)}\n"
+        sets = f"start_delay = {float(course.clock_lead - course.clock_lag)}\n[[unsafe]]\n{shape}\nmotion = [{motion}]\n{hours}"
+        sets += f"timing = {float(course.clock_lag)}\nspread = {float(course.spread)}\n"
         head, tail = sets.split("\n", 1)
         task = parse_task(f"{head}\n" + ROOM.format(sets=tail))
         (one,) = avoidances(task)
@@ -115,7 +119,10 @@ def test_a_mover_is_where_its_course_says() -> None:
                 share = float(t * count / 9 - k)
                 for leg in (leg for leg in course.legs if leg.begin <= t <= leg.end):
                     for r, row in enumerate(one.alternatives):
-                        moved = max(sum(Fraction(c, row.slack_per_distance) * by[i] for i, _, c in row.terms) for by in leg.at(t))
+                        moved = max(
+                            sum(Fraction(c, row.slack_per_distance) * by[i] for i, _, c in row.terms)
+                            for by in leg.displacements_at(t)
+                        )
                         true = float(
                             row.bound / row.slack_per_distance
                             + one.growth_rates[r] / row.slack_per_distance * course.growth(t)

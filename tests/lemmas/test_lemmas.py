@@ -190,7 +190,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (slack.RowBlock, "told", lambda self, pieces, *when: 2 * self._left(pieces), "rows.told"),
         (moving, "cut", lambda piece, a, b: piece, "moving.parts"),
         (moving.Lines, "at", lambda lines, t: (lines.constant // lines.whole).tolist(), "moving.bounds"),
-        (Leg, "at", lambda leg, t: tuple(a for a, _ in leg.places), "moving.places"),
+        (Leg, "displacements_at", lambda leg, t: tuple(a for a, _ in leg.displacements), "moving.places"),
         (slack, "halves", lambda piece: (piece[..., :1] + 0 * piece, piece[..., :1] + 0 * piece), "rows.subdivided"),
         (rows, "initial_state_constraints", lambda task: rows.start_constraints(task), "rows.plain"),
         (rows, "separation_constraints", lambda convex, clearance: WRONG.rows(convex, Fraction(0)), "rows.apart"),

@@ -35,7 +35,7 @@ SET = Sample(
                 "from stt_codegen.task.sets.diamonds import Diamond\nfrom stt_codegen.task.sets.polytopes import",
             ),
             (
-                "@cache\ndef corners_left",
+                "@cache\ndef corners_of_cut_box",
                 '''class UnsafeDiamond(Unsafe):
     """All points whose distances from a middle, by dimension, sum up to no more than a reach."""
 
@@ -57,7 +57,7 @@ SET = Sample(
 
 
 @cache
-def corners_left''',
+def corners_of_cut_box''',
             ),
             (
                 '    "radius": UnsafeBall,\n',

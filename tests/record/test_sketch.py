@@ -124,7 +124,7 @@ def stubs(controller: EmittedController) -> str:
         text.append(f"void {p}_alpha_init({real} alpha[2 * {n}]) {{}}")
         note = 'printf("A %.17g %.17g\\n", (double)t, (double)dt);'
         text.append(f"void {p}_alpha_step({real} t, {real} dt, {real} alpha[2 * {n}]) {{ {note} }}")
-    if controller.task.differs:
+    if controller.task.uses_differences:
         note = f'printf("V %.17g 0\\n", (double)dt); for (int i = 0; i < {n}; i++) {{ v[i] = x[i] - b[i]; }}'
         text.append(f"void {p}_velocity({real} dt, const {real} x[{n}], const {real} b[{n}], {real} v[{n}]) {{ {note} }}")
     if controller.task.emit.selftest:

@@ -69,7 +69,7 @@ def test_a_tube_that_collides_says_where() -> None:
     controller, data = controller_of("literal"), data_of(made("literal"))
     low, high = np.array(data["low"]), np.array(data["high"])
     t = np.linspace(0, data["t_c"], SAMPLES + 1)
-    for one in controller.task.bare:
+    for one in controller.task.unsafe_sets:
         lower, upper = (np.array([float(v) for v in edge]) for edge in (one.lower, one.upper))  # type: ignore[attr-defined]
         meets = ((low < upper) & (high > lower)).all(axis=1)
         told = [(a, b) for name, a, b, sure in data["meets"] if name == one.name and sure]

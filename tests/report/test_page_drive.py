@@ -26,7 +26,7 @@ from stt_codegen.report.page.drive import driven, plant_driven, shipped
 from stt_codegen.report.page.evidence import evidence
 from stt_codegen.report.page.page import page
 from stt_codegen.report.page.scene import SAMPLES
-from stt_codegen.task.sets.motion import Moved, places
+from stt_codegen.task.sets.motion import DisplacedSet, possible_sets
 from tests.support.controllers import ROOT
 from tests.support.pages import Open, controller_of, data_of, made
 
@@ -170,12 +170,12 @@ def test_a_set_may_be_where_the_certificate_takes_it_to_be(browser: Any) -> None
     assert course is not None
     for t, drawn, by in zip(times, swept, stated, strict=True):
         exact = Fraction(t)
-        corners = np.array([p for convex in places(task.bare[0], course, exact) for p in convex.shadow(0, 1)])
+        corners = np.array([p for convex in possible_sets(task.unsafe_sets[0], course, exact) for p in convex.projection(0, 1)])
         for axis in (0, 1):
             ends = [p[axis] for p in drawn]
             assert min(ends) == pytest.approx(corners[:, axis].min(), abs=2e-6)  # six digits of six metres
             assert max(ends) == pytest.approx(corners[:, axis].max(), abs=2e-6)
-        assert by == pytest.approx([float(v) for v in course.displaced(exact)], abs=1e-12)
+        assert by == pytest.approx([float(v) for v in course.displacement(exact)], abs=1e-12)
 
 
 def test_a_state_is_in_a_set_where_the_exact_set_says_so(browser: Any) -> None:
@@ -189,8 +189,8 @@ def test_a_state_is_in_a_set_where_the_exact_set_says_so(browser: Any) -> None:
     assert course is not None
     truth = []
     for t, *x in points:
-        here = Moved(task.obstacles[0], course.displaced(Fraction(t)))
-        truth.append(not here.apart(tuple(map(Fraction, x)), tuple(map(Fraction, x))))
+        here = DisplacedSet(task.obstacles[0], course.displacement(Fraction(t)))
+        truth.append(not here.is_apart_from(tuple(map(Fraction, x)), tuple(map(Fraction, x))))
     assert found == truth
     assert 10 < sum(truth) < 390
 

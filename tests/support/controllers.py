@@ -51,7 +51,7 @@ def stated_fields(task: Task) -> str:
 
 def built(task: Task, uncertified: bool = False) -> EmittedController:
     """Return the task's controller, from the store where it was built before."""
-    content = repr((task, task.digest, stated_fields(task), stated_fields(task.stated), uncertified))
+    content = repr((task, task.digest, stated_fields(task), stated_fields(task.as_stated), uncertified))
     path = store() / hashlib.sha256(content.encode()).hexdigest()
     try:
         controller: EmittedController = pickle.loads(path.read_bytes())

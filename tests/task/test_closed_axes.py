@@ -133,7 +133,7 @@ def test_the_target_is_taken_at_the_image_that_is_nearest_to_the_start(start: fl
             target_set={"lower": [4.0, target], "upper": [4.4, target + 0.2]},
         )
     )
-    (axis,) = task.closed
+    (axis,) = task.closed_axes
     period = Fraction(str(2 * math.pi))
     middle = Fraction(str(target)) + Fraction(1, 10)
     assert axis.target_turns == min(range(-50, 51), key=lambda k: abs(middle + k * period - Fraction(str(start)))) == turns
@@ -148,13 +148,13 @@ def test_the_target_is_taken_at_the_image_that_is_nearest_to_the_start(start: fl
 def test_where_the_state_space_is_a_limit_only_images_within_it_count() -> None:
     limited = box_task(state_space={"lower": [0, -3.14], "upper": [5, 3.14]})
     task = Task(**limited)
-    assert (task.closed[0].target_turns, task.closed[0].nearest_turns) == (0, 1)
+    assert (task.closed_axes[0].target_turns, task.closed_axes[0].nearest_turns) == (0, 1)
     assert task.state_space.upper[1] == Fraction("3.14")
     (note,) = turn_notes(task)
     assert "as it stands" in note
     assert "3.28319, is not in the state space" in note
     wide = Task(**box_task(state_space={"lower": [0, 2], "upper": [5, 4]}))
-    assert (wide.closed[0].target_turns, wide.state_space.lower[1], wide.state_space.upper[1]) == (1, 2, 4)
+    assert (wide.closed_axes[0].target_turns, wide.state_space.lower[1], wide.state_space.upper[1]) == (1, 2, 4)
     with pytest.raises(BadInput, match=r"target_set: none of its images in yaw, every 6.28318531, lies in the state space"):
         Task(**box_task(state_space={"lower": [0, 2], "upper": [5, 3.2]}))
 
@@ -173,11 +173,12 @@ def test_a_task_in_python_is_that_of_a_file_and_stays_the_one_that_was_stated() 
     assert made == given
     assert made.digest == given.digest
     assert [s.name for s in given.unsafe] == ["wall", "disc", "wall+2", "disc+3"]
-    assert [s.name for s in given.stated.unsafe] == ["wall", "disc"]
+    assert [s.name for s in given.as_stated.unsafe] == ["wall", "disc"]
     for same in (given.changed(), Task.model_validate(given), pickle.loads(pickle.dumps(given)), given.with_options()):
         assert same == given
     assert (
-        given.changed(periodic=None, initial_state=[0.5, 1], initial_set={"lower": [0.3, 0.9], "upper": [0.7, 1.1]}).closed == ()
+        given.changed(periodic=None, initial_state=[0.5, 1], initial_set={"lower": [0.3, 0.9], "upper": [0.7, 1.1]}).closed_axes
+        == ()
     )
     assert hash(given.periodic) == hash(made.periodic)
     double = given.with_options(scalar="double")
@@ -266,7 +267,7 @@ def test_what_these_refusals_say_would_do_does(remedy: str) -> None:
                       "initial_state": [0.5, 2.8], "initial_set": {"lower": [0.3, 2.7], "upper": [0.7, 2.9]}},
         "region": {"region": [{"name": "dock", "axes": ["x"], "lower": [4], "upper": [5]}], "mission": [{"visit": "dock"}]},
     }[remedy]  # fmt: skip
-    assert Task(**box_task(**changes)).closed
+    assert Task(**box_task(**changes)).closed_axes
 
 
 def test_a_map_has_no_axis_that_closes(tmp_path: Path) -> None:
@@ -339,16 +340,16 @@ def test_what_the_period_differs_is_kept_at_every_turn() -> None:
     """The clearance that is demanded exceeds the stated one by what the farthest image is off, and every image is its set moved by
     whole periods, exactly. With a period that is no part of 2 pi nothing is added."""
     task = parse_task(TURNER)
-    (axis,) = task.closed
+    (axis,) = task.closed_axes
     assert axis.most_turns == 3
     assert task.tube.clearance - Fraction("0.03") >= 3 * abs(axis.period - TWO_PI) - Fraction(1, 10**40)
     for image in task.unsafe[2:]:
         k = int(image.name[-2:])
-        source = next(s for s in task.stated.unsafe if image.name.startswith(s.name))
+        source = next(s for s in task.as_stated.unsafe if image.name.startswith(s.name))
         (a, b), (c, d) = (s.to_convex_set(*((Fraction(0),) * 2,) * 2).span(1) for s in (source, image))
         assert (c - a, d - b) == (k * axis.period,) * 2
     exact = parse_task(with_period(TURNER, "6.4"))
-    assert exact.closed[0].drift == 0
+    assert exact.closed_axes[0].drift == 0
     assert exact.tube.clearance == Fraction("0.03")
 
 
@@ -375,11 +376,11 @@ def test_a_target_of_any_shape_is_on_its_turn_in_package_and_checker(kind: str, 
     }
     text = with_period(TURNER, period).replace("lower = [4.0, -2.9]\nupper = [4.7, -2.4]", shapes[kind]).partition("[control]")[0]
     controller = built(parse_task(text))
-    by_turns = controller.task.closed[0].target_turns
+    by_turns = controller.task.closed_axes[0].target_turns
     assert by_turns == 3
     assert checked(controller, text, tmp_path) == 0
-    stated = controller.task.stated
-    drift, by = controller.task.closed[0].drift, by_turns * Fraction(period)
+    stated = controller.task.as_stated
+    drift, by = controller.task.closed_axes[0].drift, by_turns * Fraction(period)
     expected = [(n, h + n[1] * by - abs(n[1]) * by_turns * drift) for n, h in stated.target_cuts]
     assert sorted(controller.task.target_cuts) == sorted(expected)
 
@@ -448,7 +449,7 @@ def test_patrols_and_inertia_take_axes_that_close(text: str, code: str, file: st
 def test_a_paper_tube_takes_axes_that_close(design: str) -> None:
     controller = built(Task(**box_task(tube={"design": design}, unsafe=[{"lower": [1, -3.1], "upper": [1.5, -2.7]}])))
     assert controller.certificate.holds
-    assert controller.task.closed[0].target_turns == 1
+    assert controller.task.closed_axes[0].target_turns == 1
     assert "arm_unwrap.c" in controller.files
 
 
@@ -490,7 +491,7 @@ def test_unwrapping_is_wrong_by_no_more_than_the_noise_has_room_for(scalar: str,
     controller = built(task)
     unwrap, _ = compiled(controller, tmp_path)
     python = load_module("turner", controller.files["turner.py"])
-    (axis,) = controller.task.closed
+    (axis,) = controller.task.closed_axes
     period, step = float(axis.period), float(axis.largest_step)
     true_turn = 2 * math.pi / round(2 * math.pi / period)
     low, high = (float(edge[1]) for edge in (controller.task.state_space.lower, controller.task.state_space.upper))
@@ -526,7 +527,7 @@ def test_a_loop_of_wrapped_measurements_goes_where_the_unwrapped_one_goes(tmp_pa
     tool("gcc")
     controller = the_turner()
     unwrap, control = compiled(controller, tmp_path)
-    (axis,) = controller.task.closed
+    (axis,) = controller.task.closed_axes
     seen = truth = np.array([0.5, 15.5])
     before, tau = [0.5, 15.5], 0.01
     for k in range(1000):
@@ -579,7 +580,7 @@ def test_the_node_of_ros_counts_turns_from_its_starts() -> None:
         if k == 0:
             assert drive.start(0.0) == ""
             drive.decide(0.0)
-    (axis,) = the_turner().task.closed
+    (axis,) = the_turner().task.closed_axes
     assert seen == pytest.approx(true, abs=float(axis.unwrap_error))
 
 
@@ -697,7 +698,7 @@ def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_p
     than that, package and checker refuse."""
     controller = the_turner()
     task, proof, design = controller.task, controller.certificate.proved_period, controller.design
-    (axis,) = task.closed
+    (axis,) = task.closed_axes
     task = task.with_gain(task.gain)
     task._closed = (dataclasses.replace(axis, largest_step=Fraction(1, 1000)),)
     lost = lost_turn(task, design, proof)  # type: ignore[arg-type]

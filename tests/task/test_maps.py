@@ -28,7 +28,7 @@ from stt_codegen.task.map.convex_pieces import gained, pieces_of, unsafe_tables
 from stt_codegen.task.map.map_table import written
 from stt_codegen.task.map.occupancy import read_map
 from stt_codegen.task.map.upright import upright_map
-from stt_codegen.task.sets.convex_sets import low_of
+from stt_codegen.task.sets.convex_sets import minimum_over_box
 from tests.support.command_line import run_command
 
 YAML = "image: {image}\nresolution: 0.05\norigin: [-1.0, 0.5, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n"
@@ -152,7 +152,7 @@ def test_a_task_with_a_map_goes_to_the_checker(kind: str, tmp_path: Path) -> Non
     for i, j in np.argwhere(found.unsafe).tolist():  # every cell lies in some set
         cell = [o + v * found.resolution for v, o in zip((i, j), found.origin, strict=True)]
         corners = tuple(cell), tuple(v + found.resolution for v in cell)
-        assert any(all(-low_of(tuple(-c for c in n), *corners) <= h for n, h in s.faces) for s in made.task.obstacles)
+        assert any(all(-minimum_over_box(tuple(-c for c in n), *corners) <= h for n, h in s.faces) for s in made.task.obstacles)
 
 
 def test_where_cells_may_be_left_out_is_outside_of_the_state_space(tmp_path: Path) -> None:
@@ -313,12 +313,12 @@ def test_grey_that_only_the_thresholds_make_free_is_unknown(tmp_path: Path) -> N
         parse_task(INTO_UNEXPLORED, folder=tmp_path)
     assert str(caught.value).count("note:") == 1
     floor = parse_task(INTO_UNEXPLORED + 'free = "thresholds"\n', folder=tmp_path)
-    assert "150 cells of grey 205 count as free" in floor.notes[0]
+    assert "150 cells of grey 205 count as free" in floor.map_notes[0]
     by_default = parse_task(TASK, folder=tmp_path)
-    assert len(by_default.notes) == 1
+    assert len(by_default.map_notes) == 1
     unexplored(tmp_path, "0.196")
     edited = parse_task(TASK, folder=tmp_path)
-    assert (edited.digest, edited.notes) == (by_default.digest, ())
+    assert (edited.digest, edited.map_notes) == (by_default.digest, ())
     assert parse_task(TASK + 'free = "thresholds"\n', folder=tmp_path).digest == edited.digest
 
 
@@ -330,7 +330,7 @@ def test_cells_far_from_the_state_space_are_not_noted(tmp_path: Path) -> None:
         ),
         folder=tmp_path,
     )
-    assert task.notes == ()
+    assert task.map_notes == ()
 
 
 @given(
@@ -449,7 +449,7 @@ def test_a_map_in_two_of_three_dimensions(tmp_path: Path) -> None:
         text = text.replace(old, new)
     task = parse_task(text + 'axes = ["x", "y"]\n', folder=tmp_path)
     flat = parse_task(TASK, folder=tmp_path)
-    for solid, plane in zip(task.bare, flat.bare, strict=True):
+    for solid, plane in zip(task.unsafe_sets, flat.unsafe_sets, strict=True):
         assert [solid.span(2), solid.span(0)] == [plane.span(0), plane.span(1)]
         assert solid.span(1) == (-1, 1)
 

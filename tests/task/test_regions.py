@@ -22,7 +22,7 @@ from stt_codegen.program.analyse.cost import cost_of
 from stt_codegen.report.pictures.tube_pictures import draw
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.sets.polytopes import cut_box
-from stt_codegen.task.sets.round_sets import FARTHEST, inscribed
+from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, inscribed
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
 from tests.task.test_shapes import checked
@@ -150,7 +150,7 @@ def test_a_face_that_comes_nearer_is_refused_where_the_tube_is_beyond(region: st
 
 
 def test_a_balls_polytope_lies_within_it_and_leaves_little_out() -> None:
-    for d, most in FARTHEST.items():
+    for d, most in FAN_CORNER_DISTANCES.items():
         centre, radius = tuple(Fraction(i, 7) for i in range(1, d + 1)), Fraction(3, 5)
         corners = [v.point for v in cut_box(*(tuple(c + s * radius for c in centre) for s in (-1, 1)), inscribed(centre, radius))]
         far = max(sum((v - c) ** 2 for v, c in zip(p, centre, strict=True)) for p in corners)

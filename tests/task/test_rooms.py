@@ -130,7 +130,7 @@ def test_python_tables_arrays_and_changes_say_the_same() -> None:
     later = made.changed(prescribed_time=12)
     assert later == parse_task(ELL.replace("prescribed_time = 10", "prescribed_time = 12"))
     assert later.changed(state_space={"holes": [[[1, 0.05], [1.2, 0.05], [1.1, 0.2]]]}).unsafe[2].name == "wall2"
-    assert Task.model_validate(made).written == made.written
+    assert Task.model_validate(made).expanded_text == made.expanded_text
 
 
 def test_a_room_with_other_axes_and_a_body(tmp_path: Path) -> None:
@@ -152,7 +152,7 @@ def test_a_map_and_an_outline_stand_together(tmp_path: Path) -> None:
     saved(tmp_path, pixels, YAML.replace("[-1.0, 0.5, 0.0]", "[-0.2, -0.2, 0.0]"))
     (tmp_path / "ell.toml").write_text(SHORT + '[map]\nfile = "hall.yaml"\n')
     made = build(tmp_path / "ell.toml")
-    assert made.task.spelled_from == ("map", "outline")
+    assert made.task.expanded_keys == ("map", "outline")
     assert {s.name for s in made.task.unsafe} == {"map 1", "wall1"}
     for name, data in made.files.items():
         (tmp_path / name).write_bytes(data)
@@ -239,7 +239,7 @@ def test_what_another_design_does_not_take_is_said_of_the_wall_by_name() -> None
     slanted = parse_task(SHORT.replace("[2, 2], [2, 4]", "[2, 2.5], [2, 4]"))
     with pytest.raises(BadInput, match="^wall1, which state_space.outline leaves out of its box.*refined"):
         slanted.with_options(design="adaptive")
-    assert parse_task(SHORT).with_options(design="adaptive").room == parse_task(SHORT).room  # whose wall is a box
+    assert parse_task(SHORT).with_options(design="adaptive").floor_plan == parse_task(SHORT).floor_plan  # whose wall is a box
 
 
 def test_a_room_in_more_dimensions_names_its_axes() -> None:

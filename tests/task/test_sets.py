@@ -25,7 +25,7 @@ from stt_codegen.report.outlines import outline
 from stt_codegen.report.pictures.tube_pictures import draw
 from stt_codegen.task.checks.field_checks import first_problem
 from stt_codegen.task.load import parse_task
-from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Normal, Vector, axes, low_of
+from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Normal, Vector, axes, minimum_over_box
 from stt_codegen.task.sets.shapes import Unsafe, UnsafeSet
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
@@ -161,7 +161,7 @@ def clipped(corners: Points, box: BoxSet) -> Points:
 @given(boxes(3), boxes(3))
 def test_boxes_are_apart_and_cover_as_their_edges_say(one: BoxSet, other: BoxSet) -> None:
     pairs = list(zip(one.lower, one.upper, other.lower, other.upper, strict=True))
-    assert one.apart(other.lower, other.upper) == any(b < c or d < a for a, b, c, d in pairs)
+    assert one.is_apart_from(other.lower, other.upper) == any(b < c or d < a for a, b, c, d in pairs)
     assert one.covers(other.lower, other.upper) == all(a <= c and d <= b for a, b, c, d in pairs)
     assert [one.span(i) for i in range(3)] == list(zip(one.lower, one.upper, strict=True))
 
@@ -169,14 +169,14 @@ def test_boxes_are_apart_and_cover_as_their_edges_say(one: BoxSet, other: BoxSet
 @given(polygons(), boxes(2))
 @settings(max_examples=300)
 def test_a_polygon_is_apart_from_a_box_just_where_they_share_no_point(polygon: Polygon, box: BoxSet) -> None:
-    assert polygon.apart(box.lower, box.upper) == (not clipped(polygon.corners, box))
+    assert polygon.is_apart_from(box.lower, box.upper) == (not clipped(polygon.corners, box))
 
 
 @given(polygons(), st.tuples(numbers.map(abs), numbers.map(abs)), st.tuples(numbers, numbers))
 def test_a_grown_set_holds_a_point_just_where_the_box_about_it_meets_the_set(polygon: Polygon, half: Vector, at: Vector) -> None:
     grown = polygon.grown(half)
     about = BoxSet(tuple(v - h for v, h in zip(at, half, strict=True)), tuple(v + h for v, h in zip(at, half, strict=True)))
-    assert grown.apart(at, at) == polygon.apart(about.lower, about.upper)
+    assert grown.is_apart_from(at, at) == polygon.is_apart_from(about.lower, about.upper)
     for normal, offset in grown.faces:
         assert max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in grown.vertices) == offset
 
@@ -185,8 +185,8 @@ def test_a_grown_set_holds_a_point_just_where_the_box_about_it_meets_the_set(pol
 def test_the_slack_of_a_row_is_the_clearance_beyond(polygon: Polygon, box: BoxSet, clearance: Fraction) -> None:
     """A row holds by s just where the set grown by clearance + s is not past its normal."""
     for row, (normal, offset) in zip(separation_constraints(polygon, clearance), polygon.faces, strict=True):
-        slack = (low_of(normal, box.lower, box.upper) - row.bound - row.clearance) / row.slack_per_distance
-        assert low_of(normal, box.lower, box.upper) == offset + (clearance + slack) * sum(map(abs, normal))
+        slack = (minimum_over_box(normal, box.lower, box.upper) - row.bound - row.clearance) / row.slack_per_distance
+        assert minimum_over_box(normal, box.lower, box.upper) == offset + (clearance + slack) * sum(map(abs, normal))
 
 
 @given(polygons())
@@ -314,7 +314,7 @@ def test_a_body_moves_every_face(controller) -> None:
     assert made.certificate.holds
     low, high = made.design.edges_at(np.linspace(0, 9, 500))
     for a, b in zip(low.tolist(), high.tolist(), strict=True):
-        assert all(s.apart(tuple(map(Fraction, a)), tuple(map(Fraction, b))) for s in task.obstacles)
+        assert all(s.is_apart_from(tuple(map(Fraction, a)), tuple(map(Fraction, b))) for s in task.obstacles)
 
 
 def test_checks_ask_the_shape() -> None:
@@ -355,4 +355,4 @@ def test_every_row_of_a_choice_is_sound() -> None:
         for row, (x, y) in product(one.alternatives, [(Fraction(a, 4), Fraction(b, 4)) for a in range(20) for b in range(20)]):
             left = sum(c * ((x, y)[i]) for i, _, c in row.terms)
             if left >= row.bound + row.clearance:
-                assert shape.apart((x, y), (x, y))
+                assert shape.is_apart_from((x, y), (x, y))

@@ -30,9 +30,9 @@ from stt_codegen.report.notes import task_notes
 from stt_codegen.report.outlines import outline
 from stt_codegen.report.pictures.tube_pictures import draw
 from stt_codegen.task.load import parse_task
-from stt_codegen.task.sets.convex_sets import BoxSet, Prism, low_of
-from stt_codegen.task.sets.polytopes import Hull, Polytope, bends_of, cut_box, spanned
-from stt_codegen.task.sets.round_sets import Round, fan, size
+from stt_codegen.task.sets.convex_sets import BoxSet, Prism, minimum_over_box
+from stt_codegen.task.sets.polytopes import Hull, Polytope, affine_dimension, cut_box, route_corners_of
+from stt_codegen.task.sets.round_sets import RoundSet, fan, size
 from stt_codegen.task.sets.shapes import Unsafe, UnsafeBall, UnsafeCapsule, UnsafeHalfSpaces, UnsafePolytope, UnsafeSet
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
@@ -292,7 +292,7 @@ def clouds(n: int) -> st.SearchStrategy[list[tuple[Fraction, ...]]]:
 @settings(max_examples=200)
 def test_a_hull_in_the_plane_is_that_of_turns_to_the_left(points: Points) -> None:
     corners = hull(points)
-    assert (spanned(points) == 2) == (len(corners) > 2)
+    assert (affine_dimension(points) == 2) == (len(corners) > 2)
     assume(len(corners) > 2)
     made = Hull.of(tuple(points))
     assert {v.point for v in made.corners} == set(corners)
@@ -304,13 +304,15 @@ def test_a_hull_in_the_plane_is_that_of_turns_to_the_left(points: Points) -> Non
 @settings(max_examples=60, deadline=None)
 def test_a_hull_and_its_faces_say_the_same(n: int, data: st.DataObject) -> None:
     points = data.draw(clouds(n))
-    assume(spanned(points) == n)
+    assume(affine_dimension(points) == n)
     made = Hull.of(tuple(points))
     for normal, offset in made.faces:
         values = [sum(c * v for c, v in zip(normal, p, strict=True)) for p in points]
         assert max(values) == offset
         assert math.gcd(*normal) == 1
-        assert spanned([p for p, v in zip(points, values, strict=True) if v == offset]) == n - 1  # all of a face is on it
+        assert (
+            affine_dimension([p for p, v in zip(points, values, strict=True) if v == offset]) == n - 1
+        )  # all of a face is on it
     space = (Fraction(-5),) * n, (Fraction(5),) * n
     assert {v.point for v in cut_box(*space, made.faces)} == {v.point for v in made.corners}
     for v in made.corners:  # no corner is in the hull of the others
@@ -329,19 +331,19 @@ def test_a_hull_and_its_faces_say_the_same(n: int, data: st.DataObject) -> None:
 @settings(max_examples=80, deadline=None)
 def test_a_polytope_is_apart_from_a_box_just_where_no_point_is_shared(n: int, data: st.DataObject) -> None:
     points, box = data.draw(clouds(n)), data.draw(boxes(n))
-    assume(spanned(points) == n)
+    assume(affine_dimension(points) == n)
     task = parse_task(PLAIN).model_copy(update={"axes": tuple("abcd"[:n])})
     table = UnsafePolytope(vertices=points, axes=list("abcd"[:n]))
     truth = gap(task.model_copy(update={"state_space": box_table(n)}), table, *as_floats(box))
     assume(abs(truth) > 1e-7)
     polytope = Polytope(points)
-    assert polytope.apart(box.lower, box.upper) == (truth > 0)
+    assert polytope.is_apart_from(box.lower, box.upper) == (truth > 0)
     if n <= 3:  # one of the normals shows it
-        assert any(low_of(m, box.lower, box.upper) > h for m, h in polytope.faces) == (truth > 0)
+        assert any(minimum_over_box(m, box.lower, box.upper) > h for m, h in polytope.faces) == (truth > 0)
     half = tuple(Fraction(k + 1, 8) for k in range(n))
     about = tuple(a - h for a, h in zip(box.lower, half, strict=True)), tuple(b + h for b, h in zip(box.upper, half, strict=True))
-    assert polytope.grown(half).apart(box.lower, box.upper) == polytope.apart(*about)
-    inside = all(polytope.apart(c, c) is False for c in product(*zip(box.lower, box.upper, strict=True)))
+    assert polytope.grown(half).is_apart_from(box.lower, box.upper) == polytope.is_apart_from(*about)
+    inside = all(polytope.is_apart_from(c, c) is False for c in product(*zip(box.lower, box.upper, strict=True)))
     assert polytope.covers(box.lower, box.upper) == inside
 
 
@@ -359,12 +361,12 @@ def as_floats(box: BoxSet) -> tuple[np.ndarray, np.ndarray]:
 def test_a_round_set_is_apart_where_its_distance_says(n: int, data: st.DataObject) -> None:
     ends, box = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True)), data.draw(boxes(n))
     radius = data.draw(st.fractions(min_value=Fraction(1, 8), max_value=3, max_denominator=8))
-    one = Round(tuple(ends), radius)
+    one = RoundSet(tuple(ends), radius)
     line, (lower, upper) = np.array([ends[0], ends[-1]], dtype=float), as_floats(box)
     distance = float(nearest(line, lower[None], upper[None])[0])
-    assert float(one.core.square_to(box.lower, box.upper)) == pytest.approx(distance**2, abs=1e-9)
+    assert float(one.core.squared_distance_to(box.lower, box.upper)) == pytest.approx(distance**2, abs=1e-9)
     assume(abs(distance - float(radius)) > 1e-6)
-    assert one.apart(box.lower, box.upper) == (distance > radius)
+    assert one.is_apart_from(box.lower, box.upper) == (distance > radius)
     corners = np.array(list(product(*zip(box.lower, box.upper, strict=True))), dtype=float)
     farthest = float(nearest(line, corners, corners).max())
     assume(abs(farthest - float(radius)) > 1e-6)
@@ -377,7 +379,7 @@ def test_a_round_set_is_apart_where_its_distance_says(n: int, data: st.DataObjec
 def test_the_support_of_a_round_set_is_never_too_small_and_hardly_too_large(n: int, data: st.DataObject) -> None:
     ends = data.draw(st.lists(vectors(n), min_size=1, max_size=2, unique=True))
     normal = data.draw(st.tuples(*[st.integers(-9, 9)] * n).filter(any))
-    one, square = Round(tuple(ends), Fraction(3, 2)), sum(c * c for c in normal)
+    one, square = RoundSet(tuple(ends), Fraction(3, 2)), sum(c * c for c in normal)
     assert square <= size(normal) ** 2 < (Fraction(1, 1 << 32) + math.isqrt(square) + 1) ** 2
     assert (size(normal) - Fraction(1, 1 << 32)) ** 2 < square
     most = max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in ends)
@@ -395,7 +397,7 @@ def test_what_the_fan_loses_of_a_ball(n: int, most: float) -> None:
 @pytest.mark.parametrize("way", [(7, 3, 0), (0, 2, 9), (1, 2, 7), (1, 1, 1), (1, 0, 0), (-5, 11, 13)])
 def test_what_the_fans_lose_of_a_long_capsule_in_space(way: tuple[int, int, int]) -> None:
     """Across the segment: the farthest point of a plane at right angles to it that is behind all normals at right angles."""
-    one = Round(((Fraction(0),) * 3, tuple(Fraction(100 * v) for v in way)), Fraction(1))
+    one = RoundSet(((Fraction(0),) * 3, tuple(Fraction(100 * v) for v in way)), Fraction(1))
     across = [np.array(n) / np.linalg.norm(n) for n in one.normals if sum(a * b for a, b in zip(n, way, strict=True)) == 0]
     base = across[0]
     other = np.cross(np.array(way) / np.linalg.norm(way), base)
@@ -407,18 +409,18 @@ def test_what_the_fans_lose_of_a_long_capsule_in_space(way: tuple[int, int, int]
 @given(clouds(2), vectors(2).map(lambda v: tuple(map(abs, v))))
 @settings(max_examples=100)
 def test_the_bends_in_the_plane_are_the_corners_of_the_grown_set(points: Points, half: tuple[Fraction, ...]) -> None:
-    assume(spanned(points) == 2)
+    assume(affine_dimension(points) == 2)
     grown = [
         tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)) for p in points for signs in product((-1, 1), repeat=2)
     ]
-    bends = [tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)) for p, signs in bends_of(Polytope(points))]
+    bends = [tuple(v + s * h for v, s, h in zip(p, signs, half, strict=True)) for p, signs in route_corners_of(Polytope(points))]
     assert set(hull(grown)) <= set(bends) <= set(grown)
 
 
 @given(clouds(2), st.tuples(*[st.integers(-5, 5)] * 3))
 @settings(max_examples=100)
 def test_the_support_of_a_prism_is_the_greatest_over_its_vertices(points: Points, normal: tuple[int, int, int]) -> None:
-    assume(spanned(points) == 2)
+    assume(affine_dimension(points) == 2)
     prism = Prism(Polytope(points), (2, 0), (Fraction(0), Fraction(-1), Fraction(0)), (Fraction(0), Fraction(3), Fraction(0)))
     assert prism.support(normal) == max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in prism.vertices)
     for n, offset in prism.faces:
@@ -548,10 +550,10 @@ def test_the_judge_of_round_sets_is_exact_to_rounding(n: int) -> None:
         half = [Fraction(dice.randint(0, 50), 100) for _ in range(n)]
         if a == b:
             continue
-        segment = Round((tuple(a), tuple(b)), Fraction(1)).core
+        segment = RoundSet((tuple(a), tuple(b)), Fraction(1)).core
         x = [Fraction(dice.randint(-500, 500), 100) for _ in range(n)]
         box = tuple(v - h for v, h in zip(x, half, strict=True)), tuple(v + h for v, h in zip(x, half, strict=True))
-        distance = math.sqrt(segment.square_to(*box))
+        distance = math.sqrt(segment.squared_distance_to(*box))
         if not 0.01 < distance < 5:
             continue
         texts = [[f"{float(v):.8f}" for v in end] for end in (a, b)]
@@ -615,7 +617,7 @@ def test_the_start_of_a_robot_at_a_balls_corner_is_judged_by_the_ball() -> None:
 def test_balls_in_many_dimensions_are_read_at_once(n: int) -> None:
     begin = time.process_time()
     task = room(n, f"centre = {[0] * n}\nradius = 1", f"body = {[0.1] * n}")
-    assert len(task.obstacles[0].bends) == 2 * n
+    assert len(task.obstacles[0].route_corners) == 2 * n
     assert len(task.obstacles[0].normals) <= 2 * n * n
     assert time.process_time() - begin < 20  # it took hours
 

@@ -28,7 +28,7 @@ def lost_turn(task: Task, design: RefinedDesign, proof: PeriodProof) -> LostTurn
     bezier, unit = design.bezier(), design.unit
     rate = unit * design.segments / task.prescribed_time
     u = [Fraction(str(above(v))) for v in proof.u]  # as the certificate claims it
-    for axis in task.closed:
+    for axis in task.closed_axes:
         i = axis.index
         width = int((bezier[:, i, 1] - bezier[:, i, 0]).max()) * unit
         speed = int(3 * abs(bezier[:, i, :, 1:] - bezier[:, i, :, :-1]).max()) * rate

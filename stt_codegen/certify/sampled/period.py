@@ -133,7 +133,7 @@ def _told(task: Task) -> str:
         starts += f" and |v(0)| <= {at_most}" if any(task.start_speed) else " at rest"
         told += [f"v measured to {decimal(plant.noise_v)}"] if plant.noise_v else []
     often = "s or faster"
-    if task.differs:
+    if task.uses_differences:
         often = f"s or faster, but not below {decimal(task.shortest_period)} s, with v = (x - x before) / time between"
     at = "at ticks, every" if task.emit.scalar == "fixed" else "every"
     return f"sampled {at} {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(told)}"
@@ -141,7 +141,7 @@ def _told(task: Task) -> str:
 
 def _advice(task: Task, setting: Setting, age: Fraction) -> str:
     """Which gain, period or limit would do, as a task file has them: with the sign of the task's gain."""
-    if task.differs:
+    if task.uses_differences:
         why = "the error of a velocity by differences grows with it, what noise adds falls"
         return f"use another control.period ({why}), state less noise, or measure the velocity"
     gains, latency = Gains(setting, natural_gain(setting), statements=("sharp",)), float(task.control.latency)

@@ -127,18 +127,18 @@ def _tell_what_is_not_proved(controller: Any) -> None:
     task = controller.task
     for text in task_notes(task):
         say(f"note: {task.name}: {text}")
-    target = task.stated.target_set
+    target = task.as_stated.target_set
     if target is not None and target.centre is not None:
-        from stt_codegen.task.sets import FARTHEST
+        from stt_codegen.task.sets import FAN_CORNER_DISTANCES
 
         faces = len(target.half_spaces())
-        share = 100 / float(FARTHEST[len(target.centre)])
+        share = 100 / float(FAN_CORNER_DISTANCES[len(target.centre)])
         say(f"note: {task.name}: reached is a polytope of {faces} faces in the target's ball, {share:.1f} % as wide")
     outside: dict[str, bool] = {}
     for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         field, space = task.unsafe_field(j), task.state_space  # a set is outside where all of its images are
-        outside[field] = outside.get(field, True) and course is None and grown.apart(space.lower, space.upper)
-    for convex, is_outside in zip(task.stated.unsafe, outside.values(), strict=True):
+        outside[field] = outside.get(field, True) and course is None and grown.is_apart_from(space.lower, space.upper)
+    for convex, is_outside in zip(task.as_stated.unsafe, outside.values(), strict=True):
         if is_outside:
             say(f"note: {task.name}: {convex.name} lies outside the state space")
     if task.control.period is not None or controller.design.is_stateful or not controller.certificate.holds:

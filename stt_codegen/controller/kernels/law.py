@@ -125,7 +125,7 @@ def control_law_of(task: Task) -> Law:
         gain=task.gain,
         e_max=task.e_max,
         u_max=None if task.u_max is None else tuple(round_down(v, scalar) for v in task.u_max),
-        scales=task.scales,
+        scales=task.scales_input,
     )
 
 

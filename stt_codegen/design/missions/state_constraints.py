@@ -265,9 +265,11 @@ def _blocking(task: Task, arena: Arena, state: State, sets: tuple[tuple[Array, A
     if owner and isinstance(inner, In):
         region = task.regions[inner.region]
         assert isinstance(region, Unsafe)
-        convex = region.within(task.state_space, task.axis_indices(region)).grown(task.half_extents)
-        places = [[float(v - o) / arena.length_unit for v, o in zip(p, arena.origin, strict=True)] for p, _ in convex.bends]
-        bends = (np.array([places, [list(map(float, signs)) for _, signs in convex.bends]]),)
+        convex = region.to_set_in(task.state_space, task.axis_indices(region)).grown(task.half_extents)
+        places = [
+            [float(v - o) / arena.length_unit for v, o in zip(p, arena.origin, strict=True)] for p, _ in convex.route_corners
+        ]
+        bends = (np.array([places, [list(map(float, signs)) for _, signs in convex.route_corners]]),)
     faces = ObliqueFaces(np.array(normals).reshape(-1, n), np.array(bounds), np.array(owner, dtype=np.int64), bends, True)
     return replace(
         arena, names=tuple(f"{state} {j}" for j in range(count)), unsafe=unsafe, oblique_faces=faces, timed_obstacles=()

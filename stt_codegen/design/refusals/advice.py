@@ -30,7 +30,7 @@ Given = Fraction | tuple[Fraction, ...]
 def refusal(task: Task, arena: Arena, is_found: IsFound) -> str:
     """Why there is no tube for the task, whose arena this is, in one sentence, and what would do."""
     limits = {f"tube.{name}": getattr(task.tube, name) for name in ("max_speed", "max_acceleration")}
-    limits["control.u_max"] = task.control.u_max if task.limits_are_demanded else None
+    limits["control.u_max"] = task.control.u_max if task.requires_input_limits else None
     limits = {name: given for name, given in limits.items() if given is not None}
     if limits and is_found(_with(_in_floats(task), dict.fromkeys(limits))):
         return _limits_bind(task, arena, limits, is_found)

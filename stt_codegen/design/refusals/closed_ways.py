@@ -76,11 +76,11 @@ def _options(task: Task, way: Callable[[Arena], bool]) -> Iterator[str]:
         most = _shorter(task.start_delay, lambda v: _opens(task, {"start_delay": v}, way))
         yield from () if most is None else (f"start_delay = {decimal(most)}",)
     for name in ("timing", "spread"):
-        sets = [s.name for s in task.stated.unsafe if getattr(s, name)]
+        sets = [s.name for s in task.as_stated.unsafe if getattr(s, name)]
         if sets:
 
             def less(share: Fraction, name: str = name) -> dict[str, object]:
-                pairs = ((s, getattr(s, name)) for s in task.stated.unsafe)
+                pairs = ((s, getattr(s, name)) for s in task.as_stated.unsafe)
                 return {"unsafe": tuple(s.model_copy(update={name: share * v}) if v else s for s, v in pairs)}
 
             share = _shorter(Fraction(1), lambda v, less=less: _opens(task, less(v), way))  # type: ignore[misc]

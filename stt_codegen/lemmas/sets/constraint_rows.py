@@ -23,7 +23,7 @@ from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.properties import Property
-from stt_codegen.task.sets import BoxSet, Grown, low_of
+from stt_codegen.task.sets import BoxSet, GrownSet, minimum_over_box
 
 METHOD = "SymPy: the evaluated code run on symbols"
 N = 3
@@ -183,8 +183,8 @@ def _prove_support() -> Outcome:
         grown = sum(abs(c) * h for c, h in zip(normal, half, strict=True))
         found |= {
             f"{normal}: h of a box": sp.expand(box.support(normal) - wanted),
-            f"{normal}: low_n": sp.expand(low_of(normal, box.lower, box.upper) - least),
-            f"{normal}: h of a grown set": sp.expand(Grown(box, half).support(normal) - wanted - grown),
+            f"{normal}: low_n": sp.expand(minimum_over_box(normal, box.lower, box.upper) - least),
+            f"{normal}: h of a grown set": sp.expand(GrownSet(box, half).support(normal) - wanted - grown),
         }
     for _ in range(20):
         lower = tuple(Fraction(draw.randint(-9, 9), 4) for _ in range(N))
@@ -194,7 +194,7 @@ def _prove_support() -> Outcome:
         for normal, h in solid.faces:
             if max(sum(c * v for c, v in zip(normal, p, strict=True)) for p in solid.vertices) != h:
                 wrong.append(f"{solid}: {normal}")
-        larger = Grown(solid, body)
+        larger = GrownSet(solid, body)
         for grown in (larger, solid.grown(body)):
             reached = tuple(
                 (n, max(sum(c * v for c, v in zip(n, p, strict=True)) for p in grown.vertices)) for n in solid.normals
@@ -206,7 +206,7 @@ def _prove_support() -> Outcome:
         ends = [larger.span(i) for i in range(N)]
         gap = any(b < ends[i][0] or a > ends[i][1] for i, (a, b) in enumerate(zip(low, high, strict=True)))
         held = all(ends[i][0] <= a and b <= ends[i][1] for i, (a, b) in enumerate(zip(low, high, strict=True)))
-        if (larger.apart(low, high), larger.covers(low, high)) != (gap, held):
+        if (larger.is_apart_from(low, high), larger.covers(low, high)) != (gap, held):
             wrong.append(f"{solid} grown by {body} beside {low}, {high}")
     return all_of(
         prove_identities(found, METHOD),

@@ -51,13 +51,21 @@ def _prove_bounds() -> Outcome:
         places = tuple((tuple(number() for _ in range(N)), tuple(number() for _ in range(N))) for _ in range(2))
         leg = Leg(begin, begin + abs(number()) + Fraction(1, 3), places)
         course = Course(
-            knots=((Fraction(0), places[0][0]),), window=None, early=Fraction(0), late=late, spread=abs(number()), t_c=leg.end
+            knots=((Fraction(0), places[0][0]),),
+            active_interval=None,
+            clock_lag=Fraction(0),
+            clock_lead=late,
+            spread=abs(number()),
+            t_c=leg.end,
         )
         time, length = abs(number()) + 1, Fraction(1, 1 << 20)
         lines = moving.Lines.of(rows.Avoidance("", tuple(made), course, growing), leg, time, length)
         t = begin + (leg.end - begin) * Fraction(draw.randint(0, 64), 64)
         wanted = [
-            [r.bound + r.clearance + g * course.growth(t) + sum(c * by[i] for i, _, c in r.terms) for by in leg.at(t)]
+            [
+                r.bound + r.clearance + g * course.growth(t) + sum(c * by[i] for i, _, c in r.terms)
+                for by in leg.displacements_at(t)
+            ]
             for r, g in zip(made, growing, strict=True)
         ]
         if [[v * length for v in row] for row in lines.at(t / time)] != wanted:
@@ -77,19 +85,22 @@ def _prove_places() -> Outcome:
         early, delay = (Fraction(draw.choice((0, 3, 17)), 10) for _ in range(2))
         a, z = (Fraction(v, 10) for v in sorted(draw.sample(range(91), 2)))
         window = (a, z) if draw.random() < 0.5 else None
-        course = Course(knots=knots, window=window, early=early, late=early + delay, spread=Fraction(0), t_c=Fraction(9))
+        course = Course(
+            knots=knots, active_interval=window, clock_lag=early, clock_lead=early + delay, spread=Fraction(0), t_c=Fraction(9)
+        )
         first, last = window or (-early, 9 + early + delay)
         t = Fraction(draw.randint(0, 9000), 1000)
         turns = [*(at for at, _ in knots), first, last]
-        readings = {t - early, t + course.late, *(v for v in turns if t - early <= v <= t + course.late)}
-        true = [course.displaced(tau) for tau in readings if first <= tau <= last]
+        readings = {t - early, t + course.clock_lead, *(v for v in turns if t - early <= v <= t + course.clock_lead)}
+        true = [course.displacement(tau) for tau in readings if first <= tau <= last]
         legs = [leg for leg in course.legs if leg.begin <= t <= leg.end]
         if bool(true) != bool(legs):
             wrong.append(f"{course} at {t}")
         for leg in legs:
             for normal in ((1, 0), (-1, 0), (0, 1), (0, -1), (2, -3), (-1, 1)):
                 told, most = (
-                    max(sum(c * d for c, d in zip(normal, by, strict=True)) for by in found) for found in (leg.at(t), true)
+                    max(sum(c * d for c, d in zip(normal, by, strict=True)) for by in found)
+                    for found in (leg.displacements_at(t), true)
                 )
                 if told != most:
                     wrong.append(f"{course} at {t} along {normal}")

@@ -14,7 +14,7 @@ from stt_codegen import constraints as rows
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
 from stt_codegen.lemmas.sets.constraint_rows import EDGE, METHOD, N
 from stt_codegen.properties import Property
-from stt_codegen.task.sets import Hull, Polytope, Prism, Round, Segment, cut_box, dot, size, spanned
+from stt_codegen.task.sets import Hull, Polytope, Prism, RoundSet, Segment, affine_dimension, cut_box, dot, size
 
 DRAWN = 60  # random sets of each kind
 
@@ -67,7 +67,7 @@ def _prove_round() -> Outcome:
     for _ in range(DRAWN):
         ends = tuple(tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N)) for _ in range(draw.randint(1, 2)))
         radius, normal = Fraction(draw.randint(1, 40), 8), normals[draw.randrange(len(normals))]
-        if Round(ends, radius).support(normal) != max(dot(normal, p) for p in ends) + radius * size(normal):
+        if RoundSet(ends, radius).support(normal) != max(dot(normal, p) for p in ends) + radius * size(normal):
             wrong.append(f"{ends}, {radius}: {normal}")
     return all_of(
         prove_identities({"|n|^2 |u|^2 - (n.u)^2": sp.expand(left - squares)}, METHOD),
@@ -84,7 +84,7 @@ def _prove_nearest() -> Outcome:
         ends = tuple(tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N)) for _ in range(2))
         lower = tuple(Fraction(draw.randint(-40, 40), 8) for _ in range(N))
         upper = tuple(a + Fraction(draw.randint(0, 24), 8) for a in lower)
-        told = Segment(ends).square_to(lower, upper)
+        told = Segment(ends).squared_distance_to(lower, upper)
         found = []
         for k in range(129):
             place = [a + Fraction(k, 128) * (b - a) for a, b in zip(*ends, strict=True)]
@@ -102,7 +102,7 @@ def _prove_hull() -> Outcome:
     for k in range(DRAWN):
         n = 2 + k % 2
         points = tuple({tuple(Fraction(draw.randint(-16, 16), 8) for _ in range(n)) for _ in range(draw.randint(n + 2, 9))})
-        if spanned(points) < n:
+        if affine_dimension(points) < n:
             continue
         hull = Hull.of(points)
         count += 1

@@ -52,7 +52,14 @@ def plant_driven(task: Task) -> Plant:
     rate = "xdot" if task.order == 1 else "vdot"
     one = all(v == 1 for v in middle)
     name = f"{rate} = {'' if one else by_component([Fraction(v) for v in middle]) + ' '}u + w"
-    return Plant(name=name, dimension=n, drift=lambda x, *_: [0] * x.shape[0], input_matrix=g, w_max=task.wind, order=task.order)
+    return Plant(
+        name=name,
+        dimension=n,
+        drift=lambda x, *_: [0] * x.shape[0],
+        input_matrix=g,
+        w_max=task.disturbance_bound,
+        order=task.order,
+    )
 
 
 @dataclass(frozen=True)
@@ -138,7 +145,7 @@ def setting(controller: EmittedController, made: Driven, plant: Model, w_max: fl
         "wasm": base64.b64encode(made.wasm).decode(),
         "order": task.order,
         "adaptive": controller.design.is_stateful,
-        "differs": task.differs,
+        "differs": task.uses_differences,
         "x": [float(v) for v in task.initial_state],
         "noise_v": float(task.plant.noise_v or 0) / float(task.plant.noise) if task.plant.noise else 1.0,
         "constants": [(low + high) / 2 for low, high in plant.constants],

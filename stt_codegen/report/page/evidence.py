@@ -151,13 +151,13 @@ def _stand_alone(controller: EmittedController, source: Path | None) -> Check:
     name, prefix = "stand-alone checker", controller.task.name
     if not controller.design.capabilities.has_exact_claims:
         return Check(name, None, f"is for refined tubes; this one is {controller.design.kind}")
-    if source is None and controller.task.written is None:
+    if source is None and controller.task.expanded_text is None:
         return Check(name, None, "reads the task's file; this task was made without one")
     with tempfile.TemporaryDirectory() as folder:
         for file, data in controller.files.items():
             Path(folder, file).write_bytes(data)
         read = (
-            source if controller.task.written is None else f"{folder}/{spelled_name(prefix)}"
+            source if controller.task.expanded_text is None else f"{folder}/{spelled_name(prefix)}"
         )  # with its map or outline spelled out
         paths = [str(read), f"{folder}/{prefix}.c", f"{folder}/{prefix}.certificate.json"]
         command = [sys.executable, "-I", checker.__file__, *paths]
@@ -252,7 +252,7 @@ def not_shown(controller: EmittedController) -> Iterator[str]:
         )
     else:
         yield "Anything about an input that acts later than at its sample, but for what stands above with its latency."
-    stated = "the bounds of [plant]" if task.plant.stated else "what Theorem 4.1 asks of a plant"
+    stated = "the bounds of [plant]" if task.plant.is_stated else "what Theorem 4.1 asks of a plant"
     yield f"That your plant is within {stated}, and that nothing else acts on it."
     yield f"That there is no {'inertia or ' if task.order == 1 else ''}lag between u and what it moves."
     yield "That what you measure is the state" + (
@@ -260,11 +260,11 @@ def not_shown(controller: EmittedController) -> Iterator[str]:
     )
     if controller.design.is_stateful:
         yield "That alpha begins with alpha_init at t = 0 and is stepped within the steps that the certificate names."
-    if task.timed:
+    if task.has_timed_sets:
         yield "That the sets are where and when the task says, by a clock that agrees with the controller's."
-    if "outline" in task.spelled_from:
+    if "outline" in task.expanded_keys:
         yield "That the sets fill what the outline leaves of its box: this tool's word; the checker reads them spelled out."
-    if "map" in task.spelled_from:
+    if "map" in task.expanded_keys:
         yield "That the sets hold every occupied cell of the map: this tool's word; the checker reads them spelled out."
     if task.body is None:
         yield "Anything about a robot that has a size: the state is a point here (body)."

@@ -65,7 +65,7 @@ def page(controller: EmittedController, report: DesignReport, shown: Evidence, m
             data=_embedded(data),
             dimension=task.dimension,
             body=any(task.half_extents),
-            hours=any(c is not None and c.window for c in task.courses),
+            hours=any(c is not None and c.active_interval for c in task.courses),
             doubtful=any(c is not None and (c.early or c.late or c.spread) for c in task.courses),
             regions=data["regions"],
             target=data["target"],
@@ -115,7 +115,7 @@ def summary(controller: EmittedController) -> Summary:
 def _assumed(task: Task, certificate: Certificate, calls: bool) -> str:
     """The assumptions by name."""
     names = ["no inertia (plant.order = 1) and no lag" if task.order == 1 else "no lag"]
-    names.append("the bounds of [plant]" if task.plant.stated else "a plant as Theorem 4.1 has it")
+    names.append("the bounds of [plant]" if task.plant.is_stated else "a plant as Theorem 4.1 has it")
     names.append("what is measured is the state" + (f" to {decimal(task.plant.noise)}" if task.plant.noise else ""))
     shown = {one.subject for one in certificate.findings if one.holds}
     known = f"samples as {Property.PERIOD.label} has them"
@@ -124,11 +124,11 @@ def _assumed(task: Task, certificate: Certificate, calls: bool) -> str:
         names.append("u never reaches u_max")
     if task.body is None:
         names.append("a point for a robot")
-    if task.timed:
+    if task.has_timed_sets:
         names.append("the sets' motion and clock")
-    if task.spelled_from:
-        was = "was" if len(task.spelled_from) == 1 else "were"
-        names.append(f"the sets that the {' and the '.join(task.spelled_from)} {was} turned into")
+    if task.expanded_keys:
+        was = "was" if len(task.expanded_keys) == 1 else "were"
+        names.append(f"the sets that the {' and the '.join(task.expanded_keys)} {was} turned into")
     names.append("IEEE-754, the compiler" + (" and its library" if calls else ""))
     return "; ".join(names) + "."
 

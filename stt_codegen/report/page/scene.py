@@ -36,10 +36,10 @@ def scene(controller: EmittedController, mission: tuple[Served, ...], cycle: tup
         _set(bare.name, bare, planes, course, round_)
         | _judged(large, grown)
         | ({"grown": _outlines(large, planes, round_), "shell": _solid(large, round_)} if grown else {})
-        for bare, large, course in zip(task.bare, task.obstacles, task.courses, strict=True)
+        for bare, large, course in zip(task.unsafe_sets, task.obstacles, task.courses, strict=True)
     ]
     regions = [
-        _set(name, shape.within(task.state_space, task.axis_indices(shape)), planes, None, round_)
+        _set(name, shape.to_set_in(task.state_space, task.axis_indices(shape)), planes, None, round_)
         for name, shape in task.regions.items()
         if isinstance(shape, Unsafe)
     ]
@@ -71,12 +71,12 @@ def scene(controller: EmittedController, mission: tuple[Served, ...], cycle: tup
 def _target(task: Task, planes: list[Plane], round_: Rounding) -> dict[str, Any]:
     if task.target_set is None:
         return {"target": None}
-    course, end = task.target_course, task.target_course.displaced(task.prescribed_time)
+    course, end = task.target_course, task.target_course.displacement(task.prescribed_time)
     knots = [[float(at), *(float(v - e) for v, e in zip(by, end, strict=True))] for at, by in course.knots]
     span = [_numbers(task.target.lower), _numbers(task.target.upper)]
     outlines = {_key(p): round_(target_outline(task, p)) for p in planes}
     faces = _half_spaces([*task.target.faces, *task.target_cuts])
-    return {"target": {"outline": outlines, "span": span, "faces": faces, **({"knots": knots} if course.moves else {})}}
+    return {"target": {"outline": outlines, "span": span, "faces": faces, **({"knots": knots} if course.is_moving else {})}}
 
 
 def _near(task: Task, t: Array, low: Array, high: Array) -> dict[str, Any]:
@@ -135,8 +135,8 @@ def _set(name: str, convex: ConvexSet, planes: list[Plane], course: Course | Non
     found["solid"] = _solid(convex, round_)
     if course is not None:
         found["knots"] = [[float(at), *_numbers(by)] for at, by in course.knots]
-        found["window"] = None if course.window is None else _numbers(course.window)
-        found["clock"] = [float(course.early), float(course.late)]
+        found["window"] = None if course.active_interval is None else _numbers(course.active_interval)
+        found["clock"] = [float(course.clock_lag), float(course.clock_lead)]
         found["growth"] = [
             float(course.spread),
             [int(k in convex.bounded_axes) for k in range(convex.dimension)],
@@ -162,7 +162,7 @@ def _judged(convex: ConvexSet, grown: bool) -> dict[str, Any]:
         "exact": bool(convex.radius) or flat or not grown or len(convex.bounded_axes) < SOLID,
     }
     if convex.radius:
-        found["round"] = [[_numbers(end) for end in convex.line], float(convex.radius), list(convex.bounded_axes)]
+        found["round"] = [[_numbers(end) for end in convex.segment_ends], float(convex.radius), list(convex.bounded_axes)]
     return found
 
 

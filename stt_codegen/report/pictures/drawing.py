@@ -24,7 +24,7 @@ def patch(convex: ConvexSet, colour: str, plane: Plane = (0, 1), **style: Any) -
 
 def swept(sets: Sequence[ConvexSet], colour: str, plane: Plane = (0, 1), **style: Any) -> Polygon:
     """The hull of several places of a set: what is avoided where it may be at any of them, or between."""
-    points = np.array([point for convex in sets for point in convex.shadow(*plane)])
+    points = np.array([point for convex in sets for point in convex.projection(*plane)])
     return Polygon(hull_of(points), closed=True, color=colour, **style)
 
 

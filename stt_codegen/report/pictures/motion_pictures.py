@@ -11,7 +11,7 @@ from matplotlib.patches import Polygon, Rectangle
 from stt_codegen.report.outlines import Plane, target_outline
 from stt_codegen.report.pictures.drawing import COLOURS, frame, named, swept
 from stt_codegen.task import Task
-from stt_codegen.task.sets import ConvexSet, Course, places
+from stt_codegen.task.sets import ConvexSet, Course, possible_sets
 
 Array = npt.NDArray[np.float64]
 TIMES = 6  # of the arena
@@ -26,8 +26,8 @@ def moves(task: Task) -> bool:
 def draw_faint(axis: Any, convex: ConvexSet, course: Course, plane: Plane, told: bool) -> None:
     """A set that moves, at several times; with its name where that is `told`."""
     first, last = course.legs[0].begin, course.legs[-1].end
-    count = FAINT if course.moves or course.spread else 1
-    shown = [places(convex, course, first + (last - first) * k / max(count - 1, 1)) for k in range(count)]
+    count = FAINT if course.is_moving or course.spread else 1
+    shown = [possible_sets(convex, course, first + (last - first) * k / max(count - 1, 1)) for k in range(count)]
     for here in shown:
         axis.add_patch(swept(here, COLOURS["unsafe"], plane, alpha=0.12, linewidth=0.8))
     if told:
@@ -39,16 +39,18 @@ def draw_times(figure: Any, task: Task, t: Array, low: Array, high: Array, plane
     one: path (T, n) at the times t."""
     axes = figure.subplots(1, TIMES, sharex=True, sharey=True)
     layers = [(task.obstacles, 0.25)] if any(task.half_extents) else []
-    sets = [(s, c, alpha) for group, alpha in [*layers, (task.bare, 0.75)] for s, c in zip(group, task.courses, strict=True)]
-    end = task.target_course.displaced(task.prescribed_time)
+    sets = [
+        (s, c, alpha) for group, alpha in [*layers, (task.unsafe_sets, 0.75)] for s, c in zip(group, task.courses, strict=True)
+    ]
+    end = task.target_course.displacement(task.prescribed_time)
     for k, axis in enumerate(axes):
         at = k * (len(t) - 1) // (TIMES - 1)
         now = task.prescribed_time * k / (TIMES - 1)
         frame(axis, task, plane)
         for convex, course, alpha in sets:
-            if here := places(convex, course, now):
+            if here := possible_sets(convex, course, now):
                 axis.add_patch(swept(here, COLOURS["unsafe"], plane, alpha=alpha, linewidth=0))
-        by = task.target_course.displaced(now)
+        by = task.target_course.displacement(now)
         shift = np.array([float(by[i] - end[i]) for i in plane])
         axis.add_patch(
             Polygon(target_outline(task, plane) + shift, closed=True, color=COLOURS["target"], fill=False, linewidth=1.2)

@@ -211,8 +211,8 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
     """The plane's frame, unsafe sets with their names where they are not too many, hatched what the body adds, and the target.
     Lighter are sets that one may pass in another dimension."""
     frame(axis, task, plane)
-    told, others = len(task.bare) <= NAMED, [i for i in range(task.dimension) if i not in plane]
-    for s, grown, course in zip(task.bare, task.obstacles, task.courses, strict=True):
+    told, others = len(task.unsafe_sets) <= NAMED, [i for i in range(task.dimension) if i not in plane]
+    for s, grown, course in zip(task.unsafe_sets, task.obstacles, task.courses, strict=True):
         if not any(_bounded(task, s, i) for i in plane):
             continue  # it is everywhere in this plane, and says something in another
         if course is not None:
@@ -228,7 +228,7 @@ def draw_sets(axis: Any, task: Task, plane: Plane = (0, 1)) -> None:
         axis.add_patch(Polygon(target_outline(task, plane), closed=True, color=COLOURS["target"], fill=False, linewidth=1.8))
     for name, region in task.regions.items():
         if isinstance(region, Unsafe):
-            shape = region.within(task.state_space, task.axis_indices(region))
+            shape = region.to_set_in(task.state_space, task.axis_indices(region))
             axis.add_patch(patch(shape, COLOURS["region"], plane, fill=False, linewidth=1.2, linestyle="--"))
             if len(task.regions) <= NAMED:
                 named(axis, shape, name, plane, "black", 2)

@@ -12,7 +12,17 @@ from stt_codegen.program.targets import targets_of
 from stt_codegen.task.checks.mission_checks import mission_problem
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
 from stt_codegen.task.schema import PLANT_BOUNDS, TaskTables
-from stt_codegen.task.sets import Box, BoxSet, Course, Normal, Region, UnsafeSet, corners_left, places, spanned
+from stt_codegen.task.sets import (
+    Box,
+    BoxSet,
+    Course,
+    Normal,
+    Region,
+    UnsafeSet,
+    affine_dimension,
+    corners_of_cut_box,
+    possible_sets,
+)
 from stt_codegen.task.values import ADD_IT
 
 
@@ -137,11 +147,11 @@ def _integers_problem(task: TaskTables) -> str | None:
     unknown = {
         **{f"emit.{t.key} (--package {t.key})": not t.integers for t in targets_of(emit) if t.option},
         'emit.math = "inline"': emit.math == "inline",
-        'control.saturate = "scale"': task.scales,
+        'control.saturate = "scale"': task.scales_input,
         "control.e_max by component": len(set(task.e_max)) > 1,
         "control.outside": control.outside != "return",
         "repeat": task.repeat,
-        'control.velocity = "differences"': task.differs,
+        'control.velocity = "differences"': task.uses_differences,
     }
     field = next((name for name, given in unknown.items() if given), None)
     return None if field is None else f'{field}: is for floating point; leave it out with emit.scalar = "fixed"'
@@ -169,7 +179,10 @@ def _order_problem(task: TaskTables) -> str | None:
     filter_, speed = task.tube.filter, task.initial_set.speed
     if task.order == 1:
         given: dict[str, object] = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
-        given |= {"control.velocity": "differences" if task.differs else None, "control.period_min": task.control.period_min}
+        given |= {
+            "control.velocity": "differences" if task.uses_differences else None,
+            "control.period_min": task.control.period_min,
+        }
         field = next((name for name, value in given.items() if value is not None), None)
         return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
     if not task.tube.capabilities.drives_order_two:
@@ -185,7 +198,7 @@ def _order_problem(task: TaskTables) -> str | None:
 def _velocity_problem(task: TaskTables) -> str | None:
     """What differences of x need to be a velocity with a known error."""
     control = task.control
-    if not task.differs:
+    if not task.uses_differences:
         told = "is for a velocity by differences; leave it out, or set control.velocity"
         return f"control.period_min: {told}" if control.period_min is not None else None
     for name, why in (("period", "over what time a difference is taken"), ("u_max", "how far the velocity turns in it")):
@@ -230,8 +243,8 @@ def _outside_problem(task: TaskTables) -> str | None:
         return f'which the {task.tube.design} design does not know; use "return" or the refined design'
     if kind == "stop":
         return None
-    timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
-    if timed is not None or task.target_moves:
+    timed = next((j for j, s in enumerate(task.unsafe) if s.is_timed), None)
+    if timed is not None or task.has_moving_target:
         field = "target_set" if timed is None else f"unsafe[{timed}]"
         return f'but {field} does not wait for a tube that stands; use "return" or "stop"'
     if task.mission:
@@ -257,8 +270,8 @@ def _limits_problem(task: TaskTables) -> str | None:
         return f"{field}: is no box; the {tube.design} design knows boxes alone, use the refined design"
     if not offered.avoids_any_shape and shaped is not None:
         return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
-    timed = next((j for j, s in enumerate(task.unsafe) if s.timed), None)
-    if not offered.follows_moving_sets and (timed is not None or task.target_moves):
+    timed = next((j for j, s in enumerate(task.unsafe) if s.is_timed), None)
+    if not offered.follows_moving_sets and (timed is not None or task.has_moving_target):
         field = "target_set" if timed is None else f"unsafe[{timed}]"
         return f"{field}: is not always the same; the {tube.design} design knows standing sets alone, use the refined design"
     if not offered.offers_widths and tube.prefer != "balanced":
@@ -309,8 +322,8 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
         boxes.append(("target_set", target, task.target_at_rest))
     for field, region, box in boxes:
         own, cuts = task.axis_indices(region), tuple(region.half_spaces())
-        left = corners_left(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
-        if left is not None and (not left or spanned(left) < len(own)):
+        left = corners_of_cut_box(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
+        if left is not None and (not left or affine_dimension(left) < len(own)):
             told = region.points[0]
             if told == "centre":
                 return f"{field}: the ball about its centre leaves nothing of the box with an interior; move one of them"
@@ -322,8 +335,8 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
                 if sign * end > sign * limit:
                     round_ = field == "target_set" and target is not None and target.centre is not None and not target.lower
                     what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
-                    if field == "target_set" and task.target_moves:
-                        by = task.target_course.displaced(task.prescribed_time)[i]
+                    if field == "target_set" and task.has_moving_target:
+                        by = task.target_course.displacement(task.prescribed_time)[i]
                         told = (
                             f"use {most} {decimal(limit - by)} here, or a motion that ends by {most} {decimal(limit - end + by)}"
                         )
@@ -344,7 +357,9 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
 
 def _may(course: Course) -> str:
     """How sure it is where a set is."""
-    doubt = [name for name, value in (("timing", course.early), ("start_delay", course.late - course.early)) if value]
+    doubt = [
+        name for name, value in (("timing", course.clock_lag), ("start_delay", course.clock_lead - course.clock_lag)) if value
+    ]
     doubt += ["spread"] if course.spread else []
     return f"may be (with its {' and '.join(doubt)})" if doubt else "is"
 
@@ -368,18 +383,18 @@ def unsafe_problem(task: TaskTables) -> str | None:
             return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
         seen[name] = j
         try:
-            unsafe.within(task.state_space, task.axis_indices(unsafe))
+            unsafe.to_set_in(task.state_space, task.axis_indices(unsafe))
         except ValueError as error:
             return f"{task.unsafe_field(j)}.{error}"
     start, target, body = task.start, task.target, any(task.half_extents)
     for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         label = task.unsafe_field(j) + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
-        first, last = (places(grown, course, at) for at in (Fraction(0), task.prescribed_time))
-        if any(not place.apart(start.lower, start.upper) for place in first):
-            when = "" if course is None or not course.moves else f" where it {_may(course)} at t = 0"
+        first, last = (possible_sets(grown, course, at) for at in (Fraction(0), task.prescribed_time))
+        if any(not place.is_apart_from(start.lower, start.upper) for place in first):
+            when = "" if course is None or not course.is_moving else f" where it {_may(course)} at t = 0"
             return f"initial_set: meets {label}{when}; move or shrink one of them"
         if task.target_set is not None and any(place.covers(target.lower, target.upper) for place in last):
-            closes = course is not None and course.window is not None and course.window[1] < course.t_c
+            closes = course is not None and course.active_interval is not None and course.active_interval[1] < course.t_c
             when = (
                 ""
                 if course is None

@@ -76,7 +76,7 @@ def _region_problem(task: TaskTables, one: Unsafe | Choice, known: dict[str, Uns
     if problem := set_problem(task, one):
         return problem
     try:
-        one.within(task.state_space, task.axis_indices(one))
+        one.to_set_in(task.state_space, task.axis_indices(one))
     except ValueError as error:
         return str(error)
     return None

@@ -17,7 +17,7 @@ import numpy as np
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.task.map.occupancy import Cells, Kind, OccupancyMap, Window
-from stt_codegen.task.sets import around
+from stt_codegen.task.sets import hull_corners
 
 GAIN = Fraction(1, 10)  # of a polygon's area may be free cells
 MOST_CORNERS = 16  # of a polygon
@@ -182,4 +182,4 @@ def _touching(boxes: Sequence[Rectangle]) -> Iterator[tuple[int, int]]:
 
 def _hull(boxes: Sequence[Rectangle]) -> Piece:
     """The hull of boxes."""
-    return Piece(tuple(around([(x, y) for a, b, c, d in boxes for x in (a, b) for y in (c, d)])), False)
+    return Piece(tuple(hull_corners([(x, y) for a, b, c, d in boxes for x in (a, b) for y in (c, d)])), False)

@@ -1,9 +1,9 @@
-"""Convex sets of a task: boxes, polytopes, balls and capsules, still or moving, as normals and supports in exact fractions."""
+"""Convex sets of a task: boxes, polytopes, balls and capsules, at rest or moving, by normals and supports in exact fractions."""
 
-from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Grown, Normal, Prism, Vector, low_of
-from stt_codegen.task.sets.motion import Course, Leg, course_of, places
-from stt_codegen.task.sets.polytopes import PLANE, SOLID, HalfSpace, Hull, Polytope, around, cut_box, dot, spanned
-from stt_codegen.task.sets.round_sets import FARTHEST, Round, Segment, size
+from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, GrownSet, Normal, Prism, Vector, minimum_over_box
+from stt_codegen.task.sets.motion import Course, Leg, course_of, possible_sets
+from stt_codegen.task.sets.polytopes import PLANE, SOLID, HalfSpace, Hull, Polytope, affine_dimension, cut_box, dot, hull_corners
+from stt_codegen.task.sets.round_sets import FAN_CORNER_DISTANCES, RoundSet, Segment, size
 from stt_codegen.task.sets.shapes import (
     SET_TABLES,
     AnyUnsafe,
@@ -20,13 +20,13 @@ from stt_codegen.task.sets.shapes import (
     UnsafePolytope,
     UnsafeSet,
     concave_problem,
-    corners_left,
+    corners_of_cut_box,
     fields_of_shape,
     kind_of_set,
 )
 
 __all__ = [
-    "FARTHEST",
+    "FAN_CORNER_DISTANCES",
     "PLANE",
     "SET_TABLES",
     "SOLID",
@@ -35,7 +35,7 @@ __all__ = [
     "BoxSet",
     "ConvexSet",
     "Course",
-    "Grown",
+    "GrownSet",
     "HalfSpace",
     "Hull",
     "Leg",
@@ -44,7 +44,7 @@ __all__ = [
     "Polytope",
     "Prism",
     "Region",
-    "Round",
+    "RoundSet",
     "Segment",
     "StateSpace",
     "Table",
@@ -56,16 +56,16 @@ __all__ = [
     "UnsafePolytope",
     "UnsafeSet",
     "Vector",
-    "around",
+    "affine_dimension",
     "concave_problem",
-    "corners_left",
+    "corners_of_cut_box",
     "course_of",
     "cut_box",
     "dot",
     "fields_of_shape",
+    "hull_corners",
     "kind_of_set",
-    "low_of",
-    "places",
+    "minimum_over_box",
+    "possible_sets",
     "size",
-    "spanned",
 ]

@@ -1,11 +1,13 @@
-"""Sets in time: where an unsafe set may be while the tube is somewhere.
+"""Sets in time: where an unsafe set may be at a time of the controller.
 
-    U(tau) = C + d(tau) + spread tau,  tau in `during`          tau: the time on the sets' clock
-    t - timing <= tau <= t + start_delay + timing               t: the time on the controller's
+    U(tau) = C + d(tau) + spread tau,  tau in the active interval      tau: the time on the sets' clock
+    t - clock_lag <= tau <= t + clock_lead                             t: the time on the controller's clock
 
-d is piecewise linear, constant before its first entry and after its last. So at the controller's time t the set may be at any
-place of a path; between two times at which nothing turns (a leg) the corners of that path move evenly or stand. A half-space
-that holds the set at these corners holds it at all places between. Everything is in exact fractions.
+The displacement d is piecewise linear, and constant before its first knot and after its last. So at time t the set may be
+anywhere along a path. The time splits into legs: during a leg the corners of that path stand still or move at constant velocity.
+A half-space that holds the set at these corners holds it everywhere along the path (lemmas "moving.*", docs/lemmas.md).
+
+Design, certificate, closed loop and pictures read the courses of a task. All numbers are exact fractions.
 """
 
 from __future__ import annotations
@@ -16,106 +18,115 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
-from stt_codegen.task.sets.convex_sets import ZERO, Bend, ConvexSet, Normal, Shadow, Vector
+from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, PlanePoints, RouteCorner, Vector
 
 Knot = tuple[Fraction, Vector]  # a time on the sets' clock, and the displacement then
-
-Window = tuple[Fraction, Fraction]  # from and to, on the sets' clock
+ActiveInterval = tuple[Fraction, Fraction]  # first and last time on the sets' clock
 
 
 @dataclass(frozen=True)
 class Leg:
-    """From one time of the controller's to another, both closed: the set may be displaced by the hull of these places, each from
-    where it is at the begin evenly to where it is at the end."""
+    """An interval of the controller's time, closed, in which the set is displaced by the hull of a few displacements.
+
+    Each pair in `displacements` is one corner of that hull: the displacement at `begin` and the one at `end`, linear between.
+    """
 
     begin: Fraction
     end: Fraction
-    places: tuple[tuple[Vector, Vector], ...]
+    displacements: tuple[tuple[Vector, Vector], ...]
 
-    def at(self, t: Fraction) -> tuple[Vector, ...]:
-        """The places at a time of the leg."""
+    def displacements_at(self, t: Fraction) -> tuple[Vector, ...]:
+        """Return the corners of the hull of displacements at time t of the leg."""
         share = (t - self.begin) / (self.end - self.begin)
-        return tuple(tuple(v + share * (w - v) for v, w in zip(a, b, strict=True)) for a, b in self.places)
+        return tuple(tuple(v + share * (w - v) for v, w in zip(a, b, strict=True)) for a, b in self.displacements)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Course:
-    """How one set moves, in seconds and the task's units. knots: displacements, in all dimensions; window: the sets' times in
-    which it is unsafe; early, late: by how much the sets' clock may be behind and ahead of the controller's; spread: what it
-    grows by in a second; t_c."""
+    """How one set moves and when it is active, in seconds and in the task's units.
+
+    knots: displacements in all dimensions, by time; active_interval: when the set is unsafe, None for always; clock_lag and
+    clock_lead: how far the sets' clock may be behind and ahead of the controller's; spread: growth per second on every side; t_c:
+    the prescribed time.
+    """
 
     knots: tuple[Knot, ...]
-    window: Window | None
-    early: Fraction
-    late: Fraction
+    active_interval: ActiveInterval | None
+    clock_lag: Fraction
+    clock_lead: Fraction
     spread: Fraction
     t_c: Fraction
 
-    def displaced(self, tau: Fraction) -> Vector:
-        """d at a time on the sets' clock."""
+    def displacement(self, tau: Fraction) -> Vector:
+        """Return d(tau), tau on the sets' clock."""
         knots = self.knots
         k = bisect_left(knots, tau, key=lambda knot: knot[0])
         if k in (0, len(knots)):
             return knots[min(k, len(knots) - 1)][1]
-        (a, here), (b, there) = knots[k - 1], knots[k]
-        return tuple(v + (tau - a) / (b - a) * (w - v) for v, w in zip(here, there, strict=True))
+        (a, before), (b, after) = knots[k - 1], knots[k]
+        return tuple(v + (tau - a) / (b - a) * (w - v) for v, w in zip(before, after, strict=True))
 
-    def unsafe_at(self, tau: Fraction) -> bool:
-        """Whether the set is unsafe at a time on its clock; a window that ends at t_c stays closed."""
-        first, last = self.window or (ZERO, self.t_c)
-        return self.window is None or (first <= tau and (tau <= last or last == self.t_c))
+    def is_unsafe_at(self, tau: Fraction) -> bool:
+        """Whether the set is unsafe at tau on its clock; an active interval that ends at t_c never ends."""
+        first, last = self.active_interval or (ZERO, self.t_c)
+        return self.active_interval is None or (first <= tau and (tau <= last or last == self.t_c))
 
     def growth(self, t: Fraction) -> Fraction:
-        """What the set may have grown by at a time of the controller's."""
-        return self.spread * (t + self.late)
+        """Return the most that the set can have grown on a side by time t of the controller."""
+        return self.spread * (t + self.clock_lead)
 
     @cached_property
     def legs(self) -> tuple[Leg, ...]:
-        """The controller's times up to t_c at which the set may be unsafe, one leg after the other."""
-        first, last = self.window or (-self.early, self.t_c + self.late)
-        begin, end = max(ZERO, first - self.late), min(self.t_c, last + self.early)
+        """The legs, in order, that cover every time of the controller up to t_c at which the set may be unsafe."""
+        first, last = self.active_interval or (-self.clock_lag, self.t_c + self.clock_lead)
+        begin, end = max(ZERO, first - self.clock_lead), min(self.t_c, last + self.clock_lag)
         turns = sorted({first, last, *(at for at, _ in self.knots if first < at < last)})
 
-        def place(tau: Fraction) -> Vector:
-            return self.displaced(min(max(tau, first), last))
+        def active_displacement(tau: Fraction) -> Vector:
+            return self.displacement(min(max(tau, first), last))
 
-        cuts = {v for tau in turns for v in (tau + self.early, tau - self.late) if begin < v < end}
-        found = []
+        # the path changes its corners when a turn enters or leaves [t - clock_lag, t + clock_lead]
+        cuts = {v for tau in turns for v in (tau + self.clock_lag, tau - self.clock_lead) if begin < v < end}
+        legs = []
         for a, b in pairwise(sorted({begin, end, *cuts})):
-            between = [(place(tau), place(tau)) for tau in turns if b - self.early <= tau <= a + self.late]
-            ends = [(place(a + s), place(b + s)) for s in (-self.early, self.late)]
-            found.append(Leg(a, b, tuple(dict.fromkeys([*ends, *between]))))
-        return tuple(found)
+            passed = [active_displacement(tau) for tau in turns if b - self.clock_lag <= tau <= a + self.clock_lead]
+            ends = [(active_displacement(a + s), active_displacement(b + s)) for s in (-self.clock_lag, self.clock_lead)]
+            legs.append(Leg(a, b, tuple(dict.fromkeys([*ends, *((by, by) for by in passed)]))))
+        return tuple(legs)
 
     @property
-    def moves(self) -> bool:
-        """Whether it is ever displaced from where it was first."""
+    def is_moving(self) -> bool:
+        """Whether the set is ever displaced from its first position."""
         return any(by != self.knots[0][1] for _, by in self.knots)
 
 
 @lru_cache(maxsize=1024)
 def course_of(
+    *,
     knots: tuple[Knot, ...],
-    window: tuple[Fraction, Fraction] | None,
-    early: Fraction,
-    late: Fraction,
+    active_interval: ActiveInterval | None,
+    clock_lag: Fraction,
+    clock_lead: Fraction,
     spread: Fraction,
     t_c: Fraction,
 ) -> Course:
-    """The course, the same object for the same numbers: its legs are found once."""
-    return Course(knots=knots, window=window, early=early, late=late, spread=spread, t_c=t_c)
+    """Return the course of these numbers, the same object for equal numbers, so that its legs are computed once."""
+    return Course(
+        knots=knots, active_interval=active_interval, clock_lag=clock_lag, clock_lead=clock_lead, spread=spread, t_c=t_c
+    )
 
 
-class Moved(ConvexSet):
-    """A set displaced."""
+class DisplacedSet(ConvexSet):
+    """A set displaced by a vector."""
 
     def __init__(self, inner: ConvexSet, by: Vector) -> None:
         self.inner, self.by, self.name = inner, by, inner.name
 
-    def _shifted(self, point: Vector) -> Vector:
+    def _displaced(self, point: Vector) -> Vector:
         return tuple(v + d for v, d in zip(point, self.by, strict=True))
 
-    def _back(self, point: Vector) -> Vector:
+    def _to_inner(self, point: Vector) -> Vector:
+        """Return the point of the inner set's frame that this point is displaced from."""
         return tuple(v - d for v, d in zip(point, self.by, strict=True))
 
     @property
@@ -135,37 +146,38 @@ class Moved(ConvexSet):
 
     @property
     def vertices(self) -> tuple[Vector, ...]:
-        return tuple(map(self._shifted, self.inner.vertices))
+        return tuple(map(self._displaced, self.inner.vertices))
 
     @property
-    def bends(self) -> tuple[Bend, ...]:
-        return tuple((self._shifted(point), signs) for point, signs in self.inner.bends)
+    def route_corners(self) -> tuple[RouteCorner, ...]:
+        return tuple((self._displaced(point), signs) for point, signs in self.inner.route_corners)
 
     @property
     def radius(self) -> Fraction:
         return self.inner.radius
 
     @property
-    def line(self) -> tuple[Vector, Vector]:
-        first, last = self.inner.line
-        return self._shifted(first), self._shifted(last)
+    def segment_ends(self) -> tuple[Vector, Vector]:
+        first, last = self.inner.segment_ends
+        return self._displaced(first), self._displaced(last)
 
-    def shadow(self, i: int, j: int) -> Shadow:
+    def projection(self, i: int, j: int) -> PlanePoints:
         a, b = float(self.by[i]), float(self.by[j])
-        return [(x + a, y + b) for x, y in self.inner.shadow(i, j)]
+        return [(x + a, y + b) for x, y in self.inner.projection(i, j)]
 
-    def apart(self, lower: Vector, upper: Vector) -> bool:
-        return self.inner.apart(self._back(lower), self._back(upper))
+    def is_apart_from(self, lower: Vector, upper: Vector) -> bool:
+        return self.inner.is_apart_from(self._to_inner(lower), self._to_inner(upper))
 
     def covers(self, lower: Vector, upper: Vector) -> bool:
-        return self.inner.covers(self._back(lower), self._back(upper))
+        return self.inner.covers(self._to_inner(lower), self._to_inner(upper))
 
 
-def places(convex: ConvexSet, course: Course | None, t: Fraction) -> list[ConvexSet]:
-    """Where a set may be at a time of the controller's, as large as it may be, at the corners of the path that it may be on; none
-    while it is safe."""
+def possible_sets(convex: ConvexSet, course: Course | None, t: Fraction) -> list[ConvexSet]:
+    """Return the set, grown as far as it may be, at each corner of the path that it may be on at time t of the controller.
+
+    Their hull holds the set. The list is empty while the set is not active."""
     if course is None:
         return [convex]
-    found = dict.fromkeys(by for leg in course.legs if leg.begin <= t <= leg.end for by in leg.at(t))
-    grown = convex.spread(course.growth(t)) if course.spread else convex
-    return [Moved(grown, by) for by in found]
+    displacements = dict.fromkeys(by for leg in course.legs if leg.begin <= t <= leg.end for by in leg.displacements_at(t))
+    grown = convex.inflated(course.growth(t)) if course.spread else convex
+    return [DisplacedSet(grown, by) for by in displacements]

@@ -1,10 +1,12 @@
-"""Convex polytopes between their points and their half-spaces, in exact fractions.
+"""Convex polytopes: from points to half-spaces and back, in exact fractions.
 
     hull of points      <->      all x with normal.x <= offset for every face
 
-Both ways are one algorithm: a box is cut by one half-space after the other, and two vertices have an edge between them where no
-third lies on all the faces that both lie on (the double description of Motzkin, Raiffa, Thompson and Thrall, 1953). The faces
-of a hull are the vertices of its polar about a point inside.
+Both directions use one algorithm. A box is cut by one half-space after the other. Two vertices have an edge between them where
+no third vertex lies on all the faces that both lie on (the double description of Motzkin, Raiffa, Thompson and Thrall, 1953).
+The faces of a hull are the vertices of its polar about a point inside. The lemmas "shapes.*" (docs/lemmas.md) check both.
+
+The tables of shapes.py, the checks of a task and the pictures call it.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ from itertools import pairwise, product
 from math import gcd, lcm
 from typing import TypeVar
 
-from stt_codegen.task.sets.convex_sets import ZERO, Bend, ConvexSet, Normal, Vector, axes, low_of
+from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, RouteCorner, Vector, axes, minimum_over_box
 
 HalfSpace = tuple[Normal, Fraction]  # all x with normal.x <= offset
 PLANE, SOLID = 2, 3
@@ -26,18 +28,19 @@ Number = TypeVar("Number", int, float, Fraction)
 
 @dataclass(frozen=True)
 class Vertex:
-    """A point, and on which faces it lies: bit k for half-space number k."""
+    """A point and the faces that it lies on: bit k of `face_mask` is set for half-space number k."""
 
     point: Vector
-    on: int
+    face_mask: int
 
 
 def dot(normal: Iterable[int | Fraction], point: Iterable[Fraction]) -> Fraction:
+    """Return normal.point."""
     return sum((c * v for c, v in zip(normal, point, strict=True) if c), ZERO)
 
 
-def whole(vector: Sequence[Fraction]) -> tuple[Normal, Fraction]:
-    """The whole numbers without a common divisor along a vector that is not 0, and by what it was multiplied."""
+def primitive_normal(vector: Sequence[Fraction]) -> tuple[Normal, Fraction]:
+    """Return the integer vector without a common divisor along a nonzero vector, and the factor between them."""
     factor = lcm(*(v.denominator for v in vector))
     numbers = [int(v * factor) for v in vector]
     common = gcd(*numbers)
@@ -45,7 +48,10 @@ def whole(vector: Sequence[Fraction]) -> tuple[Normal, Fraction]:
 
 
 def cut_box(lower: Vector, upper: Vector, half_spaces: Sequence[HalfSpace]) -> list[Vertex]:
-    """The vertices of a box that is cut by half-spaces. Faces of the box come first: bits 2i and 2i + 1 of dimension i."""
+    """Return the vertices of a box that is cut by half-spaces.
+
+    In a face mask bits 2i and 2i + 1 are the lower and upper face of the box in dimension i; the bits of the half-spaces follow.
+    """
     n = len(lower)
     vertices = [
         Vertex(
@@ -55,43 +61,51 @@ def cut_box(lower: Vector, upper: Vector, half_spaces: Sequence[HalfSpace]) -> l
         for corner in product((0, 1), repeat=n)
     ]
     for k, (normal, offset) in enumerate(half_spaces, 2 * n):
-        room = [offset - dot(normal, v.point) for v in vertices]
-        bit, masks = 1 << k, [v.on for v in vertices]
-        found = {v.point: Vertex(v.point, v.on | bit if r == 0 else v.on) for v, r in zip(vertices, room, strict=True) if r >= 0}
-        inner, outer = [q for q, r in enumerate(room) if r > 0], [q for q, r in enumerate(room) if r < 0]
+        bit, masks, margins = 1 << k, [v.face_mask for v in vertices], [offset - dot(normal, v.point) for v in vertices]
+        remaining = {
+            v.point: Vertex(v.point, v.face_mask | bit if margin == 0 else v.face_mask)
+            for v, margin in zip(vertices, margins, strict=True)
+            if margin >= 0
+        }
+        inner, outer = (
+            [q for q, margin in enumerate(margins) if margin > 0],
+            [q for q, margin in enumerate(margins) if margin < 0],
+        )
         for a, b in product(inner, outer):
             shared = masks[a] & masks[b]
-            if shared.bit_count() < n - 1 or any(shared & m == shared for q, m in enumerate(masks) if q not in (a, b)):
-                continue
-            part = room[a] / (room[a] - room[b])
-            point = tuple(v + part * (w - v) for v, w in zip(vertices[a].point, vertices[b].point, strict=True))
-            before = found.get(point)
-            found[point] = Vertex(point, shared | bit | (before.on if before else 0))
-        vertices = list(found.values())
+            has_edge = shared.bit_count() >= n - 1 and not any(
+                shared & mask == shared for q, mask in enumerate(masks) if q not in (a, b)
+            )
+            if has_edge:
+                part = margins[a] / (margins[a] - margins[b])
+                point = tuple(v + part * (w - v) for v, w in zip(vertices[a].point, vertices[b].point, strict=True))
+                same_point = remaining.get(point)
+                remaining[point] = Vertex(point, shared | bit | (same_point.face_mask if same_point else 0))
+        vertices = list(remaining.values())
     return vertices
 
 
-def around(points: Iterable[tuple[Number, Number]]) -> list[tuple[Number, Number]]:
-    """The corners of the hull of points in the plane, in order around it to the left (Andrew's monotone chain)."""
-    ordered = sorted(set(points))
-    sides: list[list[tuple[Number, Number]]] = []
-    for way in (ordered, ordered[::-1]):
-        side: list[tuple[Number, Number]] = []
-        for p in way:
-            while len(side) > 1 and _turn(side[-2], side[-1], p) <= 0:
-                side.pop()
-            side.append(p)
-        sides.append(side[:-1])
-    return sides[0] + sides[1]
+def hull_corners(points: Iterable[tuple[Number, Number]]) -> list[tuple[Number, Number]]:
+    """Return the corners of the hull of points in the plane, counterclockwise (Andrew's monotone chain)."""
+    from_left = sorted(set(points))
+    chains: list[list[tuple[Number, Number]]] = []
+    for ordered in (from_left, from_left[::-1]):
+        chain: list[tuple[Number, Number]] = []
+        for p in ordered:
+            while len(chain) > 1 and _turn(chain[-2], chain[-1], p) <= 0:
+                chain.pop()
+            chain.append(p)
+        chains.append(chain[:-1])
+    return chains[0] + chains[1]
 
 
 def _turn(a: tuple[Number, Number], b: tuple[Number, Number], c: tuple[Number, Number]) -> Number:
-    """Above 0 where a, b, c turn to the left."""
+    """Return a number above 0 where a, b, c turn to the left."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def spanned(points: Sequence[Vector]) -> int:
-    """The dimension of the hull of points, by elimination."""
+def affine_dimension(points: Sequence[Vector]) -> int:
+    """Return the dimension of the hull of points, by Gaussian elimination."""
     rows = [[a - b for a, b in zip(p, points[0], strict=True)] for p in points[1:]]
     rank = 0
     for i in range(len(points[0])):
@@ -107,7 +121,7 @@ def spanned(points: Sequence[Vector]) -> int:
 
 @dataclass(frozen=True)
 class Hull:
-    """The hull of points that span their space: its faces, and its corners among the points, each with the faces it lies on."""
+    """The hull of points that span their space: its faces, and those of the points that are its corners."""
 
     faces: tuple[HalfSpace, ...]
     corners: tuple[Vertex, ...]
@@ -115,29 +129,33 @@ class Hull:
     @classmethod
     @cache
     def of(cls, points: tuple[Vector, ...]) -> Hull:
-        """Of points whose hull has an interior."""
+        """Return the hull of points that span their space."""
         points = tuple(dict.fromkeys(points))
         n = len(points[0])
         middle = tuple(sum((p[i] for p in points), ZERO) / len(points) for i in range(n))
-        around = [whole([a - b for a, b in zip(p, middle, strict=True)]) for p in points if p != middle]
-        places = [p for p in points if p != middle]
-        reach = Fraction(1)
-        while True:  # the polar is bounded, by how much is not known
-            box = tuple(-reach for _ in range(n)), tuple(reach for _ in range(n))
-            polar = cut_box(*box, [(normal, factor) for normal, factor in around])
-            if not any(v.on & ((1 << 2 * n) - 1) for v in polar):
-                break
-            reach *= 16
+        points = tuple(p for p in points if p != middle)
         faces = []
-        for v in polar:
-            normal, factor = whole(v.point)
-            faces.append((normal, (1 + dot(v.point, middle)) * factor, v.on >> 2 * n))
+        for v in _polar([tuple(a - b for a, b in zip(p, middle, strict=True)) for p in points]):
+            normal, factor = primitive_normal(v.point)
+            faces.append((normal, (1 + dot(v.point, middle)) * factor, v.face_mask >> 2 * n))
         faces.sort()
-        on = [sum(1 << k for k, (_, _, mask) in enumerate(faces) if mask >> q & 1) for q in range(len(places))]
+        masks = [sum(1 << k for k, (_, _, points_on) in enumerate(faces) if points_on >> q & 1) for q in range(len(points))]
         corners = [
-            Vertex(p, own) for p, own in zip(places, on, strict=True) if own and not any(own & o == own and o != own for o in on)
+            Vertex(p, mask)
+            for p, mask in zip(points, masks, strict=True)
+            if mask and not any(mask & larger == mask and larger != mask for larger in masks)
         ]
         return cls(tuple((normal, offset) for normal, offset, _ in faces), tuple(corners))
+
+
+def _polar(points: Sequence[Vector]) -> list[Vertex]:
+    """Return the vertices of the polar {y: p.y <= 1 for every p} of points about 0; bit 2n + q of a face mask is point q."""
+    half_spaces, n, half_width = [primitive_normal(p) for p in points], len(points[0]), Fraction(1)
+    while True:  # the polar is bounded, but its size is not known before
+        vertices = cut_box((-half_width,) * n, (half_width,) * n, half_spaces)
+        if not any(v.face_mask & ((1 << 2 * n) - 1) for v in vertices):
+            return vertices
+        half_width *= 16
 
 
 class Polytope(ConvexSet):
@@ -165,71 +183,77 @@ class Polytope(ConvexSet):
 
     @cached_property
     def normals(self) -> tuple[Normal, ...]:
-        """The axes, the faces, and in space what is across an edge and an axis: the faces of the difference of box and set."""
-        found = dict.fromkeys(axes(self.dimension))
-        found.update(dict.fromkeys(normal for normal, _ in self.hull.faces))
-        if self.dimension == SOLID:
-            found.update(dict.fromkeys(self._across()))
-        return tuple(found)
+        """The axes, the faces and, in three dimensions, the normals to an edge and an axis.
 
-    def _across(self) -> list[Normal]:
-        """Normals of an edge's supporting planes that hold a direction of an axis too."""
-        corners, found = self.hull.corners, []
+        In up to three dimensions these are the faces of the Minkowski difference of a box and the set."""
+        normals = dict.fromkeys(axes(self.dimension))
+        normals.update(dict.fromkeys(normal for normal, _ in self.hull.faces))
+        if self.dimension == SOLID:
+            normals.update(dict.fromkeys(self._edge_normals()))
+        return tuple(normals)
+
+    def _edge_normals(self) -> list[Normal]:
+        """Return the normals of those supporting planes of an edge that are parallel to an axis."""
+        corners, normals = self.hull.corners, []
         for a in range(len(corners)):
             for b in range(a):
-                shared = corners[a].on & corners[b].on
+                shared = corners[a].face_mask & corners[b].face_mask
                 if shared.bit_count() < SOLID - 1:
                     continue
-                (x, y, z), _ = whole([v - w for v, w in zip(corners[a].point, corners[b].point, strict=True)])
+                (x, y, z), _ = primitive_normal([v - w for v, w in zip(corners[a].point, corners[b].point, strict=True)])
                 for normal in ((0, z, -y), (-z, 0, x), (y, -x, 0)):
                     if not any(normal):
                         continue
-                    here = dot(normal, corners[a].point)
+                    on_edge = dot(normal, corners[a].point)
                     values = [dot(normal, v.point) for v in corners]
-                    sign = 1 if here == max(values) else -1 if here == min(values) else 0
+                    sign = 1 if on_edge == max(values) else -1 if on_edge == min(values) else 0
                     if sign:
-                        found.append(whole([Fraction(sign * c) for c in normal])[0])
-        return sorted(set(found))
+                        normals.append(primitive_normal([Fraction(sign * c) for c in normal])[0])
+        return sorted(set(normals))
 
     def support(self, normal: Normal) -> Fraction:
         return max(dot(normal, p) for p in self.points)
 
     @cached_property
-    def bends(self) -> tuple[Bend, ...]:
-        return bends_of(self)
+    def route_corners(self) -> tuple[RouteCorner, ...]:
+        return route_corners_of(self)
 
-    def apart(self, lower: Vector, upper: Vector) -> bool:
-        """Exact in any dimension: beyond space, where normals are missing, the box is cut by the faces."""
-        if any(low_of(n, lower, upper) > h for n, h in self.faces):
+    def is_apart_from(self, lower: Vector, upper: Vector) -> bool:
+        """Whether the box and the polytope have no common point, exact in any dimension.
+
+        In more than three dimensions normals are missing, so the box is cut by the faces."""
+        if any(minimum_over_box(n, lower, upper) > h for n, h in self.faces):
             return True
         return self.dimension > SOLID and not cut_box(lower, upper, self.hull.faces)
 
 
-def bends_of(convex: ConvexSet) -> tuple[Bend, ...]:
-    """The corners of a set grown by a box, each by a vertex and the signs of the box's corner that is added. In the plane all of
-    them: between two neighbours among the normals, axes included, one vertex and one corner are farthest out. Elsewhere for each
-    vertex the corner that leads away from the middle."""
+def route_corners_of(convex: ConvexSet) -> tuple[RouteCorner, ...]:
+    """Return the corners of a set grown by a box, each by a vertex of the set and the signs of the box's corner added to it.
+
+    In the plane these are all corners: between two neighbouring normals, axes included, one vertex and one corner of the box are
+    extreme. In other dimensions each vertex has the corner of the box that leads away from the middle of the set.
+    """
     vertices = convex.vertices
     if convex.dimension == PLANE:
-        ring = sorted(convex.normals, key=cmp_to_key(_turned))
-        found = []
+        ring = sorted(convex.normals, key=cmp_to_key(_compare_angles))
+        corners = []
         for a, b in pairwise([*ring, ring[0]]):
             between = tuple(v * sum(map(abs, b)) + w * sum(map(abs, a)) for v, w in zip(a, b, strict=True))
-            found.append((max(vertices, key=lambda p: dot(between, p)), _signs(between)))
-        return tuple(dict.fromkeys(found))
+            corners.append((max(vertices, key=lambda p: dot(between, p)), _signs(between)))
+        return tuple(dict.fromkeys(corners))
     middle = [sum((p[i] for p in vertices), ZERO) / len(vertices) for i in range(convex.dimension)]
-    found = []
+    corners = []
     for p in vertices:
         signs = _signs([v - m for v, m in zip(p, middle, strict=True)])
-        found += [(p, s) for s in product(*((v,) if v else (-1, 1) for v in signs))]
-    return tuple(found)
+        corners += [(p, s) for s in product(*((v,) if v else (-1, 1) for v in signs))]
+    return tuple(corners)
 
 
 def _signs(vector: Sequence[int | Fraction]) -> tuple[int, ...]:
     return tuple((v > 0) - (v < 0) for v in vector)
 
 
-def _turned(a: Normal, b: Normal) -> int:
-    """Below 0 where a comes before b on the way around from the first axis."""
-    late = [(v[1], v[0]) < (0, 0) for v in (a, b)]
-    return late[0] - late[1] or a[1] * b[0] - a[0] * b[1]
+def _compare_angles(a: Normal, b: Normal) -> int:
+    """Return a number below 0 where the angle of a, counterclockwise from the first axis, is smaller than that of b."""
+    is_below_axis = [(v[1], v[0]) < (0, 0) for v in (a, b)]
+    return is_below_axis[0] - is_below_axis[1] or a[1] * b[0] - a[0] * b[1]

@@ -1,7 +1,10 @@
-"""The tables of a task that say a set: boxes, polytopes by points or half-spaces, balls and capsules. An unsafe one may be in
-some of the dimensions alone; then it is unsafe whatever the others are.
+"""The tables of a task file that describe a set: boxes, polytopes by points or half-spaces, balls and capsules.
 
-Long because every table of a set is here, and what its fields must be."""
+An unsafe set may be given in some of the dimensions only; then it is unsafe whatever the others are. A table knows what its
+fields must be (`problem`) and which set it is (`to_convex_set`). docs/task.md explains the keys.
+
+Long because every table of a set is here, with the checks of its fields.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +19,8 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Prism
-from stt_codegen.task.sets.polytopes import SOLID, HalfSpace, Hull, Polytope, cut_box, dot, spanned, whole
-from stt_codegen.task.sets.round_sets import Round, inscribed
+from stt_codegen.task.sets.polytopes import SOLID, HalfSpace, Hull, Polytope, affine_dimension, cut_box, dot, primitive_normal
+from stt_codegen.task.sets.round_sets import RoundSet, inscribed
 from stt_codegen.task.values import (
     ADD_IT,
     MAX_LABEL,
@@ -34,7 +37,7 @@ from stt_codegen.task.values import (
     waypoints,
 )
 
-MOST_SPANNED = 6  # dimensions of a polytope: its faces are found exactly, which takes time
+POLYTOPE_DIMENSION_LIMIT = 6  # computing the faces of a polytope exactly takes too long in more dimensions
 
 Axes = Annotated[tuple[str, ...], BeforeValidator(labels)]
 Points = Annotated[tuple[Vector, ...], BeforeValidator(points)]
@@ -44,6 +47,8 @@ EdgesOrNone = Annotated[
 
 
 class Table(BaseModel):
+    """A table of a task file: frozen, without unknown keys."""
+
     model_config = ConfigDict(extra="forbid", frozen=True, revalidate_instances="always")
 
 
@@ -54,23 +59,23 @@ class Box(Table):
     upper: Vector
 
     def vectors(self) -> list[tuple[str, Vector]]:
-        """What must have one entry for each dimension, by name."""
+        """Return the vectors that must have one entry for each dimension, by field name."""
         return [("lower", self.lower), ("upper", self.upper)]
 
     def problem(self) -> str | None:
-        """What makes these numbers no set, in words; None where they are one."""
+        """Return a message where the fields do not describe a set, else None."""
         for i, (a, b) in enumerate(zip(self.lower, self.upper, strict=True)):
             if a >= b:
                 return f"lower[{i}] = {decimal(a)} is not below upper[{i}] = {decimal(b)}"
         return None
 
     def convex(self) -> BoxSet:
-        """The box as a set."""
+        """Return the box as a set."""
         return BoxSet(self.lower, self.upper)
 
 
 class Waypoint(Table):
-    """A displacement at a time on the sets' clock."""
+    """A displacement at a time on the clock of the sets."""
 
     at: NotNegative = Field(description="seconds")
     by: Vector = Field(description="one entry for each of the set's axes")
@@ -80,7 +85,7 @@ Motion = Annotated[tuple[Waypoint, ...], BeforeValidator(waypoints)]
 
 
 class Region(Box):
-    """A box, or what half-spaces or the hull of points leave of it: where something must be."""
+    """A box, or its intersection with half-spaces or with the hull of points: a set to start, stay or arrive in."""
 
     axes: Axes | None = Field(default=None, description="the dimensions of vertices or normals, by name; absent: all")
     vertices: Points | None = Field(default=None, description="points whose hull cuts the box")
@@ -89,42 +94,43 @@ class Region(Box):
 
     @property
     def convex_instead(self) -> str:
-        """What is right in place of points of which some lie inside the hull of all."""
+        """The remedy where some of the points lie inside the hull of all."""
         return "leave it out where the hull is meant, or list the corners of a convex part"
 
     @property
     def points(self) -> tuple[str, tuple[Vector, ...]]:
-        """The field that cuts the box, and its points or normals."""
+        """The name of the field that cuts the box, and its points or normals."""
         return ("vertices", self.vertices) if self.vertices is not None else ("normals", self.normals or ())
 
     def problem(self) -> str | None:
-        field, found = self.points
+        """Return a message where the fields do not describe a set, else None."""
+        field, vectors = self.points
         if self.vertices is not None and (self.normals is not None or self.offsets is not None):
             return "vertices: stand beside normals and offsets; give the one or the others"
         if (self.normals is None) != (self.offsets is None):
             return f"{'offsets' if self.offsets is None else 'normals'}: are missing; both are needed"
-        if self.axes is not None and not found:
+        if self.axes is not None and not vectors:
             return "axes: are those of vertices or normals; give these, or leave the axes out"
-        if not found:
+        if not vectors:
             return super().problem()
-        if len(found[0]) > SOLID:
-            return f"{field}: are in {len(found[0])} dimensions; at most {SOLID} are taken, name them in axes"
+        if len(vectors[0]) > SOLID:
+            return f"{field}: are in {len(vectors[0])} dimensions; at most {SOLID} are taken, name them in axes"
         if self.offsets is not None:
-            return super().problem() or half_space_problem(found, self.offsets)
-        return super().problem() or hull_problem(found) or concave_problem(found, self.convex_instead)
+            return super().problem() or half_space_problem(vectors, self.offsets)
+        return super().problem() or hull_problem(vectors) or concave_problem(vectors, self.convex_instead)
 
-    def cuts(self, own: Sequence[int], dimension: int) -> tuple[HalfSpace, ...]:
-        """The half-spaces that cut the box, in all dimensions; `own`: those of the points or normals, by number."""
-        places = [(dict(zip(own, normal, strict=True)), offset) for normal, offset in self.half_spaces()]
-        return tuple((tuple(place.get(i, 0) for i in range(dimension)), offset) for place, offset in places)
+    def cuts(self, axes: Sequence[int], dimension: int) -> tuple[HalfSpace, ...]:
+        """Return the half-spaces that cut the box, in all dimensions. axes: those of the points or normals, by index."""
+        entries = [(dict(zip(axes, normal, strict=True)), offset) for normal, offset in self.half_spaces()]
+        return tuple((tuple(normal.get(i, 0) for i in range(dimension)), offset) for normal, offset in entries)
 
     def half_spaces(self) -> Sequence[HalfSpace]:
-        """The same in the dimensions of the points or normals."""
+        """Return the half-spaces that cut the box, in the dimensions of the points or normals."""
         return Hull.of(self.vertices).faces if self.vertices is not None else half_spaces(self.normals or (), self.offsets or ())
 
 
 class StateSpace(Region):
-    """A region, or a room by its outline and holes, which `task/map/rooms.py` turns into a box and unsafe sets."""
+    """A region, or a floor plan by its outline and holes, which task/map/floor_plans.py turns into a box and unsafe sets."""
 
     lower: EdgesOrNone = ()
     upper: EdgesOrNone = ()
@@ -139,8 +145,9 @@ class StateSpace(Region):
 
 
 class Target(Region):
-    """A region, or a ball, of which a polytope within it counts: in the dimensions that are not its own as long as the state
-    space, where no box is given."""
+    """A region, or a ball, in place of which a polytope inside it is used.
+
+    Where a ball comes without a box, its target spans the state space in the dimensions that the ball does not have."""
 
     lower: EdgesOrNone = ()
     upper: EdgesOrNone = ()
@@ -156,9 +163,10 @@ class Target(Region):
         return [pair for pair in super().vectors() if pair[1]]
 
     def problem(self) -> str | None:
-        given = [field for field, _ in self.vectors()]
+        """Return a message where the fields do not describe a target, else None."""
+        edges = [field for field, _ in self.vectors()]
         if self.centre is None and self.radius is None:
-            missing = next((field for field in ("lower", "upper") if field not in given), None)
+            missing = next((field for field in ("lower", "upper") if field not in edges), None)
             return f"{missing}: is missing; {ADD_IT}" if missing else super().problem()
         if self.centre is None or self.radius is None:
             return f"{'centre' if self.centre is None else 'radius'}: is missing; both are needed"
@@ -166,28 +174,30 @@ class Target(Region):
             return "centre: stands beside vertices or normals; give the one or the others"
         if len(self.centre) > SOLID:
             return f"centre: is in {len(self.centre)} dimensions; at most {SOLID} are taken, name them in axes"
-        if len(given) == 1:
-            return f"{given[0]}: stands alone; give lower and upper, or neither beside centre and radius"
-        return Box.problem(self) if given else None
+        if len(edges) == 1:
+            return f"{edges[0]}: stands alone; give lower and upper, or neither beside centre and radius"
+        return Box.problem(self) if edges else None
 
     def half_spaces(self) -> Sequence[HalfSpace]:
         return super().half_spaces() if self.centre is None or self.radius is None else inscribed(self.centre, self.radius)
 
-    def box(self, space: BoxSet, own: Sequence[int]) -> BoxSet:
-        """What is cut: the box, or where there is none the state space and in the ball's dimensions its span."""
+    def box(self, space: BoxSet, axes: Sequence[int]) -> BoxSet:
+        """Return the box that half-spaces cut: that of the fields or, without these, the state space about the ball.
+
+        space: the state space; axes: the dimensions of the ball, by index."""
         if self.lower or self.centre is None or self.radius is None:
             return BoxSet(self.lower, self.upper)
         lower, upper = list(space.lower), list(space.upper)
-        for i, c in zip(own, self.centre, strict=True):
+        for i, c in zip(axes, self.centre, strict=True):
             lower[i], upper[i] = c - self.radius, c + self.radius
         return BoxSet(tuple(lower), tuple(upper))
 
 
 class Unsafe(Table):
-    """What all unsafe sets U_j have; unnamed ones are called U1, U2, ... in the order of the file.
+    """The keys that all unsafe sets U_j share; sets without a name are called U1, U2, ... in the order of the file.
 
-    point_fields: the fields that are points, or lists of points, which move where the set does; without them a set is refused in
-    an axis that closes.
+    point_fields: the fields that are points or lists of points, which a translation of the set moves. A set without any is
+    refused in an axis that closes.
     """
 
     point_fields: ClassVar[tuple[str, ...]] = ()
@@ -203,32 +213,34 @@ class Unsafe(Table):
     spread: NotNegative | None = Field(default=None, description="it grows by so much a second on every side; absent: 0")
 
     @property
-    def timed(self) -> bool:
-        """Whether it is not the same at all times."""
+    def is_timed(self) -> bool:
+        """Whether the set moves, grows or is active only for a while."""
         return self.motion is not None or self.during is not None or bool(self.spread)
 
     @abstractmethod
     def vectors(self) -> list[tuple[str, Vector]]:
-        """What must have one entry for each of the set's dimensions, by name."""
+        """Return the vectors that must have one entry for each of the set's dimensions, by field name."""
 
     @abstractmethod
     def problem(self) -> str | None:
-        """What makes these numbers no set, in words; None where they are one."""
+        """Return a message where the fields do not describe a set, else None."""
 
     @abstractmethod
     def to_convex_set(self, lower: Vector, upper: Vector) -> ConvexSet:
-        """The set in its dimensions, of which the state space has these edges."""
+        """Return the set in its dimensions. lower, upper: the edges of the state space in these dimensions."""
 
     def half_spaces(self) -> Sequence[HalfSpace]:
-        """In its own dimensions half-spaces that leave the set, or a polytope within it; none of a capsule."""
+        """Return half-spaces whose intersection is the set or a polytope inside it, in its dimensions; none for a capsule."""
         return ()
 
-    def within(self, space: Box, own: Sequence[int]) -> ConvexSet:
-        """The set in a state space, its dimensions by number: in those that are not its own as long as that, all that counts."""
-        base = self.to_convex_set(*(tuple(edges[k] for k in own) for edges in (space.lower, space.upper)))
-        if tuple(own) == tuple(range(len(space.lower))):
+    def to_set_in(self, space: Box, axes: Sequence[int]) -> ConvexSet:
+        """Return the set in all dimensions; in those that it does not have it spans the state space, as nothing beyond counts.
+
+        axes: the dimensions of the set, by index."""
+        base = self.to_convex_set(*(tuple(edges[k] for k in axes) for edges in (space.lower, space.upper)))
+        if tuple(axes) == tuple(range(len(space.lower))):
             return base
-        return Prism(base, tuple(own), space.lower, space.upper, self.name)
+        return Prism(base, tuple(axes), space.lower, space.upper, self.name)
 
 
 class UnsafeSet(Unsafe):
@@ -252,7 +264,7 @@ class UnsafeSet(Unsafe):
 
 
 class UnsafePolytope(Unsafe):
-    """The hull of points."""
+    """A polytope: the hull of points."""
 
     point_fields = ("vertices",)
     vertices: Points = Field(description="points in any order; their hull counts")
@@ -264,8 +276,8 @@ class UnsafePolytope(Unsafe):
         return hull_problem(self.vertices)
 
     @property
-    def thinned(self) -> bool:
-        """Whether points were given that lie inside the hull of all: then it may hold more than was meant."""
+    def has_inner_points(self) -> bool:
+        """Whether some points lie inside the hull of all; then the author may have meant a smaller, concave set."""
         return inner_point(self.vertices) is not None
 
     def half_spaces(self) -> Sequence[HalfSpace]:
@@ -295,26 +307,28 @@ class UnsafeHalfSpaces(Unsafe):
         return half_spaces(self.normals, self.offsets)
 
     def to_convex_set(self, lower: Vector, upper: Vector) -> ConvexSet:
-        """Raises `ValueError` where nothing of the state space is in all half-spaces."""
-        found = corners_left(lower, upper, tuple(half_spaces(self.normals, self.offsets)))
-        if not found:
+        """Return the intersection of the half-spaces with the state space.
+
+        Raises `ValueError` where it is empty, has no interior, or moves although the half-spaces leave it unbounded."""
+        corners = corners_of_cut_box(lower, upper, tuple(half_spaces(self.normals, self.offsets)))
+        if not corners:
             raise ValueError(
                 "normals: nothing of the state space lies in all of the half-spaces; turn the signs, or leave the set out"
             )
-        if spanned(found) < len(lower):
+        if affine_dimension(corners) < len(lower):
             raise ValueError("normals: what they leave of the state space has no interior; move two of the offsets apart")
-        if self.motion is not None and set(found) != set(self._corners(lower, upper)):
+        if self.motion is not None and set(corners) != set(self._corners_in_wider_space(lower, upper)):
             raise ValueError(
                 "motion: the half-spaces leave the set open, so it ends at the state space, and what ends there would move as a "
                 "whole; close it with more normals, or give its vertices"
             )
-        return Polytope(found, self.name)
+        return Polytope(corners, self.name)
 
-    def _corners(self, lower: Vector, upper: Vector) -> tuple[Vector, ...]:
-        """The corners in a state space that is larger on every side."""
-        size = [b - a for a, b in zip(lower, upper, strict=True)]
-        wider = (tuple(v + s * d for v, d in zip(edge, size, strict=True)) for edge, s in ((lower, -1), (upper, 1)))
-        return corners_left(*wider, tuple(half_spaces(self.normals, self.offsets)))
+    def _corners_in_wider_space(self, lower: Vector, upper: Vector) -> tuple[Vector, ...]:
+        """Return the corners in a state space three times as wide, to see whether the half-spaces bound the set."""
+        widths = [b - a for a, b in zip(lower, upper, strict=True)]
+        wider = (tuple(v + s * d for v, d in zip(edge, widths, strict=True)) for edge, s in ((lower, -1), (upper, 1)))
+        return corners_of_cut_box(*wider, tuple(half_spaces(self.normals, self.offsets)))
 
 
 class UnsafeBall(Unsafe):
@@ -334,7 +348,7 @@ class UnsafeBall(Unsafe):
         return inscribed(self.centre, self.radius)
 
     def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
-        return Round((self.centre,), self.radius, self.name)
+        return RoundSet((self.centre,), self.radius, self.name)
 
 
 class UnsafeCapsule(Unsafe):
@@ -355,52 +369,49 @@ class UnsafeCapsule(Unsafe):
         return None
 
     def to_convex_set(self, _lower: Vector, _upper: Vector) -> ConvexSet:
-        return Round(self.segment, self.radius, self.name)
+        return RoundSet(self.segment, self.radius, self.name)
 
 
 @cache
-def corners_left(lower: Vector, upper: Vector, cuts: tuple[HalfSpace, ...]) -> tuple[Vector, ...]:
-    """The corners of what half-spaces leave of a box."""
+def corners_of_cut_box(lower: Vector, upper: Vector, cuts: tuple[HalfSpace, ...]) -> tuple[Vector, ...]:
+    """Return the corners of the intersection of a box with half-spaces."""
     return tuple(v.point for v in cut_box(lower, upper, cuts))
 
 
 def half_spaces(normals: Sequence[Vector], offsets: Vector) -> list[HalfSpace]:
-    """With normals in whole numbers."""
-    found = []
-    for vector, offset in zip(normals, offsets, strict=True):
-        normal, factor = whole(vector)
-        found.append((normal, offset * factor))
-    return found
+    """Return the half-spaces normals[k].x <= offsets[k] with normals in integers without a common divisor."""
+    integers = ((primitive_normal(vector), offset) for vector, offset in zip(normals, offsets, strict=True))
+    return [(normal, offset * factor) for (normal, factor), offset in integers]
 
 
-def hull_problem(found: Sequence[Vector]) -> str | None:
-    """What makes these points no vertices of a polytope, in words."""
-    n, count = len(found[0]), len(found)
-    most = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
-    if n > MOST_SPANNED:
-        return f"vertices: are in {n} dimensions; at most {MOST_SPANNED} are taken, name them in axes"
-    if count > most:
-        return f"vertices: has {count} points; at most {most} are taken in {n} dimensions"
-    if spanned(found) < n:
+def hull_problem(vertices: Sequence[Vector]) -> str | None:
+    """Return a message where the points are not the vertices of a polytope with an interior, else None."""
+    n, count = len(vertices[0]), len(vertices)
+    limit = MAX_POINTS if n <= SOLID else MAX_POINTS_BEYOND
+    if n > POLYTOPE_DIMENSION_LIMIT:
+        return f"vertices: are in {n} dimensions; at most {POLYTOPE_DIMENSION_LIMIT} are taken, name them in axes"
+    if count > limit:
+        return f"vertices: has {count} points; at most {limit} are taken in {n} dimensions"
+    if affine_dimension(vertices) < n:
         flat = {1: "in one place", 2: "on one line", 3: "in one plane"}.get(n, "in one hyperplane")
         return f"vertices: have no interior; at least {n + 1} points that are not all {flat} are needed"
     return None
 
 
 def inner_point(points: tuple[Vector, ...]) -> int | None:
-    """The number of the first point that lies inside the hull of all, not on its boundary."""
+    """Return the index of the first point that lies inside the hull of all, not on its boundary."""
     faces = Hull.of(points).faces
     return next((k for k, p in enumerate(points) if all(dot(normal, p) < offset for normal, offset in faces)), None)
 
 
 def concave_problem(points: tuple[Vector, ...], instead: str) -> str | None:
-    """Which of the points of a set to stay or arrive in is no corner of its hull, in words; instead: what would be right."""
+    """Return a message where a point of a set to stay or arrive in lies inside the hull, else None. instead: the remedy."""
     k = inner_point(points)
     return None if k is None else f"vertices[{k}]: lies inside the hull of the others; a set is convex: {instead}"
 
 
 def half_space_problem(normals: Sequence[Vector], offsets: Sequence[Fraction]) -> str | None:
-    """What makes these no half-spaces, in words."""
+    """Return a message where normals and offsets are not half-spaces, else None."""
     if len(normals) > MAX_NORMALS:
         return f"normals: has {len(normals)} entries; at most {MAX_NORMALS} are taken"
     if len(offsets) != len(normals):
@@ -411,7 +422,7 @@ def half_space_problem(normals: Sequence[Vector], offsets: Sequence[Fraction]) -
     return None
 
 
-KINDS: dict[str, type[Unsafe]] = {  # the field that tells what a set is, and its table; of several that are given the first
+KINDS: dict[str, type[Unsafe]] = {  # the field that decides the kind of a set, and its table; the first field present decides
     "vertices": UnsafePolytope,
     "normals": UnsafeHalfSpaces,
     "offsets": UnsafeHalfSpaces,
@@ -423,21 +434,21 @@ SET_TABLES: tuple[type[Unsafe], ...] = tuple(dict.fromkeys((UnsafeSet, *KINDS.va
 
 
 def kind_of_set(value: Any) -> str:
-    """What a table [[unsafe]] is to be read as."""
+    """Return the tag of the table as which an entry of [[unsafe]] is read."""
     if isinstance(value, Unsafe):
         return f"<{type(value).__name__}>"
-    given = value if isinstance(value, dict) else {}
-    return next((f"<{kind.__name__}>" for field, kind in KINDS.items() if field in given), "<UnsafeSet>")
+    keys = value if isinstance(value, dict) else {}
+    return next((f"<{kind.__name__}>" for field, kind in KINDS.items() if field in keys), "<UnsafeSet>")
 
 
 def fields_of_shape(table: type[Unsafe]) -> list[str]:
-    """The fields that a set of this table has to have, beside those that all sets may have."""
+    """Return the required fields of a table that are not keys of every unsafe set."""
     return [name for name, field in table.model_fields.items() if field.is_required() and name not in Unsafe.model_fields]
 
 
 @dataclass(frozen=True)
 class OneOf:
-    """Tells pydantic which tables a field may hold, and by `kind` as which of them a value is read: `<name of the table>`."""
+    """Annotation for pydantic: the tables that a field may hold, and `kind`, which gives a value's tag `<name of the table>`."""
 
     tables: tuple[type[Table], ...]
     kind: Callable[[Any], str]
