@@ -419,7 +419,7 @@ def _probed() -> tuple[Any, Any, tuple[Fraction, ...]]:
 
 
 def _windows() -> list[float]:
-    table: Any = sampled_windows.Table(np.arange(48.0).reshape(3, 2, 2, 4) * 7 % 11, Fraction(7, 3), Fraction(1, 8))
+    table: Any = sampled_windows.BezierTube(np.arange(48.0).reshape(3, 2, 2, 4) * 7 % 11, Fraction(7, 3), Fraction(1, 8))
     found = windows.refined_windows(table)
     return _numbers_of([windows.extremes(table), found, found.shortest])
 

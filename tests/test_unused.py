@@ -28,7 +28,7 @@ PUBLIC = ("stt_codegen.api", "stt_codegen.paper")  # the Python interface and th
 USED_ELSEWHERE = {
     "Judged._fields_": "ctypes",
     "Setting._fields_": "ctypes",
-    "Table.bezier": "a method that this class borrows",
+    "BezierTube.bezier": "a method that this class borrows",
     "_Console.on_broken_pipe": "rich",
 }
 

@@ -70,7 +70,7 @@ PENDING = """
     stt_codegen/emit
     stt_codegen/lemmas/emitted
     stt_codegen/lemmas/paper/conflict.py
-    stt_codegen/lemmas/sampling
+    stt_codegen/lemmas/sampling/sampled_windows.py
     stt_codegen/lemmas/sets
     stt_codegen/lemmas/tube
     stt_codegen/loop

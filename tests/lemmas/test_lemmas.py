@@ -176,7 +176,7 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (update_function, "THETA", update_function.THETA / 2, "update.away"),
         (definite_plants, "ROBOT", upside_down, "plant.robot"),
         (definite_plants, "ARM", upside_down, "plant.arm"),
-        (sampled, "PULL", (1 / sampled.a - 1 / sampled.b) * sp.log(sampled.a / sampled.b), "sampled.pull"),
+        (sampled, "INPUT_OVER_GAIN", (1 / sampled.a - 1 / sampled.b) * sp.log(sampled.a / sampled.b), "sampled.pull"),
         (sampled, "Q", sampled.E * sp.cosh(sampled.E / 2), "sampled.law"),
         (statements, "pull", lambda a, b, log, r: (1 / a - 1 / b) * log(a / b) + r * (1 / a + 1 / b), "sampled.sharp_evaluated"),
         (statements, "sharp_push", lambda s, u: s.push, "sampled.sharp_evaluated"),

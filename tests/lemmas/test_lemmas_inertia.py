@@ -66,7 +66,7 @@ def time_as_measured(speed: Any, noise: Any, late: Any, measured: Any, true: Any
         (saturated, "FACTOR", 2 * saturated.FACTOR, "limits.scaled_size"),
         (saturated, "vdot", lambda v, u: v * (2 * saturated.P - saturated.g_min * u), "limits.scaled_stays"),
         (saturated, "vdot", lambda v, u: v * (saturated.P - saturated.g_min * u / 2), "filtered.scaled"),
-        (saturated, "PULLED", 4 * saturated.Q * saturated.W, "limits.scaled_stays"),
+        (saturated, "V_AT_E", 4 * saturated.Q * saturated.W, "limits.scaled_stays"),
         (saturated, "nominal_error", lambda inverse, m, nominal: inverse * (nominal - m), "limits.near_nominal"),
         (inertia, "REST", inertia.REST - 2 * inertia.lam * inertia.v, "filtered.vdot"),
         (inertia, "REST", inertia.REST.subs(inertia.L, inertia.R), "filtered.vdot"),

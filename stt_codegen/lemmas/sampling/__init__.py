@@ -1,4 +1,4 @@
-"""Lemmas about held inputs: sampling conditions, the code that evaluates them, saturation, plants."""
+"""Lemmas about held inputs: sampling conditions, the code that evaluates them, saturated inputs, bounds of plants."""
 
 from stt_codegen.lemmas.sampling.sampled_exact import refusing_condition
 

@@ -1,5 +1,7 @@
-"""Assumption 2 for plants: g_s is definite, as an exact condition or as a bound over a box. The plants are the built-in ones,
-read from the kernels that the bounds of `prove TASK` are evaluated on."""
+"""Lemmas about Assumption 2, that g_s is definite, for the built-in plants: as an exact condition or as a bound over a box.
+
+Plants are read from the kernels with which `prove TASK` evaluates its bounds. book.py takes LEMMAS as the family `plant`.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +17,12 @@ from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
 from stt_codegen.sampling import PlantEnclosure, least_eigenvalue
 
-HEADING = 1.2  # of the example task with heading: |x3| in its state space
+HEADING_LIMIT = 1.2  # rad: |x3| in the state space of the example task with heading
 ROBOT, SPACECRAFT, ARM = PLANTS["robot"], PLANTS["spacecraft"], PLANTS["arm"]
 
 
 def matrices(plant: Any, n: int) -> tuple[Any, Any, Any]:
-    """x, f and g of a plant as SymPy matrices, from its kernel."""
+    """Return x as symbols and f and g of a plant as SymPy matrices, from its kernel."""
     kernel = lower(model(plant, n))
     x = sp.symbols(f"x1:{n + 1}", real=True)
     values = formulas(kernel, dict(zip((v.name for v in kernel.inputs), x, strict=True)))
@@ -33,14 +35,14 @@ def _symmetric(g: Any) -> Any:
 
 def _prove_robot() -> Outcome:
     x, _, g = matrices(ROBOT, 3)
-    wanted = sp.diag(sp.cos(x[2]), sp.cos(x[2]), 1)
+    expected = sp.diag(sp.cos(x[2]), sp.cos(x[2]), 1)
     return prove_identities(
-        {f"g_s - diag(cos x3, cos x3, 1), entry {i}{j}": (_symmetric(g) - wanted)[i, j] for i in range(3) for j in range(3)}
+        {f"g_s - diag(cos x3, cos x3, 1), entry {i}{j}": (_symmetric(g) - expected)[i, j] for i in range(3) for j in range(3)}
     )
 
 
 def _prove_robot_condition() -> Outcome:
-    """The least eigenvalue is min(cos x3, 1) = cos x3: positive inside (-pi/2, pi/2), 0 at its ends."""
+    """Prove that the smallest eigenvalue, min(cos x3, 1) = cos x3, is positive inside (-pi/2, pi/2) and 0 at its ends."""
     x, z = sp.symbols("x3 z", real=True)
     return all_of(
         prove_positive({"cos x3, x3 = arctan z": sp.cos(sp.atan(z))}),
@@ -63,25 +65,29 @@ def _prove_robot_norm() -> Outcome:
 
 def _refute_robot_anywhere() -> Outcome:
     _, _, g = matrices(ROBOT, 3)
-    least = min(_symmetric(g.subs(sp.Symbol("x3", real=True), 2)).eigenvals(), key=float)
+    smallest = min(_symmetric(g.subs(sp.Symbol("x3", real=True), 2)).eigenvals(), key=float)
     return refute_by_counterexample(
-        "g_s is positive definite", "x3 = 2", bool(least < 0), f"its least eigenvalue is {sp.N(least, 4)}"
+        "g_s is positive definite", "x3 = 2", bool(smallest < 0), f"its least eigenvalue is {sp.N(smallest, 4)}"
     )
 
 
-def _over(name: str, plant: Any, box: list[tuple[float, float]], wanted: float) -> Outcome:
-    """The enclosed least eigenvalue is above `wanted` over the box."""
-    least = PlantEnclosure(plant, len(box), 1).over(box).definite
-    verdict = Verdict.PROVED if least > wanted else Verdict.OPEN
-    return Outcome(verdict, "Arb: enclosures and Weyl's inequality", (f"{name}: eigenvalues of g_s >= {least:.6g} over {box}",))
+def _prove_eigenvalue_bound(name: str, plant: Any, box: list[tuple[float, float]], bound: float) -> Outcome:
+    """Prove that the smallest eigenvalue of g_s, enclosed over the box, is above the bound."""
+    smallest = PlantEnclosure(plant, len(box), 1).over(box).definite
+    verdict = Verdict.PROVED if smallest > bound else Verdict.OPEN
+    return Outcome(
+        verdict, "Arb: enclosures and Weyl's inequality", (f"{name}: eigenvalues of g_s >= {smallest:.6g} over {box}",)
+    )
 
 
 def _prove_robot_task() -> Outcome:
-    return _over("robot", ROBOT, [(0.0, 5.0), (0.0, 5.0), (-HEADING, HEADING)], 0.9 * math.cos(HEADING))
+    return _prove_eigenvalue_bound(
+        "robot", ROBOT, [(0.0, 5.0), (0.0, 5.0), (-HEADING_LIMIT, HEADING_LIMIT)], 0.9 * math.cos(HEADING_LIMIT)
+    )
 
 
 def _prove_robot_coupled() -> Outcome:
-    """sampled.coupled needs g_ii > |g_ij| at equal widths: cos x3 > |sin x3|, which is |x3| < pi/4."""
+    """Prove when g_ii > |g_ij|, which sampled.coupled needs at equal widths: cos x3 > |sin x3| is |x3| < pi/4."""
     x, _, g = matrices(ROBOT, 3)
     return all_of(
         prove_identities({"g_11^2 - g_12^2 - cos(2 x3)": sp.simplify(g[0, 0] ** 2 - g[0, 1] ** 2 - sp.cos(2 * x[2]))}),
@@ -90,37 +96,41 @@ def _prove_robot_coupled() -> Outcome:
 
 
 def _prove_spacecraft() -> Outcome:
-    """The drift does no work on the kinetic energy, and g is constant."""
+    """Prove that the drift does no work on the kinetic energy, and enclose the smallest eigenvalue of the constant g."""
     x, f, g = matrices(SPACECRAFT, 3)
     inertia = [1 / g[i, i] for i in range(3)]
     work = sp.Poly(sum(inertia[i] * x[i] * f[i] for i in range(3)), *x)
-    rest = max((abs(float(c)) for c in work.coeffs()), default=0.0)
-    found = Verdict.PROVED if rest < 1e-15 else Verdict.OPEN  # the inertias are doubles, so their quotients are rounded
-    energy = Outcome(found, "SymPy: coefficients, up to those roundings", (f"x' J f = {rest:.0e} x1 x2 x3 or less",))
-    return all_of(energy, _over("spacecraft", SPACECRAFT, [(-100.0, 100.0)] * 3, 0.83))
+    largest_coefficient = max((abs(float(c)) for c in work.coeffs()), default=0.0)
+    verdict = (
+        Verdict.PROVED if largest_coefficient < 1e-15 else Verdict.OPEN
+    )  # the inertias are doubles, so their quotients are rounded
+    energy = Outcome(
+        verdict, "SymPy: coefficients, up to those roundings", (f"x' J f = {largest_coefficient:.0e} x1 x2 x3 or less",)
+    )
+    return all_of(energy, _prove_eigenvalue_bound("spacecraft", SPACECRAFT, [(-100.0, 100.0)] * 3, 0.83))
 
 
 def _prove_arm() -> Outcome:
-    return _over("arm", ARM, [(-math.pi, math.pi)] * 2, 0.6)
+    return _prove_eigenvalue_bound("arm", ARM, [(-math.pi, math.pi)] * 2, 0.6)
 
 
 def _prove_weyl() -> Outcome:
-    """v'(A + D)v >= v'Av - |D| for |v| = 1, |D| the Frobenius norm (Cauchy, Schwarz): for 2 by 2 as a sum of squares."""
+    """Prove v'(A + D)v >= v'Av - |D| for |v| = 1 with the Frobenius norm (Cauchy, Schwarz), for 2 by 2 as a sum of squares."""
     p, q, s, c, t = sp.symbols("p q s c t", real=True)  # D = ((p, q), (q, s)), v = (c, t)
     vector, matrix = sp.Matrix([c, t]), sp.Matrix([[p, q], [q, s]])
     form = (vector.T * matrix * vector)[0]
     square = (p**2 + 2 * q**2 + s**2) * (c**2 + t**2) ** 2 - form**2
     squares = 2 * (p * c * t - q * c**2) ** 2 + (p * t**2 - s * c**2) ** 2 + 2 * (q * t**2 - s * c * t) ** 2
-    shown = least_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
+    computed_bound = least_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
     return all_of(
         prove_identities({"|D|^2 |v|^4 - (v'Dv)^2 - a sum of squares": sp.expand(square - squares)}),
         prove_identities(
             {"v'(A + D)v - v'Av - v'Dv": sp.expand((vector.T * (sp.eye(2) * 2 + matrix) * vector)[0] - 2 * (c**2 + t**2) - form)}
         ),
         Outcome(
-            Verdict.PROVED if 1 - 1e-9 < shown <= 1 else Verdict.OPEN,
+            Verdict.PROVED if 1 - 1e-9 < computed_bound <= 1 else Verdict.OPEN,
             "Arb",
-            (f"the built bound for ((2, 1), (1, 2)), whose is 1: {shown:.12g}",),
+            (f"the built bound for ((2, 1), (1, 2)), whose is 1: {computed_bound:.12g}",),
         ),
     )
 

@@ -1,5 +1,7 @@
-"""The calculus of a first exit, in small steps that the sampled statements name: eps differentiable from the left everywhere,
-for u is piecewise constant, and x and the edges have a slope between two changes of u.
+"""Lemmas about a first exit from the tube, in small steps of calculus that the sampled statements name.
+
+eps is differentiable from the left everywhere: u is piecewise constant, and x and the edges have a slope between two changes of
+u. book.py takes LEMMAS as a part of the family `sampled`.
 """
 
 from __future__ import annotations
@@ -19,8 +21,11 @@ E, h, p, y = sp.symbols("E h p y", positive=True)
 
 
 def _prove_first_exit() -> Outcome:
-    """Were the slope -p, then for some h > 0 the quotient (f(t1) - f(t1 - h))/h would be -p/2 - y or less, by what a derivative
-    is; so f(t1 - h) = f(t1) + h (p/2 + y), above E before t1."""
+    """Prove by contradiction that the slope is not -p < 0.
+
+    For some h > 0 the quotient (f(t1) - f(t1 - h))/h would then be -p/2 - y or less, by the definition of a derivative; so
+    f(t1 - h) = f(t1) + h (p/2 + y) would be above E before t1.
+    """
     before = E - h * (-p / 2 - y)
     return all_of(
         prove_identities({"f(t1 - h) - E - h (p/2 + y)": sp.expand(before - E - h * (p / 2 + y))}),
@@ -29,60 +34,65 @@ def _prove_first_exit() -> Outcome:
 
 
 def _prove_integral() -> Outcome:
-    """On each piece between two changes of u the mean value theorem gives one slope; here three pieces, so any number."""
-    lengths, slack = sp.symbols("h1:4", positive=True), sp.symbols("s1:4", positive=True)
-    most = sp.Symbol("P", real=True)
-    moved = sum((most - s) * a for s, a in zip(slack, lengths, strict=True))
-    rest = sp.expand(most * sum(lengths) - moved)
+    """Prove the bound for three pieces, each with one mean slope by the mean value theorem; the argument is the same for any
+    number."""
+    lengths, slacks = sp.symbols("h1:4", positive=True), sp.symbols("s1:4", positive=True)
+    rate_bound = sp.Symbol("P", real=True)
+    moved = sum((rate_bound - s) * a for s, a in zip(slacks, lengths, strict=True))
+    remainder = sp.expand(rate_bound * sum(lengths) - moved)
     return all_of(
         prove_identities(
-            {"P (h1 + h2 + h3) less what was moved less s1 h1 + s2 h2 + s3 h3": rest - sum(map(sp.Mul, slack, lengths))}
+            {"P (h1 + h2 + h3) less what was moved less s1 h1 + s2 h2 + s3 h3": remainder - sum(map(sp.Mul, slacks, lengths))}
         ),
-        prove_positive({"s1 h1 + s2 h2 + s3 h3": rest}),
+        prove_positive({"s1 h1 + s2 h2 + s3 h3": remainder}),
     )
 
 
 def _prove_age() -> Outcome:
-    """t1 = t_k + y in window k, and a sample of age a <= tau <= w, the length of window k - 1, was taken at t1 - a >= t_k - w.
-    The input that still acted while this sample was on its way was made from one that is at most 2 tau old; there 2 tau <= w."""
-    tau, late, more, room = sp.symbols("tau late y room", positive=True)  # a = tau - late, w = tau + room
-    wrong: list[str] = []
-    cases = 0
+    """Prove that no sample is older than the window before, and check that the code limits the age accordingly.
+
+    Let t1 = t_k + y be in window k, and w the length of window k - 1. A sample of age a <= tau <= w was taken at
+    t1 - a >= t_k - w. With latency, the input before it is of a sample that is at most 2 tau old; there 2 tau <= w.
+    """
+    # a = tau - younger and w = tau + margin
+    tau, younger, y, margin = sp.symbols("tau late y room", positive=True)
+    failures: list[str] = []
+    case_count = 0
     for lengths, latency in product(((1.0, 3.0, 2.0), (2.0, 0.5, 4.0), (0.25, 0.25, 0.25), (7.0, 5.0, 3.0)), (0.0, 0.125)):
         times = np.cumsum([0.0, *lengths])
         windows: Any = SimpleNamespace(times=times)
         shortest = Windows.shortest.fget(windows)  # type: ignore[attr-defined]
-        seen: Any = SimpleNamespace(
+        setting: Any = SimpleNamespace(
             windows=SimpleNamespace(shortest=shortest), law=SimpleNamespace(latency=latency), known_to=np.inf
         )
-        age = Setting.longest_age.fget(seen)  # type: ignore[attr-defined]
-        cases += 1
+        age = Setting.longest_age.fget(setting)  # type: ignore[attr-defined]
+        case_count += 1
         if age * (2 if latency else 1) != min(lengths):
-            wrong.append(f"{age} for windows of {lengths} s")
+            failures.append(f"{age} for windows of {lengths} s")
     return all_of(
         prove_identities(
-            {"(t1 - a) - (t_k - w), less y + late + room": (more - (tau - late)) + (tau + room) - (more + late + room)}
+            {"(t1 - a) - (t_k - w), less y + late + room": (y - (tau - younger)) + (tau + margin) - (y + younger + margin)}
         ),
-        prove_positive({"y + late + room": more + late + room}),
+        prove_positive({"y + late + room": y + younger + margin}),
         Outcome(
-            Verdict.OPEN if wrong else Verdict.PROVED,
+            Verdict.OPEN if failures else Verdict.PROVED,
             "by cases: the evaluated code",
-            (f"longest_age, twice it where there is latency, is the shortest window's length, in {cases} cases", *wrong),
+            (f"longest_age, twice it where there is latency, is the shortest window's length, in {case_count} cases", *failures),
         ),
     )
 
 
 def _prove_before() -> Outcome:
-    """`back` run on symbols, both ways round: by window the one that is worse, of the window and the one before."""
-    found = {}
+    """Run `back` on symbols: for each window it must give the worse of its value and of the one before, upper bound or lower."""
+    differences = {}
     for numbers in ((1.0, 2.0, 3.0), (3.0, 2.0, 1.0), (1.0, 3.0, 2.0)):
-        names = sp.symbols("v0:3", real=True)
-        values = np.array([[EvaluatedExpression(s, v)] for s, v in zip(names, numbers, strict=True)], dtype=object)
-        for word, worse, pick in (("most", np.maximum, max), ("least", np.minimum, min)):
+        symbols = sp.symbols("v0:3", real=True)
+        values = np.array([[EvaluatedExpression(s, v)] for s, v in zip(symbols, numbers, strict=True)], dtype=object)
+        for word, worse, choose in (("most", np.maximum, max), ("least", np.minimum, min)):
             for k, v in enumerate(back(values, worse)[:, 0]):
-                wanted = pick((max(k - 1, 0), k), key=lambda j: numbers[j])
-                found[f"{word} for {numbers}, window {k}"] = v.expression - names[wanted]
-    return prove_identities(found, "SymPy: the evaluated code run on symbols, for every order of three windows' neighbours")
+                expected = choose((max(k - 1, 0), k), key=lambda j: numbers[j])
+                differences[f"{word} for {numbers}, window {k}"] = v.expression - symbols[expected]
+    return prove_identities(differences, "SymPy: the evaluated code run on symbols, for every order of three windows' neighbours")
 
 
 LEMMAS = (

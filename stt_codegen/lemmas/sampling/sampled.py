@@ -1,11 +1,11 @@
-"""Sampled control: what keeps |eps| < E when u is held (`sampling/statements.py` evaluates these statements).
+"""Lemmas about sampled control: conditions under which |eps| < E stays true while u is held between samples.
 
-At a first time at which some |eps_i| reached E its edge would have to be approached (`first_exit.py`): r = xdot -
-(gammadot_s + gammadot_d e)/2 would not point inward there. Each statement says why r does point inward although u is that of an
-older sample, and names the steps of that argument. By symmetry (transform.odd) the upper edge is looked at, k > 0. P bounds
-|f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
+`sampling/statements.py` evaluates these statements. If some |eps_i| reached E, then at the first such time r = xdot -
+(gammadot_s + gammadot_d e)/2 would not point inward (`first_exit.py`). Each statement shows that r does point inward, although u
+is that of an older sample, and names the steps of that argument. By symmetry (transform.odd) it is about the upper edge and
+k > 0. P bounds |f + w| + |edge rate|; (gammadot_s + gammadot_d e)/2 is a mean of both edges' rates.
 
-Long because it is one family of the book: sixteen lemmas that refer to one another.
+book.py takes LEMMAS as a part of the family `sampled`. Long because these lemmas refer to one another.
 """
 
 from __future__ import annotations
@@ -22,31 +22,31 @@ E = sp.Symbol("E", positive=True)
 a, b, d, k, g, P = sp.symbols("a b d k g P", positive=True)
 r, width_rate = sp.symbols("r ddot", real=True)
 Q = E * sp.cosh(E / 2) ** 2
-PULL = (1 / a + 1 / b) * sp.log(a / b)  # h(a, b) = |u|/k
+INPUT_OVER_GAIN = (1 / a + 1 / b) * sp.log(a / b)  # h(a, b) = |u|/k
 
 
-def _exponentials(expression: Any) -> Any:
-    """Hyperbolic functions of E/2 as rational functions of y = exp(E/2), over one denominator."""
+def _in_exponentials(expression: Any) -> Any:
+    """Rewrite hyperbolic functions of E/2 as one quotient of polynomials in y = exp(E/2)."""
     y = sp.Symbol("y", positive=True)
     written = sp.powsimp(sp.expand(expression).rewrite(sp.exp)).subs(E, 2 * sp.log(y))
     return sp.cancel(sp.together(sp.expand_log(sp.simplify(written))))
 
 
 def _prove_law() -> Outcome:
-    """e = tanh(eps/2), xi = 4/(gamma_d (1 - e^2)); and xi eps is h of the distances."""
+    """Prove that xi eps is 4 q(eps)/gamma_d and h of the distances, with e = tanh(eps/2) and xi = 4/(gamma_d (1 - e^2))."""
     e = sp.tanh(E / 2)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
     return prove_identities(
         {
-            "xi eps - 4 q(eps)/gamma_d": _exponentials(4 / (d * (1 - e**2)) * E - 4 * Q / d),
-            "(1/a + 1/b) gamma_d - 4 cosh(eps/2)^2": _exponentials((1 / far + 1 / near) * d - 4 * sp.cosh(E / 2) ** 2),
+            "xi eps - 4 q(eps)/gamma_d": _in_exponentials(4 / (d * (1 - e**2)) * E - 4 * Q / d),
+            "(1/a + 1/b) gamma_d - 4 cosh(eps/2)^2": _in_exponentials((1 / far + 1 / near) * d - 4 * sp.cosh(E / 2) ** 2),
             "a/b - exp(eps)": sp.simplify(far / near - sp.exp(E)),
         }
     )
 
 
 def _prove_rate() -> Outcome:
-    """epsdot = (d eps/de) edot, edot = (2/gamma_d) r; then the chain rule on 4 q(eps)/gamma_d."""
+    """Prove the rate of v by the chain rule on 4 q(eps)/gamma_d, with epsdot = (d eps/de) edot and edot = (2/gamma_d) r."""
     epsdot = 2 * sp.cosh(E / 2) ** 2 * (2 / d) * r
     v = 4 * Q / d
     vdot = sp.diff(v, E) * epsdot + sp.diff(v, d) * width_rate
@@ -54,21 +54,21 @@ def _prove_rate() -> Outcome:
     slope = 2 / (1 - sp.tanh(E / 2) ** 2)
     return prove_identities(
         {
-            "d eps/de - 2 cosh(eps/2)^2": _exponentials(slope - 2 * sp.cosh(E / 2) ** 2),
+            "d eps/de - 2 cosh(eps/2)^2": _in_exponentials(slope - 2 * sp.cosh(E / 2) ** 2),
             "vdot - (16 q' cosh^2 r/gamma_d^2 - 4 q gammadot_d/gamma_d^2)": sp.expand(vdot - claimed),
         }
     )
 
 
 def _prove_rises() -> Outcome:
-    """q' = cosh^2 (1 + E tanh(E/2)): both factors rise, so q and q' cosh^2 do, and bounds at E hold below it."""
+    """Prove q' = cosh^2 (1 + E tanh(E/2)), whose factors rise; so q and q' cosh^2 rise, and bounds at E hold below it."""
     return all_of(
         prove_identities(
             {
-                "q' - cosh(E/2)^2 (1 + E tanh(E/2))": _exponentials(
+                "q' - cosh(E/2)^2 (1 + E tanh(E/2))": _in_exponentials(
                     sp.diff(Q, E) - sp.cosh(E / 2) ** 2 * (1 + E * sp.tanh(E / 2))
                 ),
-                "d(E tanh(E/2))/dE - tanh(E/2) - E sech(E/2)^2/2": _exponentials(
+                "d(E tanh(E/2))/dE - tanh(E/2) - E sech(E/2)^2/2": _in_exponentials(
                     sp.diff(E * sp.tanh(E / 2), E) - sp.tanh(E / 2) - E / sp.cosh(E / 2) ** 2 / 2
                 ),
             }
@@ -78,47 +78,58 @@ def _prove_rises() -> Outcome:
 
 
 def _prove_norm() -> Outcome:
-    """G(y) = y^2 cosh(y/2)^4 as a function of s = y^2 is convex: dG/ds = cosh^4 + y cosh^3 sinh rises. So over |eps| = E the sum
-    of G(eps_i) is least at equal components (Jensen), and most where all is in one."""
+    """Prove that G(y) = y^2 cosh(y/2)^4 is a convex function of s = y^2: dG/ds = cosh^4 + y cosh^3 sinh rises.
+
+    So over |eps| = E the sum of G(eps_i) is smallest at equal components (Jensen), and largest where all but one are 0.
+    """
     y, n = sp.symbols("y n", positive=True)
     G = y**2 * sp.cosh(y / 2) ** 4
     slope = sp.cosh(y / 2) ** 4 + y * sp.cosh(y / 2) ** 3 * sp.sinh(y / 2)
     equal = n * G.subs(y, E / sp.sqrt(n)) - (E * sp.cosh(E / (2 * sp.sqrt(n))) ** 2) ** 2
-    bend = sp.cosh(y / 2) ** 2 * (3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2)
+    slope_rate = sp.cosh(y / 2) ** 2 * (
+        3 * sp.cosh(y / 2) * sp.sinh(y / 2) + y * (3 * sp.sinh(y / 2) ** 2 + sp.cosh(y / 2) ** 2) / 2
+    )
     return all_of(
-        prove_identities({"dG/ds - (cosh^4 + y cosh^3 sinh)": _exponentials(sp.diff(G, y) / (2 * y) - slope)}),
+        prove_identities({"dG/ds - (cosh^4 + y cosh^3 sinh)": _in_exponentials(sp.diff(G, y) / (2 * y) - slope)}),
         prove_identities({"n G(E/sqrt n) - q_n(E)^2": sp.simplify(equal)}),
-        prove_identities({"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _exponentials(sp.diff(slope, y) - bend)}),
-        prove_positive({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": bend}),
+        prove_identities(
+            {"its slope - cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": _in_exponentials(sp.diff(slope, y) - slope_rate)}
+        ),
+        prove_positive({"cosh^2 (3 cosh sinh + y (3 sinh^2 + cosh^2)/2)": slope_rate}),
     )
 
 
 def _prove_general() -> Outcome:
-    """Vdot <= -k g |v|^2 + |v| (P + G R tau), |v| >= 4 q_n/d+: below 0 by the statement's slack s."""
-    v, stale, s = sp.symbols("v Delta s", positive=True)  # |v|, G R tau, slack
-    bound = -k * g * v**2 + v * (P + stale)
+    """Prove that Vdot <= -k g |v|^2 + |v| (P + G R tau) is below 0 where the statement holds with a margin s."""
+    v, staleness, margin = sp.symbols("v Delta s", positive=True)  # |v|, G R tau, slack
+    rate_bound = -k * g * v**2 + v * (P + staleness)
     return prove_identities(
-        {"Vdot's bound at k g |v| = P + G R tau + s, plus s |v|": sp.expand(bound.subs(P, k * g * v - stale - s) + s * v)}
+        {
+            "Vdot's bound at k g |v| = P + G R tau + s, plus s |v|": sp.expand(
+                rate_bound.subs(P, k * g * v - staleness - margin) + margin * v
+            )
+        }
     )
 
 
 def _prove_diagonal() -> Outcome:
-    """r <= P + g u(t_s), u(t_s) <= -(k v - R tau) at the edge, v >= 4 q/d+."""
-    stale, s = sp.symbols("Delta s", positive=True)  # R tau, slack
+    """Prove that r <= P + g u(t_s), with u(t_s) <= -(k v - R tau), is below 0 where the statement holds with a margin s."""
+    staleness, margin = sp.symbols("Delta s", positive=True)  # R tau, slack
     v = sp.Symbol("v", positive=True)
-    inward = P - g * (k * v - stale)
+    inward = P - g * (k * v - staleness)
     return prove_identities(
-        {"r's bound at k v = P/g + R tau + s, plus g s": sp.expand(inward.subs(v, (P / g + stale + s) / k) + g * s)}
+        {"r's bound at k v = P/g + R tau + s, plus g s": sp.expand(inward.subs(v, (P / g + staleness + margin) / k) + g * margin)}
     )
 
 
 def _prove_pull() -> Outcome:
+    """Prove that h rises with a and falls with b, by its partial derivatives."""
     y = a / b
     return all_of(
         prove_identities(
             {
-                "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(PULL, a) - (1 + y - sp.log(y))),
-                "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(PULL, b) + (1 + 1 / y + sp.log(y))),
+                "a^2 dh/da - (1 + a/b - ln(a/b))": sp.simplify(a**2 * sp.diff(INPUT_OVER_GAIN, a) - (1 + y - sp.log(y))),
+                "b^2 dh/db + (1 + b/a + ln(a/b))": sp.simplify(b**2 * sp.diff(INPUT_OVER_GAIN, b) + (1 + 1 / y + sp.log(y))),
             }
         ),
         prove_slope_bound(),
@@ -126,58 +137,64 @@ def _prove_pull() -> Outcome:
 
 
 def _prove_displacement() -> Outcome:
-    """While g u <= 0 (u of a sample above the middle): a rises and b falls no faster than P."""
-    f, w, u, low, high, F, S, most = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
+    """Prove that a rises and b falls no faster than P while g u <= 0, and no faster than P + G U for any u."""
+    f, w, u, lower_rate, upper_rate, F, S, coupling = sp.symbols("f w u gammadot_L gammadot_U F S M", real=True)
     return prove_identities(
         {
             "P - adot - [(F - f - w) + (S + gammadot_L) - g u]": (F + S)
-            - (f + w + g * u - low)
-            - ((F - f - w) + (S + low) - g * u),
-            "P + G U - adot - [(F - f - w) + (S + gammadot_L) + (G U - g u)]": (F + S + most)
-            - (f + w + g * u - low)
-            - ((F - f - w) + (S + low) + (most - g * u)),
+            - (f + w + g * u - lower_rate)
+            - ((F - f - w) + (S + lower_rate) - g * u),
+            "P + G U - adot - [(F - f - w) + (S + gammadot_L) + (G U - g u)]": (F + S + coupling)
+            - (f + w + g * u - lower_rate)
+            - ((F - f - w) + (S + lower_rate) + (coupling - g * u)),
             "P + bdot - [(F - f - w) + (S + gammadot_U) - g u]": (F + S)
-            + (high - f - w - g * u)
-            - ((F - f - w) + (S + high) - g * u),
+            + (upper_rate - f - w - g * u)
+            - ((F - f - w) + (S + upper_rate) - g * u),
         },
         "SymPy: differences of sums whose terms in brackets are not negative",
     )
 
 
 def _prove_same_side() -> Outcome:
-    """At |eps| = E x is (gamma_d/2) tanh(E/2) from the middle; it moves against the middle no faster than P + G U."""
-    f, w, u, low, high = sp.symbols("f w u gammadot_L gammadot_U", real=True)
+    """Prove how far x is from the middle at |eps| = E, and that it moves relative to the middle no faster than P + G U."""
+    f, w, u, lower_rate, upper_rate = sp.symbols("f w u gammadot_L gammadot_U", real=True)
     far, near = d / (1 + sp.exp(-E)), d / (1 + sp.exp(E))
-    middle = f + w + g * u - (low + high) / 2
+    relative_rate = f + w + g * u - (lower_rate + upper_rate) / 2
     return prove_identities(
         {
-            "(a - b)/2 - (gamma_d/2) tanh(E/2)": _exponentials((far - near) / 2 - d / 2 * sp.tanh(E / 2)),
-            "d(x - middle)/dt less [f + w] + [g u] - [mean of edge rates]": middle - (f + w) - g * u + (low + high) / 2,
+            "(a - b)/2 - (gamma_d/2) tanh(E/2)": _in_exponentials((far - near) / 2 - d / 2 * sp.tanh(E / 2)),
+            "d(x - middle)/dt less [f + w] + [g u] - [mean of edge rates]": relative_rate
+            - (f + w)
+            - g * u
+            + (lower_rate + upper_rate) / 2,
         }
     )
 
 
 def _prove_ends() -> Outcome:
-    """h gamma_d = phi(e), phi(e) = 8 atanh(e)/(1 - e^2), e = e0 - 2 c y, y = 1/gamma_d. The slope of y phi(e0 - 2 c y) in y is
-    phi' s, s = phi/phi' + e - e0. 1/phi is convex, so s rises with e and falls with y: the product first rises, then falls."""
-    e, z = sp.Symbol("e", positive=True), sp.Symbol("y", positive=True)
+    """Prove that h as a function of the width first rises, then falls, so that it is smallest at an end of an interval.
+
+    h gamma_d = phi(e), where phi(e) = 8 atanh(e)/(1 - e^2), e = e0 - 2 c y and y = 1/gamma_d. The slope of y phi(e0 - 2 c y) in
+    y is phi' s with s = phi/phi' + e - e0. Since 1/phi is convex, s rises with e and falls with y.
+    """
+    e, y = sp.Symbol("e", positive=True), sp.Symbol("y", positive=True)
     e0, c = sp.symbols("e0 c", positive=True)
     f = sp.Function("phi")
-    value = z * f(e0 - 2 * c * z)
-    at = e0 - 2 * c * z
-    slope = sp.diff(value, z).doit()
-    claimed = f(at) + (at - e0) * sp.diff(f(e), e).subs(e, at)
+    value = y * f(e0 - 2 * c * y)
+    e_of_y = e0 - 2 * c * y
+    slope = sp.diff(value, y).doit()
+    claimed = f(e_of_y) + (e_of_y - e0) * sp.diff(f(e), e).subs(e, e_of_y)
     s = f(e) / sp.diff(f(e), e) + e - e0
     convex = sp.diff(1 / f(e), e, 2)
-    left = sp.Symbol("left", positive=True)  # eps - zeta
-    de = 2 * sp.cosh(E / 2) ** 2
-    inverse = 1 / (left * sp.cosh(E / 2) ** 2)  # 4/phi in eps = 2 atanh e; left moves as eps does
+    reduced = sp.Symbol("left", positive=True)  # eps - zeta
+    e_slope = 2 * sp.cosh(E / 2) ** 2
+    inverse = 1 / (reduced * sp.cosh(E / 2) ** 2)  # 4/phi in eps = 2 atanh e; left moves as eps does
 
     def slope_of(expression: Any) -> Any:
-        return de * (sp.diff(expression, E) + sp.diff(expression, left))
+        return e_slope * (sp.diff(expression, E) + sp.diff(expression, reduced))
 
     second = slope_of(slope_of(inverse))
-    wanted = de * 2 / left**3 * (2 + left * sp.tanh(E / 2) - left**2 / (2 * sp.cosh(E / 2) ** 2))
+    expected = e_slope * 2 / reduced**3 * (2 + reduced * sp.tanh(E / 2) - reduced**2 / (2 * sp.cosh(E / 2) ** 2))
     return all_of(
         prove_identities({"d(y phi)/dy - (phi + (e - e0) phi')": sp.simplify((slope - claimed).doit())}),
         prove_identities(
@@ -185,86 +202,94 @@ def _prove_ends() -> Outcome:
         ),
         prove_identities(
             {
-                "(4/phi)'' in eps - 2 cosh^2 (2/l^3) (2 + l tanh - l^2 sech^2/2), l = eps - zeta <= eps": _exponentials(
-                    second - wanted
+                "(4/phi)'' in eps - 2 cosh^2 (2/l^3) (2 + l tanh - l^2 sech^2/2), l = eps - zeta <= eps": _in_exponentials(
+                    second - expected
                 )
             }
         ),
-        _above_itself(),
+        _prove_cosh_above_identity(),
     )
 
 
-def _above_itself() -> Outcome:
-    """cosh v > v, so 1 - (v/cosh v)^2 > 0 with v = eps/2: cosh is convex, and above its tangent where sinh is 1."""
+def _prove_cosh_above_identity() -> Outcome:
+    """Prove cosh v > v: cosh is convex, so above its tangent where sinh is 1. Hence 1 - (v/cosh v)^2 > 0 with v = eps/2."""
     v = sp.Symbol("v", real=True)
-    at = sp.asinh(1)
+    tangent_point = sp.asinh(1)
     return all_of(
-        prove_identities({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, at) - 1}),
-        prove_positive({"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(at) - sp.log(1 + sp.sqrt(2))}),
-        prove_identities({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(at.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
+        prove_identities({"slope there, less 1": sp.diff(sp.cosh(v), v).subs(v, tangent_point) - 1}),
+        prove_positive(
+            {"cosh''": sp.diff(sp.cosh(v), v, 2), "the tangent less v": sp.cosh(tangent_point) - sp.log(1 + sp.sqrt(2))}
+        ),
+        prove_identities({"exp(asinh 1) - (1 + sqrt 2)": sp.simplify(sp.exp(tangent_point.rewrite(sp.log)) - (1 + sp.sqrt(2)))}),
     )
 
 
 def _prove_sharp() -> Outcome:
-    """r <= P + g u(t_s) and u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c)."""
-    s, held = sp.symbols("s h", positive=True)
+    """Prove that r <= P + g u(t_s), with u(t_s) = -k h(a_s, b_s) <= -k h(a - c, b + c), is below 0 by the statement's margin."""
+    margin, h = sp.symbols("s h", positive=True)
     return prove_identities(
-        {"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * held).subs(held, (P + s) / (k * g)) + s)}
+        {"P - g k h at k g h = P + s, plus s": sp.expand((P - g * k * h).subs(h, (P + margin) / (k * g)) + margin)}
     )
 
 
 def _prove_coupled() -> Outcome:
-    """Row i of g u is g_ii u_i and what the other inputs add, at most sum |g_ij| U_j: it joins P, and nothing else changes."""
-    found = {}
+    """Prove that component i of g u is g_ii u_i plus terms of the other inputs, at most sum |g_ij| U_j, which are added to P."""
+    differences = {}
     for n in (2, 3):
         row = sp.symbols(f"g1:{n + 1}", real=True)
         u = sp.symbols(f"u1:{n + 1}", real=True)
-        found[f"n = {n}: (g u)_1 - g_11 u_1 - sum over j > 1 of g_1j u_j"] = sp.expand(
+        differences[f"n = {n}: (g u)_1 - g_11 u_1 - sum over j > 1 of g_1j u_j"] = sp.expand(
             sum(x * y for x, y in zip(row, u, strict=True))
             - row[0] * u[0]
             - sum(x * y for x, y in zip(row[1:], u[1:], strict=True))
         )
-    return prove_identities(found)
+    return prove_identities(differences)
 
 
 def _prove_shift() -> Outcome:
-    """What the law sees is wrong by eta in a and b: h is of degree -1, so h(al d + eta, be d - eta) falls with d, and its bound
-    is that at d-; al, be are the shares 1/(1 + exp(-E)), 1/(1 + exp(E))."""
-    al, be, eta = sp.symbols("alpha beta eta", positive=True)
-    h_a, h_b = sp.diff(PULL, a), sp.diff(PULL, b)
-    places = {a: al * d + eta, b: be * d - eta}
-    falls = sp.diff(PULL.subs(places), d) * d + (PULL + eta * h_a - eta * h_b).subs(places)
+    """Prove that h(al d + eta, be d - eta) falls with d, so that its bound is that at d-, by Euler's identity for h of degree -1.
+
+    The law sees a and b with an error of eta; al and be are the shares 1/(1 + exp(-E)) and 1/(1 + exp(E)) of the width.
+    """
+    alpha, beta, eta = sp.symbols("alpha beta eta", positive=True)
+    h_a, h_b = sp.diff(INPUT_OVER_GAIN, a), sp.diff(INPUT_OVER_GAIN, b)
+    measured_distances = {a: alpha * d + eta, b: beta * d - eta}
+    rate_in_d = sp.diff(INPUT_OVER_GAIN.subs(measured_distances), d) * d + (INPUT_OVER_GAIN + eta * h_a - eta * h_b).subs(
+        measured_distances
+    )
     return prove_identities(
         {
-            "a dh/da + b dh/db + h": sp.simplify(a * h_a + b * h_b + PULL),
-            "d (dh/dd) + h + eta h_a - eta h_b, whose last three terms are positive": sp.simplify(falls),
+            "a dh/da + b dh/db + h": sp.simplify(a * h_a + b * h_b + INPUT_OVER_GAIN),
+            "d (dh/dd) + h + eta h_a - eta h_b, whose last three terms are positive": sp.simplify(rate_in_d),
         }
     )
 
 
 def _prove_saturated() -> Outcome:
-    """min(u_max, k h) > P/g is both; and a u held within u_max never exceeds it."""
-    u_max, s = sp.symbols("u_max s", positive=True)
-    return prove_identities({"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + s) / g) + s)})
-
-
-def _refute_centre_rule() -> Outcome:
-    """gamma = (-1, 1), k = g = 1: half of gamma_d^2/(8 k g) is 1/4 s. From e = 0.64 the held law overshoots farther each time."""
-    x, period = arb("0.64"), arb(1) / 4
-    steps = 0
-    while abs(x) < 1 and steps < 100:
-        x = x - period * (1 / (1 + x) + 1 / (1 - x)) * ((1 + x) / (1 - x)).log()
-        steps += 1
-    outside = abs(x) > 1
-    shown = f"after {steps} periods x = {x.str(4)}, outside (-1, 1)"
-    return refute_by_counterexample(
-        "a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", outside, shown
+    """Prove that P - g u_max is below 0 where g u_max is above P, so that a saturated u points inward as well."""
+    u_max, margin = sp.symbols("u_max s", positive=True)
+    return prove_identities(
+        {"P - g u_max at g u_max = P + s, plus s": sp.expand((P - g * u_max).subs(u_max, (P + margin) / g) + margin)}
     )
 
 
-FIRST_EXIT = ("sampled.first_exit", "theorem.edot")  # so r is not negative at the upper edge
-# By how much a held u may differ from that of now: v moves at its rate for the sample's age, and both bounds rise with |eps|.
-STALE = ("sampled.age", "sampled.before", "sampled.law", "sampled.rate", "sampled.rises", "sampled.integral")
+def _refute_centre_rule() -> Outcome:
+    """Simulate the held law in gamma = (-1, 1) at half of that period, k = g = 1: from e = 0.64 it overshoots more each time."""
+    x, period = arb("0.64"), arb(1) / 4
+    step_count = 0
+    while abs(x) < 1 and step_count < 100:
+        x = x - period * (1 / (1 + x) + 1 / (1 - x)) * ((1 + x) / (1 - x)).log()
+        step_count += 1
+    is_outside = abs(x) > 1
+    evidence = f"after {step_count} periods x = {x.str(4)}, outside (-1, 1)"
+    return refute_by_counterexample(
+        "a period below gamma_d^2/(8 k g) keeps the tube", "gamma_d = 2, k = g = 1, e = 0.64", is_outside, evidence
+    )
+
+
+FIRST_EXIT_STEPS = ("sampled.first_exit", "theorem.edot")  # so r is not negative at the upper edge
+# A held u differs from the present one by at most: v moves at its rate for the sample's age, and both bounds rise with |eps|.
+HELD_INPUT_STEPS = ("sampled.age", "sampled.before", "sampled.law", "sampled.rate", "sampled.rises", "sampled.integral")
 
 LEMMAS = (
     Lemma(
@@ -310,7 +335,7 @@ LEMMAS = (
         ),
         "ours",
         _prove_general,
-        (*FIRST_EXIT, "theorem.vdot", "theorem.norms", "theorem.skew", "sampled.norm", *STALE),
+        (*FIRST_EXIT_STEPS, "theorem.vdot", "theorem.norms", "theorem.skew", "sampled.norm", *HELD_INPUT_STEPS),
     ),
     Lemma(
         "sampled.diagonal",
@@ -319,7 +344,7 @@ LEMMAS = (
         ("|eps_i(0)| < E", "samples no older than tau, the first at 0"),
         "ours",
         _prove_diagonal,
-        (*FIRST_EXIT, "transform.odd", *STALE),
+        (*FIRST_EXIT_STEPS, "transform.odd", *HELD_INPUT_STEPS),
     ),
     Lemma(
         "sampled.pull",
@@ -367,7 +392,7 @@ LEMMAS = (
         "ours",
         _prove_sharp,
         (
-            *FIRST_EXIT,
+            *FIRST_EXIT_STEPS,
             "transform.odd",
             "sampled.age",
             "sampled.before",

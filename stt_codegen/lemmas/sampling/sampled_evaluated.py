@@ -1,5 +1,9 @@
-"""The sampled statements as sampling/statements.py evaluates them: its very code, run on formulas, is what sampled.py proves
-things about, with all that noise, latency and rounding add.
+"""Lemmas about the evaluated sampling conditions: the code of sampling/statements.py computes what sampled.py proves.
+
+The code itself is run on symbols, so the lemmas include what noise, latency and rounding add. book.py takes LEMMAS as a part of
+the family `sampled`; sampled_exact.py uses the loop of symbols, too.
+
+Long because three kinds of condition are written out as formulas, beside a loop in which every number is a symbol.
 """
 
 from __future__ import annotations
@@ -26,7 +30,7 @@ NUMBERS = {
     "lambda": 0.8, "N": 1.3, "m1": 50.0, "m2": 60.0,
 }  # fmt: skip
 V: dict[str, Any] = {name: sp.Symbol(name, positive=True) for name in NUMBERS}
-POINT = {V[name]: value for name, value in NUMBERS.items()}
+TEST_POINT = {V[name]: value for name, value in NUMBERS.items()}
 METHOD = "SymPy: the evaluated code run on symbols"
 
 
@@ -35,13 +39,16 @@ def symbol(name: str) -> EvaluatedExpression:
 
 
 def _row(*names: str) -> Any:
-    """The formulas of these names as one time window: an array of shape (1, n)."""
+    """Return the symbols of these names as the row of one time window: an array of shape (1, n)."""
     return np.array([[symbol(name) for name in names]], dtype=object)
 
 
 def setting(n: int, coupled: bool = False) -> Setting:
-    """A loop of one window and n components whose every number is a symbol; gains of their own where inputs are coupled. d is the
-    least width of the window, n that of the window and the one before."""
+    """Return a loop of one window and n components in which every number is a symbol.
+
+    Where inputs are coupled, components have different gains. d is the smallest width of the window, n that of the window and
+    the one before.
+    """
     numbers = [str(i + 1) for i in range(n)]
     zero = EvaluatedExpression(sp.Integer(0), 0.0)
     cross = [[symbol(f"c{i}{j}") if coupled and i != j else zero for j in numbers] for i in numbers]
@@ -52,37 +59,37 @@ def setting(n: int, coupled: bool = False) -> Setting:
     )
     law: Any = Law(gain=gain, e_max=np.full(n, 0.999), shift=np.array(eta, dtype=object), u_max=limits, rounding=0.0, latency=0.0)
     law = replace(law, rounding=symbol("r"), latency=symbol("l"))
-    nothing = np.zeros((1, n))
-    widths, seen, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "n", "D"))
+    zeros = np.zeros((1, n))
+    widths, window_pair_widths, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "n", "D"))
     windows = Windows(
         times=np.array([0.0, 1.0]),
         narrow=widths,
         wide=_row(*(f"w{i}" for i in numbers)),
-        speed=nothing,
+        speed=zeros,
         widening=rates,
-        low=nothing,
-        high=nothing,
-        start=nothing,
+        low=zeros,
+        high=zeros,
+        start=zeros,
     )
-    single: Any = [np.array([symbol(name)], dtype=object) for name in ("lambda", "N", "F")]
-    least, most = (_row(*(f"{name}{i}" for i in numbers)) for name in ("g", "G"))
+    norms: Any = [np.array([symbol(name)], dtype=object) for name in ("lambda", "N", "F")]
+    smallest_gain, largest_gain = (_row(*(f"{name}{i}" for i in numbers)) for name in ("g", "G"))
     push = _row(*(f"push{i}" for i in numbers))
     return Setting(
         windows=windows,
         law=law,
-        least=least,
-        most=most,
+        least=smallest_gain,
+        most=largest_gain,
         cross=np.array([cross], dtype=object),
         push=push,
-        narrow=seen,
-        definite=single[0],
-        norm=single[1],
-        push_norm=single[2],
-        start=nothing[0],
+        narrow=window_pair_widths,
+        definite=norms[0],
+        norm=norms[1],
+        push_norm=norms[2],
+        start=zeros[0],
     )
 
 
-def _pull(a: Any, b: Any) -> Any:
+def _law_over_gain(a: Any, b: Any) -> Any:
     return (1 / a + 1 / b) * sp.log(a / b)
 
 
@@ -95,170 +102,200 @@ def _q_rate(e: Any) -> Any:
 
 
 def _distances(width: Any, change: Any, reach: Any = None) -> tuple[Any, Any]:
-    """Far and near distance at |eps| = E, the far one less and the near one more by a change."""
+    """Return the distances to both edges at |eps| = E: the far one less the change, the near one plus the change."""
     e = V["E"] if reach is None else reach
     return width / (1 + sp.exp(-e)) - change, width / (1 + sp.exp(e)) + change
 
 
-def _found(conditions: Any, k: int, place: tuple[int, ...]) -> Any:
-    return np.asarray(conditions[k].values, dtype=object)[place].expression
+def _condition_expression(conditions: Any, k: int, index: tuple[int, ...]) -> Any:
+    return np.asarray(conditions[k].values, dtype=object)[index].expression
 
 
 def _prove_sharp_evaluated() -> Outcome:
-    """Every component of a coupled loop, each with its E and its gain: U, P', c, then every condition in its order."""
-    every = ("1", "2", "3")
-    reach = np.array([symbol(f"E{at}") for at in every], dtype=object)
-    conditions = STATEMENTS["sharp"].conditions(setting(len(every), coupled=True), reach, symbol("tau"))
-    r, tau, late = V["r"], V["tau"], V["l"]
-    inputs = {}
-    for at in every:
-        far, near = _distances(V[f"n{at}"], -V[f"eta{at}"], V[f"E{at}"])
-        inputs[at] = V[f"k{at}"] * (_pull(far, near) + r * (1 / far + 1 / near)) * (1 + r)
-    wanted: dict[str, Any] = {}
-    for i, at in enumerate(every):
-        push = V[f"push{at}"] + sum(V[f"c{at}{other}"] * inputs[other] for other in every if other != at)
-        c = push * tau + V[f"G{at}"] * inputs[at] * late + V[f"eta{at}"]
-        side = V[f"d{at}"] / 2 * (sp.tanh(V[f"E{at}"] / 2) - r) - (push + V[f"G{at}"] * inputs[at]) * tau - V[f"eta{at}"]
-        claims = [side]
-        for width in (V[f"d{at}"], V[f"w{at}"]):
-            far, near = _distances(width, c, V[f"E{at}"])
-            held = _pull(far, near) - r * (1 / far + 1 / near)
-            claims += [far - near, V[f"k{at}"] * (1 - r) * V[f"g{at}"] * held - push]
-        claims.append(V[f"m{at}"] * V[f"g{at}"] - push)
+    """Compare every condition of a coupled loop of three components, each with its E and its gain, with the proved one."""
+    components = ("1", "2", "3")
+    reach = np.array([symbol(f"E{i}") for i in components], dtype=object)
+    conditions = STATEMENTS["sharp"].conditions(setting(len(components), coupled=True), reach, symbol("tau"))
+    r, tau, latency = V["r"], V["tau"], V["l"]
+    U = {}
+    for i in components:
+        far, near = _distances(V[f"n{i}"], -V[f"eta{i}"], V[f"E{i}"])
+        U[i] = V[f"k{i}"] * (_law_over_gain(far, near) + r * (1 / far + 1 / near)) * (1 + r)
+    differences: dict[str, Any] = {}
+    for index, i in enumerate(components):
+        push = V[f"push{i}"] + sum(V[f"c{i}{j}"] * U[j] for j in components if j != i)
+        c = push * tau + V[f"G{i}"] * U[i] * latency + V[f"eta{i}"]
+        same_side = V[f"d{i}"] / 2 * (sp.tanh(V[f"E{i}"] / 2) - r) - (push + V[f"G{i}"] * U[i]) * tau - V[f"eta{i}"]
+        claims = [same_side]
+        for width in (V[f"d{i}"], V[f"w{i}"]):
+            far, near = _distances(width, c, V[f"E{i}"])
+            h = _law_over_gain(far, near) - r * (1 / far + 1 / near)
+            claims += [far - near, V[f"k{i}"] * (1 - r) * V[f"g{i}"] * h - push]
+        claims.append(V[f"m{i}"] * V[f"g{i}"] - push)
         names = ("same side", "a > b at d-", "inward at d-", "a > b at d+", "inward at d+", "saturated")
-        places = (0, 2, 3, 4, 5, 1)
-        wanted |= {
-            f"{name}, component {at}": _found(conditions, j, (0, i)) - v for name, j, v in zip(names, places, claims, strict=True)
+        order = (0, 2, 3, 4, 5, 1)
+        differences |= {
+            f"{name}, component {i}": _condition_expression(conditions, k, (0, index)) - v
+            for name, k, v in zip(names, order, claims, strict=True)
         }
-    return all_of(prove_identities(wanted, METHOD, POINT), _windows())
+    return all_of(prove_identities(differences, METHOD, TEST_POINT), _check_windows())
 
 
-def _windows() -> Outcome:
-    """Each statement on three windows is, by window, the statement on that window alone; of widening, with the window before."""
-    draw = np.random.default_rng(6)
-    wrong: list[str] = []
-    n, count = 2, 0
+def _random_setting(generator: np.random.Generator, n: int) -> Setting:
+    """Return a loop of three windows and n components with random numbers."""
 
-    def drawn(low: float, high: float, *shape: int) -> Any:
-        return draw.uniform(low, high, shape)
+    def random_array(low: float, high: float, *shape: int) -> Any:
+        return generator.uniform(low, high, shape)
 
-    for statement, _ in itertools.product(("sharp", "diagonal", "general"), range(4)):
-        narrow = drawn(0.4, 0.6, 3, n)
-        nothing = np.zeros((3, n))
-        windows = Windows(
-            times=np.arange(3.0),
-            narrow=narrow,
-            wide=narrow + drawn(0, 0.5, 3, n),
-            speed=nothing,
-            widening=drawn(0, 0.4, 3, n),
-            low=nothing,
-            high=nothing,
-            start=nothing,
-        )
-        law = Law(
-            gain=np.full(n, 0.3),
-            e_max=np.full(n, 0.999),
-            shift=drawn(0, 1e-3, n),
-            u_max=drawn(9, 99, n),
-            rounding=1e-6,
-            latency=3e-4,
-        )
-        cross = drawn(0, 0.1, 3, n, n) * (1 - np.eye(n))
-        many = Setting(
-            windows=windows,
-            law=law,
-            least=drawn(0.8, 1, 3, n),
-            most=drawn(1, 1.2, 3, n),
-            cross=cross,
-            push=drawn(0.1, 0.5, 3, n),
-            narrow=narrow - drawn(0, 0.1, 3, n),
-            definite=drawn(0.8, 1, 3),
-            norm=drawn(1, 1.2, 3),
-            push_norm=drawn(0.2, 0.6, 3),
-            start=np.zeros(n),
-        )
-        reach: Any = 1.9 if statement == "general" else np.array([2.0, 1.5])
-        whole = STATEMENTS[statement].conditions(many, reach, 1e-3)
-        for w in range(3):
-            here = slice(w, w + 1)
-            widening = np.maximum(windows.widening[here], windows.widening[max(w - 1, 0)])
-            names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
-            one = replace(windows, narrow=narrow[here], wide=windows.wide[here], widening=widening)
-            alone = replace(many, windows=one, **{name: getattr(many, name)[here] for name in names})
-            for k, (a, b) in enumerate(zip(whole, STATEMENTS[statement].conditions(alone, reach, 1e-3), strict=True)):
-                count += 1
-                if not np.allclose(np.asarray(a.values, float)[here], np.asarray(b.values, float), rtol=1e-12, atol=0):
-                    wrong.append(f"{statement}, condition {k}, window {w}: {a.values}, alone {b.values}")
-    return outcome_of_cases(
-        count, wrong, "conditions on three windows are, by window, those on it alone, to the roundings of a double"
+    narrow = random_array(0.4, 0.6, 3, n)
+    zeros = np.zeros((3, n))
+    windows = Windows(
+        times=np.arange(3.0),
+        narrow=narrow,
+        wide=narrow + random_array(0, 0.5, 3, n),
+        speed=zeros,
+        widening=random_array(0, 0.4, 3, n),
+        low=zeros,
+        high=zeros,
+        start=zeros,
+    )
+    law = Law(
+        gain=np.full(n, 0.3),
+        e_max=np.full(n, 0.999),
+        shift=random_array(0, 1e-3, n),
+        u_max=random_array(9, 99, n),
+        rounding=1e-6,
+        latency=3e-4,
+    )
+    cross = random_array(0, 0.1, 3, n, n) * (1 - np.eye(n))
+    return Setting(
+        windows=windows,
+        law=law,
+        least=random_array(0.8, 1, 3, n),
+        most=random_array(1, 1.2, 3, n),
+        cross=cross,
+        push=random_array(0.1, 0.5, 3, n),
+        narrow=narrow - random_array(0, 0.1, 3, n),
+        definite=random_array(0.8, 1, 3),
+        norm=random_array(1, 1.2, 3),
+        push_norm=random_array(0.2, 0.6, 3),
+        start=np.zeros(n),
     )
 
 
-def _staleness(reach: Any, seen: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any, root: Any = 1) -> tuple[Any, Any]:
-    """U, and how far a held u is from the one of now: R tau, what eta adds at the steepest place that is seen, and rounding, one
-    part of eps in each of root^2 components."""
-    rounded = V["r"] * root * 4 * V["k"] * sp.cosh(seen / 2) ** 2 / d
-    u = (4 * V["k"] * _q(seen) / d + rounded) * (1 + 2 * V["r"])
-    moving = 16 * V["k"] * _q_rate(reach) * sp.cosh(reach / 2) ** 2 / d**2 * (push + g * u) + 4 * V["k"] * _q(reach) * rate / d**2
-    steep = 16 * V["k"] * _q_rate(seen) * sp.cosh(seen / 2) ** 2 / d**2
-    return u, moving * V["tau"] + steep * eta + V["r"] * u + rounded
+def _on_one_window(setting: Setting, k: int) -> Setting:
+    """Return the loop on window k alone, with the larger widening of that window and the one before."""
+    windows, window = setting.windows, slice(k, k + 1)
+    widening = np.maximum(windows.widening[window], windows.widening[max(k - 1, 0)])
+    window_alone = replace(windows, narrow=windows.narrow[window], wide=windows.wide[window], widening=widening)
+    names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
+    return replace(setting, windows=window_alone, **{name: getattr(setting, name)[window] for name in names})
+
+
+def _check_windows() -> Outcome:
+    """Check on random loops that the conditions on three windows are, by window, those on that window alone."""
+    generator = np.random.default_rng(6)
+    failures: list[str] = []
+    count = 0
+    for statement, _ in itertools.product(("sharp", "diagonal", "general"), range(4)):
+        setting = _random_setting(generator, 2)
+        reach: Any = 1.9 if statement == "general" else np.array([2.0, 1.5])
+        conditions = STATEMENTS[statement].conditions(setting, reach, 1e-3)
+        for k in range(3):
+            conditions_alone = STATEMENTS[statement].conditions(_on_one_window(setting, k), reach, 1e-3)
+            for j, (a, b) in enumerate(zip(conditions, conditions_alone, strict=True)):
+                count += 1
+                values, values_alone = np.asarray(a.values, float)[k : k + 1], np.asarray(b.values, float)
+                if not np.allclose(values, values_alone, rtol=1e-12, atol=0):
+                    failures.append(f"{statement}, condition {j}, window {k}: {a.values}, alone {b.values}")
+    return outcome_of_cases(
+        count, failures, "conditions on three windows are, by window, those on it alone, to the roundings of a double"
+    )
+
+
+def _held_input_error(
+    *, reach: Any, E_measured: Any, push: Any, g: Any, rate: Any, d: Any, eta: Any, root: Any = 1
+) -> tuple[Any, Any]:
+    """Return U, and a bound on the difference between a held u and the present one.
+
+    The bound is R tau, what eta adds where v is steepest within E_measured, and rounding, one part of eps in each of root^2
+    components.
+    """
+    rounding = V["r"] * root * 4 * V["k"] * sp.cosh(E_measured / 2) ** 2 / d
+    u = (4 * V["k"] * _q(E_measured) / d + rounding) * (1 + 2 * V["r"])
+    rate_of_v = (
+        16 * V["k"] * _q_rate(reach) * sp.cosh(reach / 2) ** 2 / d**2 * (push + g * u) + 4 * V["k"] * _q(reach) * rate / d**2
+    )
+    steep = 16 * V["k"] * _q_rate(E_measured) * sp.cosh(E_measured / 2) ** 2 / d**2
+    return u, rate_of_v * V["tau"] + steep * eta + V["r"] * u + rounding
 
 
 def _prove_diagonal_evaluated() -> Outcome:
+    """Compare the diagonal conditions of one component with the proved ones, and check that they refuse coupled inputs."""
     conditions = STATEMENTS["diagonal"].conditions(setting(1), symbol("E"), symbol("tau"))
     far, near = _distances(V["n1"], -V["eta1"])
-    u, stale = _staleness(V["E"], sp.log(far / near), V["push1"], V["G1"], V["D1"], V["n1"], V["eta1"])
-    main = 4 * V["k"] * _q(V["E"]) / V["w1"] - stale - V["push1"] / V["g1"]
+    u, error = _held_input_error(
+        reach=V["E"], E_measured=sp.log(far / near), push=V["push1"], g=V["G1"], rate=V["D1"], d=V["n1"], eta=V["eta1"]
+    )
+    inward = 4 * V["k"] * _q(V["E"]) / V["w1"] - error - V["push1"] / V["g1"]
     coupled = STATEMENTS["diagonal"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
-    others = {
-        "u_max": (_least(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(POINT)))),
-        "g_min": (_least(conditions, 2), NUMBERS["g1"]),
-        "decoupled": (_least(conditions, 4), 1e-300),
-        "coupled": (_least(coupled, 4), -NUMBERS["c12"]),
+    numbers = {
+        "u_max": (_smallest_value(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(TEST_POINT)))),
+        "g_min": (_smallest_value(conditions, 2), NUMBERS["g1"]),
+        "decoupled": (_smallest_value(conditions, 4), 1e-300),
+        "coupled": (_smallest_value(coupled, 4), -NUMBERS["c12"]),
     }
     inside = prove_identities(
-        {"inward": _found(conditions, 0, (0, 0)) - main, "what is seen stays inside": _found(conditions, 3, (0, 0)) - near},
+        {
+            "inward": _condition_expression(conditions, 0, (0, 0)) - inward,
+            "what is seen stays inside": _condition_expression(conditions, 3, (0, 0)) - near,
+        },
         METHOD,
-        POINT,
+        TEST_POINT,
     )
-    return all_of(inside, _agree(others))
+    return all_of(inside, _compare_numbers(numbers))
 
 
-def _least(conditions: Any, k: int) -> float:
-    """The least of a condition's values, at the point."""
+def _smallest_value(conditions: Any, k: int) -> float:
+    """Return the smallest of a condition's values at the point."""
     return min(float(v) for v in np.asarray(conditions[k].values, dtype=object).ravel())
 
 
-def _agree(values: dict[str, tuple[float, float]]) -> Outcome:
-    """Conditions that are numbers, against what they must be: to 1e-9, more than doubles lose of them."""
-    wrong = [f"{name} is {a}, not {b}" for name, (a, b) in values.items() if not abs(a - b) <= 1e-9 * abs(b)]
+def _compare_numbers(values: dict[str, tuple[float, float]]) -> Outcome:
+    """Compare numbers (computed, expected) by name, to 1e-9 of the expected one, which is more than the error of doubles."""
+    failures = [f"{name} is {a}, not {b}" for name, (a, b) in values.items() if not abs(a - b) <= 1e-9 * abs(b)]
     return outcome_of_cases(
-        len(values), wrong, "the other conditions are what the statement asks, and fail where it says nothing"
+        len(values), failures, "the other conditions are what the statement asks, and fail where it says nothing"
     )
 
 
 def _prove_general_evaluated() -> Outcome:
-    """Two components of widths n1 < n2 and w1 < w2: the least and largest count. sqrt 2 is that of the code, rounded up."""
+    """Compare the general condition for two components of widths n1 < n2 and w1 < w2; sqrt 2 is rounded up as in the code."""
     conditions = STATEMENTS["general"].conditions(setting(2), symbol("E"), symbol("tau"))
     root = sp.Rational(Fraction(float(np.sqrt(2.0) * (1 + 1e-12))))
     far, near = _distances(V["n1"], -V["eta2"])
-    seen = V["E"] + root * (sp.log(far / near) - V["E"])
-    u, stale = _staleness(V["E"], seen, V["F"], V["N"], V["D1"], V["n1"], V["eta2"] * root, root)
-    least = V["E"] * sp.cosh(V["E"] / (2 * root)) ** 2
-    main = V["k"] * V["lambda"] * 4 / V["w2"] * least - V["F"] - V["N"] * stale
-    apart = STATEMENTS["general"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
-    others = {
-        "u_max": (_least(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(POINT)))),
-        "g_s": (_least(conditions, 2), NUMBERS["lambda"]),
-        "one gain": (_least(conditions, 4), 1.0),
-        "two gains": (_least(apart, 4), -1.0),
+    E_measured = V["E"] + root * (sp.log(far / near) - V["E"])
+    u, error = _held_input_error(
+        reach=V["E"], E_measured=E_measured, push=V["F"], g=V["N"], rate=V["D1"], d=V["n1"], eta=V["eta2"] * root, root=root
+    )
+    q_n = V["E"] * sp.cosh(V["E"] / (2 * root)) ** 2
+    inward = V["k"] * V["lambda"] * 4 / V["w2"] * q_n - V["F"] - V["N"] * error
+    coupled = STATEMENTS["general"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
+    numbers = {
+        "u_max": (_smallest_value(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(TEST_POINT)))),
+        "g_s": (_smallest_value(conditions, 2), NUMBERS["lambda"]),
+        "one gain": (_smallest_value(conditions, 4), 1.0),
+        "two gains": (_smallest_value(coupled, 4), -1.0),
     }
     inside = prove_identities(
-        {"inward": _found(conditions, 0, (0,)) - main, "what is seen stays inside": _found(conditions, 3, (0,)) - near},
+        {
+            "inward": _condition_expression(conditions, 0, (0,)) - inward,
+            "what is seen stays inside": _condition_expression(conditions, 3, (0,)) - near,
+        },
         METHOD,
-        POINT,
+        TEST_POINT,
     )
-    return all_of(inside, _agree(others))
+    return all_of(inside, _compare_numbers(numbers))
 
 
 LEMMAS = (

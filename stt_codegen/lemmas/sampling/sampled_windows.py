@@ -1,6 +1,7 @@
-"""What the sampled statements and P9 are told of a tube, a plant and a law: the code that makes these numbers, run on symbols.
+"""Lemmas about the numbers of tube, plant and law that the sampled statements and P9 use, computed on symbols.
 
-Long because both kinds of numbers are looked at, doubles with their roundings and fractions.
+book.py takes LEMMAS as a part of the family `sampled`. Long because it is about both kinds of number, doubles with their
+roundings and fractions.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ from stt_codegen.sampling import (
     Bounds,
     Fractions,
     Law,
+    Setting,
+    Windows,
     extremes,
     in_balls,
     law_of,
@@ -34,13 +37,15 @@ from stt_codegen.sampling import (
     setting_of,
 )
 
-SPARE = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # what doubles are rounded outward by at most, and the rounding of that
+OUTWARD_ROUNDING = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # relative: of doubles at most, and the rounding of that
 
 
 @dataclass(frozen=True)
-class Table:
-    """A refined tube of which no more is known than its Bezier coefficients, which may be symbols: (K, n, 2, 4), and whether it
-    repeats itself, from segment `seam` on."""
+class BezierTube:
+    """A refined tube given by its Bezier coefficients (K, n, 2, 4), which may be symbols.
+
+    seam: the first segment of the cycle, where the tube repeats itself.
+    """
 
     coefficients: Any
     prescribed_time: Fraction
@@ -57,54 +62,55 @@ class Table:
         return self.coefficients
 
 
-def tables() -> Iterator[Table]:
-    """One segment with its lower coefficients and its widths in every order, then two segments of two components."""
+def sample_tubes() -> Iterator[BezierTube]:
+    """Yield tubes of one segment, with lower coefficients and widths in every order, then tubes of several segments."""
     orders = list(permutations(range(4)))
     for low, wide in zip(orders, orders[::-1], strict=True):
         high = [a + 9 + 2.5 * w for a, w in zip(low, wide, strict=True)]
-        yield _table(np.array([[[low, high]]], dtype=float), Fraction(3, 2))
+        yield _tube_on_symbols(np.array([[[low, high]]], dtype=float), Fraction(3, 2))
     rising = np.arange(32, dtype=float).reshape(2, 2, 2, 4)
-    yield _table(rising + np.sin(rising) / 2, Fraction(10))
+    yield _tube_on_symbols(rising + np.sin(rising) / 2, Fraction(10))
     many = np.arange(48.0).reshape(6, 1, 2, 4)
-    longer = _table(many * 7 % 31 + np.array([[0.0], [40.0]]) + np.sin(many), Fraction(5))
+    longer = _tube_on_symbols(many * 7 % 31 + np.array([[0.0], [40.0]]) + np.sin(many), Fraction(5))
     yield longer
     yield replace(longer, seam=2)
-    yield _table(40 - rising + np.sin(3 * rising), Fraction(7, 3))
+    yield _tube_on_symbols(40 - rising + np.sin(3 * rising), Fraction(7, 3))
 
 
-def _table(numbers: Any, seconds: Fraction) -> Table:
+def _tube_on_symbols(numbers: Any, seconds: Fraction) -> BezierTube:
     symbols = np.array(sp.symbols(f"beta0:{numbers.size}", real=True), dtype=object).reshape(numbers.shape)
     make = np.vectorize(EvaluatedExpression, otypes=[object])
-    return Table(make(symbols, numbers), seconds, Fraction(1, 8))
+    return BezierTube(make(symbols, numbers), seconds, Fraction(1, 8))
 
 
-def _wanted(table: Table) -> dict[str, Any]:
-    """By name the entries (W + 1, n) that the windows must have, in units of the table: found by the numbers, one by one."""
-    c = table.coefficients
-    count, n = len(c), c.shape[1]
+def _expected_extremes(tube: BezierTube) -> dict[str, Any]:
+    """Return by name the entries (K + 1, n) that the windows must have, in units of the table."""
+    coefficients = tube.coefficients
+    segments, n = len(coefficients), coefficients.shape[1]
     result: dict[str, list[list[Any]]] = {k: [] for k in ("narrow", "wide", "step", "width_step", "low", "high")}
-    for k, i in product(range(count + 1), range(n)):
-        held = [c[-1, i, side, 3] for side in (LOWER, UPPER)]
-        again = table.seam if k == count else k  # from t_c on the cycle's first segment comes again, or the tube stands
-        low, high = ([held[s]] * 4 if again is None else list(c[again, i, s]) for s in (LOWER, UPPER))
+    for k, i in product(range(segments + 1), range(n)):
+        end = [coefficients[-1, i, side, 3] for side in (LOWER, UPPER)]
+        segment = tube.seam if k == segments else k  # from t_c on the cycle's first segment follows, or the tube is at rest
+        low, high = ([end[s]] * 4 if segment is None else list(coefficients[segment, i, s]) for s in (LOWER, UPPER))
         width = [b - a for a, b in zip(low, high, strict=True)]
         steps = [b - a for edge in (low, high) for a, b in pairwise(edge)]
-        row = {
+        expected = {
             "narrow": min(width, key=float), "wide": max(width, key=float), "low": min(low, key=float),
-            "high": max(high, key=float), "step": _largest(steps), "width_step": _largest([b - a for a, b in pairwise(width)]),
+            "high": max(high, key=float), "step": _largest_size(steps),
+            "width_step": _largest_size([b - a for a, b in pairwise(width)]),
         }  # fmt: skip
-        for name, value in row.items():
+        for name, value in expected.items():
             result[name].append(value.expression)
     return result
 
 
-def _largest(values: list[EvaluatedExpression]) -> EvaluatedExpression:
-    worst = max(values, key=lambda v: abs(v.value))
-    return worst if worst.value >= 0 else -worst
+def _largest_size(values: list[EvaluatedExpression]) -> EvaluatedExpression:
+    largest = max(values, key=lambda v: abs(v.value))
+    return largest if largest.value >= 0 else -largest
 
 
 def _bezier_rate() -> Outcome:
-    """The slope of a cubic is the quadratic of three times its coefficients' differences."""
+    """Prove that the slope of a cubic is the quadratic of three times its coefficients' differences."""
     s, beta = sp.Symbol("s", real=True), sp.symbols("beta0:4", real=True)
     curve = sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * b for j, b in enumerate(beta))
     slope = sum(sp.binomial(2, j) * s**j * (1 - s) ** (2 - j) * 3 * (beta[j + 1] - beta[j]) for j in range(3))
@@ -112,187 +118,219 @@ def _bezier_rate() -> Outcome:
 
 
 def _prove_windows() -> Outcome:
-    """Both forms: in units of the table for P9, and in doubles for the search, rates rounded outward."""
-    found: dict[str, Any] = {}
-    wrong: list[str] = []
+    """Compare both forms with the expected extremes: in units of the table for P9, and in doubles, with rates rounded outward."""
+    differences: dict[str, Any] = {}
+    failures: list[str] = []
     count = 0
-    for number, given in enumerate(tables()):
-        table: Any = given
-        wanted, whole, windows = _wanted(given), extremes(table), refined_windows(table)
-        rate = Fraction(3 * given.segments) / given.prescribed_time * given.unit
-        unit = sp.Rational(given.unit)
-        in_doubles = {"narrow": windows.narrow, "wide": windows.wide, "low": windows.low, "high": windows.high}
-        for name, forms in wanted.items():
-            pairs = zip(forms, getattr(whole, name).ravel(), strict=True)
-            found |= {f"{name} {number}.{j}": form - v.expression for j, (form, v) in enumerate(pairs)}
-        for name, values in in_doubles.items():
-            pairs = zip(wanted[name], values.ravel(), strict=True)
-            found |= {
-                f"{name} {number}.{j}, doubles": sp.Rational(given.unit) * form - v.expression
-                for j, (form, v) in enumerate(pairs)
+    for number, symbolic_tube in enumerate(sample_tubes()):
+        tube: Any = symbolic_tube
+        expected, extremes_in_units, windows = _expected_extremes(symbolic_tube), extremes(tube), refined_windows(tube)
+        rate = Fraction(3 * symbolic_tube.segments) / symbolic_tube.prescribed_time * symbolic_tube.unit
+        unit = sp.Rational(symbolic_tube.unit)
+        windows_in_doubles = {"narrow": windows.narrow, "wide": windows.wide, "low": windows.low, "high": windows.high}
+        for name, expressions in expected.items():
+            pairs = zip(expressions, getattr(extremes_in_units, name).ravel(), strict=True)
+            differences |= {f"{name} {number}.{j}": expression - v.expression for j, (expression, v) in enumerate(pairs)}
+        for name, values in windows_in_doubles.items():
+            pairs = zip(expected[name], values.ravel(), strict=True)
+            differences |= {
+                f"{name} {number}.{j}, doubles": sp.Rational(symbolic_tube.unit) * expression - v.expression
+                for j, (expression, v) in enumerate(pairs)
             }
         for name, values in (("step", windows.speed), ("width_step", windows.widening)):
-            for form, v in zip(wanted[name], values.ravel(), strict=True):
+            for expression, v in zip(expected[name], values.ravel(), strict=True):
                 count += 1
-                share = sp.cancel(v.expression / form) if form != 0 else None
+                share = sp.cancel(v.expression / expression) if expression != 0 else None
                 if (
                     (v.expression != 0)
                     if share is None
                     else not (rate <= Fraction(str(share)) <= rate * (1 + Fraction(1, 1 << 40)))
                 ):
-                    wrong.append(f"{name} is {v.expression}, not {rate} times {form}")
-        starts = zip(given.coefficients[0, :, :, 0].ravel(), windows.start.ravel(), strict=True)
-        found |= {f"start {number}.{j}": unit * a.expression - b.expression for j, (a, b) in enumerate(starts)}
-        ends = [float(given.prescribed_time) * k / given.segments for k in range(given.segments + 1)]
+                    failures.append(f"{name} is {v.expression}, not {rate} times {expression}")
+        starts = zip(symbolic_tube.coefficients[0, :, :, 0].ravel(), windows.start.ravel(), strict=True)
+        differences |= {f"start {number}.{j}": unit * a.expression - b.expression for j, (a, b) in enumerate(starts)}
+        ends = [float(symbolic_tube.prescribed_time) * k / symbolic_tube.segments for k in range(symbolic_tube.segments + 1)]
         count += 1
         if not np.allclose(windows.times, ends, rtol=1e-15, atol=0):
-            wrong.append(f"windows end at {windows.times}, not at {ends}")
+            failures.append(f"windows end at {windows.times}, not at {ends}")
     return all_of(
         _bezier_rate(),
-        prove_identities(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
-        outcome_of_cases(count, wrong, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
+        prove_identities(differences, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
+        outcome_of_cases(count, failures, "rates in doubles are at least 3 K/t_c times the differences, and at most 2^-40 more"),
     )
 
 
 class _OnSymbols(Fractions):
-    """Fractions, of symbols; no norm is asked for."""
+    """Fractions for symbols; norms, which these lemmas do not use, are 0."""
 
     def root_above(self, value: Any) -> Any:
         return 0 * value
 
 
 def _prove_exact_windows() -> Outcome:
-    """The windows and the setting in fractions: those of the segment, and the worse of it and of the one before. Where nothing
-    else pushes the push is the edges' speed."""
-    wrong: list[str] = []
-    found: dict[str, Any] = {}
-    nothing = np.array([Fraction(0)], dtype=object)
-    for number, given in enumerate(tables()):
-        table: Any = given
-        unit, rate = sp.Rational(given.unit), sp.Rational(Fraction(3 * given.segments) / given.prescribed_time * given.unit)
-        narrow, wide, step = (getattr(extremes(table), name) for name in ("narrow", "wide", "step"))
+    """Compare windows and setting in fractions with those of the segment, and the worse of it and of the one before.
+
+    The plant bounds are 0 here, so that the push is the edges' speed.
+    """
+    failures: list[str] = []
+    differences: dict[str, Any] = {}
+    zero = np.array([Fraction(0)], dtype=object)
+    for number, symbolic_tube in enumerate(sample_tubes()):
+        tube: Any = symbolic_tube
+        unit, rate = (
+            sp.Rational(symbolic_tube.unit),
+            sp.Rational(Fraction(3 * symbolic_tube.segments) / symbolic_tube.prescribed_time * symbolic_tube.unit),
+        )
+        narrow, wide, step = (getattr(extremes(tube), name) for name in ("narrow", "wide", "step"))
         n = narrow.shape[1]
         law: Any = SimpleNamespace(numbers=_OnSymbols())
-        still = Bounds(
-            push=nothing,
-            least=nothing,
-            most=nothing,
-            cross=nothing,
+        no_bounds = Bounds(
+            push=zero,
+            least=zero,
+            most=zero,
+            cross=zero,
             push_norm=Fraction(0),
             definite=Fraction(0),
             norm=Fraction(0),
         )
-        made = setting_of(refined_windows(table, law.numbers), [still] * (given.segments + 1), law, np.zeros(n))
-        ends = [given.prescribed_time * k / given.segments for k in range(given.segments + 1)]
-        wrong += [] if len(made.narrow) == len(table.windows()) else [f"{len(made.narrow)} windows"]
-        wrong += [] if made.windows.times.tolist() == ends else [f"windows end at {made.windows.times}, not at {ends}"]
-        for k, i in product(range(given.segments + 1), range(n)):
+        setting = setting_of(refined_windows(tube, law.numbers), [no_bounds] * (symbolic_tube.segments + 1), law, np.zeros(n))
+        ends = [symbolic_tube.prescribed_time * k / symbolic_tube.segments for k in range(symbolic_tube.segments + 1)]
+        failures += [] if len(setting.narrow) == len(tube.windows()) else [f"{len(setting.narrow)} windows"]
+        failures += [] if setting.windows.times.tolist() == ends else [f"windows end at {setting.windows.times}, not at {ends}"]
+        for k, i in product(range(symbolic_tube.segments + 1), range(n)):
             before = max(k - 1, 0)
-            wanted = {
-                "narrow": (made.windows.narrow, unit * narrow[k, i].expression),
-                "narrow_seen": (made.narrow, unit * min(narrow[k, i], narrow[before, i], key=float).expression),
-                "wide": (made.windows.wide, unit * wide[k, i].expression),
-                "speed": (made.push, rate * max(step[k, i], step[before, i], key=float).expression),
+            expected = {
+                "narrow": (setting.windows.narrow, unit * narrow[k, i].expression),
+                "narrow_seen": (setting.narrow, unit * min(narrow[k, i], narrow[before, i], key=float).expression),
+                "wide": (setting.windows.wide, unit * wide[k, i].expression),
+                "speed": (setting.push, rate * max(step[k, i], step[before, i], key=float).expression),
             }
-            found |= {f"{name} {number}.{k}.{i}": getattr(a[k, i], "expression", a[k, i]) - b for name, (a, b) in wanted.items()}
+            differences |= {
+                f"{name} {number}.{k}.{i}": getattr(a[k, i], "expression", a[k, i]) - b for name, (a, b) in expected.items()
+            }
     return all_of(
-        prove_identities(found, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
-        outcome_of_cases(number + 1, wrong, "a window for every segment, and one from t_c on"),
+        prove_identities(differences, "SymPy: the evaluated code run on symbols, lower coefficients and widths in every order"),
+        outcome_of_cases(number + 1, failures, "a window for every segment, and one from t_c on"),
     )
 
 
+class SafeSideChecks:
+    """Counts comparisons of computed numbers with exact ones, and lists those that are not on the safe side, or far from it."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.failures: list[str] = []
+
+    def require_safe(self, name: str, computed: Any, exact: Any, upward: bool = True) -> None:
+        """Compare arrays: computed must be at least exact, or at most with upward=False, and within OUTWARD_ROUNDING of it."""
+        for a, b in zip(np.ravel(computed).tolist(), np.ravel(exact).tolist(), strict=True):
+            excess = (Fraction(a) - Fraction(b)) * (1 if upward else -1)
+            self.require(0 <= excess <= Fraction(b) * OUTWARD_ROUNDING, f"{name} is {float(a)}, not {float(b)}")
+
+    def require(self, holds: bool, failure: str) -> None:
+        self.count += 1
+        self.failures += [] if holds else [failure]
+
+
 def _prove_setting() -> Outcome:
-    """What a statement is told is on the safe side of what the task and the windows say, and not by more than 1e-9."""
-    wrong: list[str] = []
-    count = 0
-
-    def near(name: str, given: Any, exact: Any, up: bool = True) -> None:
-        nonlocal count
-        for a, b in zip(np.ravel(given).tolist(), np.ravel(exact).tolist(), strict=True):
-            count += 1
-            over = (Fraction(a) - Fraction(b)) * (1 if up else -1)
-            if not 0 <= over <= Fraction(b) * SPARE:
-                wrong.append(f"{name} is {float(a)}, not {float(b)}")
-
+    """Check that all numbers of a setting are on the safe side of those of task and windows, by 1e-9 of them at most."""
+    checks = SafeSideChecks()
     for scalar, noise, limit in product(("float", "double"), (0.0, 0.03), (None, (Fraction(1, 3), Fraction(2)))):
-        ends: Any = ((Fraction(-7, 3), Fraction(0)), (Fraction(1), Fraction(2)))
-        ends = ends if noise else (tuple(-v for v in ends[1]), tuple(-v for v in ends[0]))  # the largest |x| at either end
-        box = SimpleNamespace(lower=ends[0], upper=ends[1])
-        emit = SimpleNamespace(scalar=scalar, math="libm")
-        task: Any = SimpleNamespace(
-            dimension=2, order=1, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)),
-            e_max=(Fraction(9, 10),) * 2, u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
-        )  # fmt: skip
-        error = (Fraction(1, 977), Fraction(1, 1013))
-        law = law_of(task, error, noise, 0.25)
-        exact = [2 * e + FORMATS[scalar].roundoff * Fraction(7, 3) + Fraction(noise) for e in error]
-        near("shift", law.shift, np.array(exact, dtype=object))
-        count, wrong = (
-            count + 1,
-            wrong + _wrong_in_fractions(task, law_of(task, error, Fraction(noise), Fraction(1, 4), FRACTIONS), exact),
-        )
-        gain = np.array([abs(v) for v in task.gain], dtype=object)
-        near("gain", law.gain * (1 + 2.0**-52), gain)  # the nearest double: law.rounding has that rounding
-        near("e_max", law.e_max, [float(v) for v in task.e_max])
-        near("eps at the clamp", law.farthest, [float(_eps(v)) for v in task.e_max])
-        near("eps of the share", reach_of_starts(Fraction(9, 10), 2), np.array([_eps(Fraction(9, 10))] * 2, dtype=object))
-        near("u_max", law.u_max[np.isfinite(law.u_max)], [float(round_down(v, scalar)) for v in limit or ()], up=False)
-        count += 1
-        if law.latency != 0.25 or law.rounding < 32 * FORMATS[scalar].roundoff:
-            wrong.append(f"latency {law.latency}, rounding {law.rounding}")
+        law = _check_law(checks, scalar, noise, limit)
         low = np.arange(16.0).reshape(2, 2, 4) * 7 % 5
         edges = np.stack([low, low + 3 + np.arange(16.0).reshape(2, 2, 4) * 5 % 7], axis=2)
-        table: Any = Table(edges, Fraction(3), Fraction(1))
-        windows = refined_windows(table)
-        for k in (1, -1):
-            sizes = [(j + 1.0) ** k for j in range(3)]
-            each = [np.array([0.5, 0.25]) * v for v in sizes]
-            p = [
-                Bounds(
-                    push=v,
-                    least=v / 2,
-                    most=v * 3,
-                    cross=np.array([[0.0, w], [2 * w, 0.0]]),
-                    push_norm=0.75 * w,
-                    definite=0.5,
-                    norm=2.0,
-                )
-                for v, w in zip(each, sizes, strict=True)
-            ]
-            made = setting_of(windows, p, law, np.zeros(2))
-            speed = np.maximum(windows.speed, windows.speed[[0, 0, 1]])
-            near("push", made.push, speed + [b.push for b in p])
-            near("narrow", made.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]), up=False)
-            near("push_norm", made.push_norm, np.sqrt((speed**2).sum(axis=1)) + [b.push_norm for b in p])
-            near("g_min", made.least, [b.least for b in p], up=False)
-            near("g_max", made.most, [b.most for b in p])
-            near("g_ij", made.cross, [b.cross for b in p])
-            near("of the whole", [made.definite, made.norm], [[b.definite for b in p], [b.norm for b in p]])
-            balls, alone = in_balls(made), made.component(1)
-            for name in ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm"):
-                near(f"{name} in balls", [float(v) for v in np.ravel(getattr(balls, name))], np.ravel(getattr(made, name)))
-            for name in ("narrow", "wide", "speed", "widening"):
-                near(
-                    f"{name} in balls", [float(v) for v in np.ravel(getattr(balls.windows, name))], getattr(windows, name).ravel()
-                )
-                near(f"{name} of one component", getattr(alone.windows, name)[:, 0], getattr(windows, name)[:, 1])
-            for name in ("least", "most", "push", "narrow"):
-                near(f"{name} of one component", getattr(alone, name)[:, 0], getattr(made, name)[:, 1])
-            near("gain in balls", [float(v) for v in balls.law.gain], law.gain)
-    return outcome_of_cases(count, wrong, "what the statements are told is on the safe side, by 1e-9 of it at most")
+        tube: Any = BezierTube(edges, Fraction(3), Fraction(1))
+        windows = refined_windows(tube)
+        for power in (1, -1):
+            setting = _check_bounds(checks, windows, law, power)
+            _check_copies(checks, setting)
+    return outcome_of_cases(
+        checks.count, checks.failures, "what the statements are told is on the safe side, by 1e-9 of it at most"
+    )
 
 
-def _wrong_in_fractions(task: Any, law: Law, shift: list[Fraction]) -> list[str]:
-    """What the law in fractions has that the task does not say."""
-    limits = [math.inf] * task.dimension if task.u_max is None else [round_down(v, task.emit.scalar) for v in task.u_max]
-    ends = [(1 + v) / (1 - v) for v in task.e_max]
-    said = [shift, [abs(v) for v in task.gain], list(task.e_max), limits, ends, [Fraction(1, 4)]]
-    has = [v.tolist() for v in (law.shift, law.gain, law.e_max, law.u_max, law.farthest)] + [[law.latency]]
-    return [f"in fractions {a}, not {b}" for a, b in zip(has, said, strict=True) if a != b]
+def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[Fraction, ...] | None) -> Law:
+    """Compare the law of a task of two components with the task's own numbers, in doubles and in fractions."""
+    ends: Any = ((Fraction(-7, 3), Fraction(0)), (Fraction(1), Fraction(2)))
+    ends = ends if noise else (tuple(-v for v in ends[1]), tuple(-v for v in ends[0]))  # the largest |x| at either end
+    box = SimpleNamespace(lower=ends[0], upper=ends[1])
+    emit = SimpleNamespace(scalar=scalar, math="libm")
+    task: Any = SimpleNamespace(
+        dimension=2, order=1, state_space=box, emit=emit, gain=(Fraction(1, 3), Fraction(-2, 7)),
+        e_max=(Fraction(9, 10),) * 2, u_max=limit, plant=SimpleNamespace(noise=Fraction(noise)),
+    )  # fmt: skip
+    error = (Fraction(1, 977), Fraction(1, 1013))
+    law = law_of(task, error, noise, 0.25)
+    shift = [2 * e + FORMATS[scalar].roundoff * Fraction(7, 3) + Fraction(noise) for e in error]
+    checks.require_safe("shift", law.shift, np.array(shift, dtype=object))
+    differences = _differences_in_fractions(task, law_of(task, error, Fraction(noise), Fraction(1, 4), FRACTIONS), shift)
+    checks.count += 1
+    checks.failures += differences
+    gain = np.array([abs(v) for v in task.gain], dtype=object)
+    checks.require_safe("gain", law.gain * (1 + 2.0**-52), gain)  # the nearest double; law.rounding includes that rounding
+    checks.require_safe("e_max", law.e_max, [float(v) for v in task.e_max])
+    checks.require_safe("eps at the clamp", law.farthest, [float(_eps(v)) for v in task.e_max])
+    share_eps = np.array([_eps(Fraction(9, 10))] * 2, dtype=object)
+    checks.require_safe("eps of the share", reach_of_starts(Fraction(9, 10), 2), share_eps)
+    limits = [float(round_down(v, scalar)) for v in limit or ()]
+    checks.require_safe("u_max", law.u_max[np.isfinite(law.u_max)], limits, upward=False)
+    is_exact = law.latency == 0.25 and law.rounding >= 32 * FORMATS[scalar].roundoff
+    checks.require(is_exact, f"latency {law.latency}, rounding {law.rounding}")
+    return law
+
+
+def _check_bounds(checks: SafeSideChecks, windows: Windows, law: Law, power: int) -> Setting:
+    """Compare a setting with the worse of two windows, for plant bounds that grow (power 1) or shrink (-1) with the window."""
+    sizes = [(k + 1.0) ** power for k in range(3)]
+    bounds = [_scaled_bounds(size) for size in sizes]
+    setting = setting_of(windows, bounds, law, np.zeros(2))
+    speed = np.maximum(windows.speed, windows.speed[[0, 0, 1]])
+    checks.require_safe("push", setting.push, speed + [b.push for b in bounds])
+    checks.require_safe("narrow", setting.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]), upward=False)
+    push_norm = np.sqrt((speed**2).sum(axis=1)) + [b.push_norm for b in bounds]
+    checks.require_safe("push_norm", setting.push_norm, push_norm)
+    checks.require_safe("g_min", setting.least, [b.least for b in bounds], upward=False)
+    checks.require_safe("g_max", setting.most, [b.most for b in bounds])
+    checks.require_safe("g_ij", setting.cross, [b.cross for b in bounds])
+    norms = [[b.definite for b in bounds], [b.norm for b in bounds]]
+    checks.require_safe("of the whole", [setting.definite, setting.norm], norms)
+    return setting
+
+
+def _scaled_bounds(size: float) -> Bounds:
+    """Return plant bounds of two components, those of the disturbance and of g_ij in proportion to the size."""
+    push = np.array([0.5, 0.25]) * size
+    cross = np.array([[0.0, size], [2 * size, 0.0]])
+    return Bounds(push=push, least=push / 2, most=push * 3, cross=cross, push_norm=0.75 * size, definite=0.5, norm=2.0)
+
+
+def _check_copies(checks: SafeSideChecks, setting: Setting) -> None:
+    """Check that the setting in balls and that of its second component have the setting's own numbers."""
+    balls, component = in_balls(setting), setting.component(1)
+    for name in ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm"):
+        in_doubles = [float(v) for v in np.ravel(getattr(balls, name))]
+        checks.require_safe(f"{name} in balls", in_doubles, np.ravel(getattr(setting, name)))
+    for name in ("narrow", "wide", "speed", "widening"):
+        values = getattr(setting.windows, name)
+        in_doubles = [float(v) for v in np.ravel(getattr(balls.windows, name))]
+        checks.require_safe(f"{name} in balls", in_doubles, values.ravel())
+        checks.require_safe(f"{name} of one component", getattr(component.windows, name)[:, 0], values[:, 1])
+    for name in ("least", "most", "push", "narrow"):
+        checks.require_safe(f"{name} of one component", getattr(component, name)[:, 0], getattr(setting, name)[:, 1])
+    checks.require_safe("gain in balls", [float(v) for v in balls.law.gain], setting.law.gain)
+
+
+def _differences_in_fractions(task: Any, law: Law, shift: list[Fraction]) -> list[str]:
+    """Return where the law in fractions differs from the task."""
+    u_max = [math.inf] * task.dimension if task.u_max is None else [round_down(v, task.emit.scalar) for v in task.u_max]
+    rho_max = [(1 + v) / (1 - v) for v in task.e_max]
+    expected = [shift, [abs(v) for v in task.gain], list(task.e_max), u_max, rho_max, [Fraction(1, 4)]]
+    computed = [v.tolist() for v in (law.shift, law.gain, law.e_max, law.u_max, law.farthest)] + [[law.latency]]
+    return [f"in fractions {a}, not {b}" for a, b in zip(computed, expected, strict=True) if a != b]
 
 
 def _eps(share: Fraction) -> Fraction:
-    """ln((1 + share)/(1 - share)) from below, to 2^-55."""
+    """Return ln((1 + share)/(1 - share)) from below, to 2^-55."""
     with ctx.workprec(200):
         value = (
             arb((1 + share).numerator * (1 - share).denominator) / arb((1 + share).denominator * (1 - share).numerator)
