@@ -33,8 +33,8 @@ from stt_codegen.designs.refined import RefinedDesign
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, design_tube
 from stt_codegen.task.load import load_task, parse_task
-from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until, regions_of
-from stt_codegen.task.mission.regions import Choice, State
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, regions_of
+from stt_codegen.task.mission.regions import RegionUnion, State
 from stt_codegen.task.task import Task
 
 Array = Any
@@ -106,7 +106,7 @@ def bent(design: RefinedDesign, dice: Random, kind: str, size: float) -> Refined
 
 def changed(task: Task, dice: Random, kind: str, size: float) -> Task:
     if kind == "edge":
-        boxes = [k for k, r in enumerate(task.region) if not isinstance(r, Choice) and hasattr(r, "lower")]
+        boxes = [k for k, r in enumerate(task.region) if not isinstance(r, RegionUnion) and hasattr(r, "lower")]
         k = dice.choice(boxes)
         box, i = task.region[k], dice.randrange(task.dimension)
         edge = dice.choice(("lower", "upper"))
@@ -154,7 +154,7 @@ def trajectories(design: RefinedDesign, dice: Random, t: Array) -> Iterator[Arra
 def inside(task: Task, name: str, x: Array, room: float) -> Array:
     """Which points are in a region, larger by `room`."""
     region = task.regions[name]
-    assert not isinstance(region, Choice)
+    assert not isinstance(region, RegionUnion)
     x = x[:, list(task.axis_indices(region))]
     if hasattr(region, "radius"):
         return np.sqrt(((x - [float(v) for v in region.centre]) ** 2).sum(axis=1)) <= float(region.radius) + room
@@ -173,13 +173,13 @@ def turned_back(design: RefinedDesign, t: Array) -> Array:
     return np.where(t < t_c, t, t_c - length + (t - t_c) % length)
 
 
-def evaluated(formula: Formula, t: Array, atoms: dict[In, Array], endless: bool = False) -> Array:
+def evaluated(formula: Formula, t: Array, atoms: dict[InRegion, Array], endless: bool = False) -> Array:
     """Where the formula may hold, at the samples: what is between two of them counts as the better; endless: and
     what is after the last one."""
     match formula:
         case State(inner):
             return evaluated(inner, t, atoms, endless)
-        case In():
+        case InRegion():
             return atoms[formula]
         case And(parts):
             return np.all([evaluated(p, t, atoms, endless) for p in parts], axis=0)
@@ -242,14 +242,14 @@ def broken(task: Task, design: RefinedDesign, dice: Random) -> bool:
     for x in trajectories(design, dice, t):
         atoms = {}
         for one in atoms_named:
-            found = inside(task, one.region, x, -1e-7 if one.kept else 1e-7)
-            atoms[one] = ~found if one.kept else found
+            found = inside(task, one.region, x, -1e-7 if one.is_negated else 1e-7)
+            atoms[one] = ~found if one.is_negated else found
         if not evaluated(formula, t, atoms, endless)[0]:
             return True
     return False
 
 
-def regions_of_states(formula: Formula) -> Iterator[In]:
+def regions_of_states(formula: Formula) -> Iterator[InRegion]:
     if isinstance(formula, State):
         yield from regions_of(formula.inner)
         return

@@ -28,10 +28,10 @@ from benchmarks.suites.report import command, machine, record, table
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import build
-from stt_codegen.task.map.convex_pieces import pieces_of
+from stt_codegen.task.map.convex_pieces import cover_cells
 from stt_codegen.task.map.map_yaml import read_header
 from stt_codegen.task.map.occupancy import OccupancyMap, cells_of, read_map
-from stt_codegen.task.map.upright import upright_map
+from stt_codegen.task.map.upright import write_upright_map
 
 WIDEST, BESIDE = 3, 3  # cells of free surroundings; from there to cells that are not free
 FARTHEST, AROUND = 60, 15  # cells between start and target; of state space about both
@@ -152,7 +152,7 @@ def row_of(name: str, source: OccupancyMap, charts: Sequence[OccupancyMap]) -> t
     seconds, outcome, good = crossing(charts)
     width, height = source.unsafe.shape
     threshold = decimal(source.header.free_below) + (", negated" if source.header.negate else "")
-    sets = sum(len(pieces_of(chart.unsafe)) for chart in charts)
+    sets = sum(len(cover_cells(chart.unsafe)) for chart in charts)
     row = [name, f"{width} x {height}", threshold, shades, grey, f"{int(source.unsafe.sum()):,}", f"{sets:,}", seconds, outcome]
     return row, good
 
@@ -164,7 +164,7 @@ def rows_of(path: Path, name: str) -> Iterator[tuple[list[str], bool]]:
     if header.yaw:
         with tempfile.TemporaryDirectory() as folder:
             upright = Path(folder) / "upright.yaml"
-            upright_map(path, upright)
+            write_upright_map(path, upright)
             yield row_of(f"{name}, by {decimal(header.yaw)} rad: upright", source, [read_map(upright)])
         return
     yield row_of(name, source, [source])

@@ -22,7 +22,7 @@ from functools import cache
 from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.program import round_down
 from stt_codegen.task import Task
-from stt_codegen.task.mission import In, State, left_over, regions_of
+from stt_codegen.task.mission import InRegion, State, complement_boxes, regions_of
 from stt_codegen.task.sets import BoxSet, ConvexSet, Course, HalfSpace, Normal, Unsafe, UnsafeSet, Vector
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational constraint has a multiple of these
@@ -124,13 +124,13 @@ def mission_avoidances(task: Task, state: State) -> tuple[Avoidance, ...]:
     "and" and "or", what the formula leaves over must be avoided (task/mission/complements.py).
     """
     inner, n, regions = state.inner, task.dimension, task.regions
-    if not isinstance(inner, In):
+    if not isinstance(inner, InRegion):
         spans = {region_formula: _box_span(task, region_formula) for region_formula in regions_of(inner)}
-        return tuple(Avoidance(str(state), _outside_box_constraints(*box)) for box in left_over(inner, spans, n))
+        return tuple(Avoidance(str(state), _outside_box_constraints(*box)) for box in complement_boxes(inner, spans, n))
     region = regions[inner.region]
     assert isinstance(region, Unsafe)
     axes = task.axis_indices(region)
-    if inner.kept:
+    if inner.is_negated:
         convex = region.to_set_in(task.state_space, axes).grown(task.half_extents)
         return (Avoidance(str(state), separation_constraints(convex, task.tube.clearance)),)
     components = [(dict(zip(axes, normal, strict=True)), offset) for normal, offset in region.half_spaces()]
@@ -138,7 +138,7 @@ def mission_avoidances(task: Task, state: State) -> tuple[Avoidance, ...]:
     return tuple(Avoidance(str(state), (constraint,)) for constraint in half_space_constraints(half_spaces))
 
 
-def _box_span(task: Task, formula: In) -> tuple[Vector, Vector]:
+def _box_span(task: Task, formula: InRegion) -> tuple[Vector, Vector]:
     """Return the lower and upper edges of a region that is a box, in all dimensions.
 
     The span of a region that is avoided is grown by the body and the clearance. Where the region has no edges, the span is longer
@@ -148,7 +148,7 @@ def _box_span(task: Task, formula: In) -> tuple[Vector, Vector]:
     assert isinstance(region, UnsafeSet)
     edges = dict(zip(task.axis_indices(region), zip(region.lower, region.upper, strict=True), strict=True))
     unbounded = max(map(abs, (*task.state_space.lower, *task.state_space.upper))) * 4 + 1
-    growth = [h + task.tube.clearance if formula.kept else Fraction(0) for h in task.half_extents]
+    growth = [h + task.tube.clearance if formula.is_negated else Fraction(0) for h in task.half_extents]
     ends = [edges.get(i, (-unbounded, unbounded)) for i in range(task.dimension)]
     lower = tuple(a - g for (a, _), g in zip(ends, growth, strict=True))
     return lower, tuple(b + g for (_, b), g in zip(ends, growth, strict=True))

@@ -15,7 +15,7 @@ import highspy
 import numpy as np
 
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
 from stt_codegen.task.mission.regions import State
 from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
@@ -98,7 +98,7 @@ class Encoding:
         match formula:
             case State(inner):
                 self.add(inner, at, on)
-            case In(region, kept):
+            case InRegion(region, kept):
                 box = self.task.regions[region]
                 assert isinstance(box, UnsafeSet)
                 (self.outside if kept else self.inside)(at, box, on)
@@ -185,7 +185,7 @@ def between(task: Task, path: Array) -> float:
         bad |= _in(points, unsafe)
     for formula in task.formulas:
         if isinstance(formula, Always) and isinstance(formula.part, State) and isinstance(formula.part.inner, Or):
-            boxes = [task.regions[p.region] for p in formula.part.inner.parts if isinstance(p, In)]
+            boxes = [task.regions[p.region] for p in formula.part.inner.parts if isinstance(p, InRegion)]
             bad |= ~np.any([_in(points, box, 1e-6) for box in boxes if isinstance(box, UnsafeSet)], axis=0)
     return float(bad.mean())
 

@@ -35,7 +35,7 @@ from stt_codegen.constraints import (
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import In
+from stt_codegen.task.mission import InRegion
 from stt_codegen.task.sets import UnsafeSet
 
 
@@ -131,7 +131,7 @@ def _mission(task: Task, design: RefinedDesign, certificate: Certificate) -> lis
     for state, spans in () if shown is None else shown.spans.items():
         assert shown is not None
         inner = state.inner
-        hinted = isinstance(inner, In) and inner.kept and not isinstance(task.regions[inner.region], UnsafeSet)
+        hinted = isinstance(inner, InRegion) and inner.is_negated and not isinstance(task.regions[inner.region], UnsafeSet)
         (rows,) = [one.alternatives for one in mission_avoidances(task, state)] if hinted else [()]
         for span in spans:
             told = kept_off(design, RowBlock.of(rows, design.unit), span, shown.margin) if hinted else []

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stt_codegen.certify import Cycle, Span, Time, holds
 from stt_codegen.task import Task
-from stt_codegen.task.mission import And, Formula, In, Or, states_of
+from stt_codegen.task.mission import And, Formula, InRegion, Or, states_of
 from stt_codegen.task.sets import Unsafe, UnsafeBall
 
 Array = npt.NDArray[np.float64]
@@ -31,7 +31,7 @@ def missed(task: Task, t: Array, x: Array, cycle: Cycle | None = None) -> tuple[
 def _holds(task: Task, formula: Formula, x: Array) -> Flags:
     """At which samples a formula without time holds."""
     match formula:
-        case In(region, kept):
+        case InRegion(region, kept):
             return ~_inside(task, region, x, grown=True) if kept else _inside(task, region, x)
         case And(parts):
             return np.asarray(np.all([_holds(task, p, x) for p in parts], axis=0))

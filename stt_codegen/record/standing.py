@@ -18,7 +18,7 @@ from typing import Any
 
 from stt_codegen.errors import BadInput
 from stt_codegen.record.files import SEAL
-from stt_codegen.task.map import files_behind
+from stt_codegen.task.map import input_files
 
 UNIT = ".fmu"
 
@@ -40,7 +40,7 @@ def keep_apart(names: Sequence[str], sets: Sequence[Mapping[str, bytes]]) -> Non
 def keep_inputs(paths: Sequence[Path], tasks: Sequence[Path]) -> None:
     """Refuse to write over a task file, a map of it or the map's image, or over Python beside a task that is no emitted
     controller, such as its plant. Raises `BadInput`."""
-    behind = {file.resolve() for task in tasks for file in files_behind(task)}
+    behind = {file.resolve() for task in tasks for file in input_files(task)}
     beside = {task.resolve().parent for task in tasks}
     for path in paths:
         if path.resolve() in behind:

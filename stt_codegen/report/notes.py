@@ -9,7 +9,7 @@ from math import lcm
 
 from stt_codegen.report.closed_axis_notes import turn_notes
 from stt_codegen.task import Task
-from stt_codegen.task.map import Point, self_meeting, twice_area
+from stt_codegen.task.map import Point, touching_sides, twice_area
 from stt_codegen.task.sets import PLANE, Unsafe, UnsafePolytope, Vector, hull_corners
 
 
@@ -52,6 +52,6 @@ def added_area(points: tuple[Vector, ...]) -> Fraction | None:
     scale = lcm(*(v.denominator for p in points for v in p))
     scaled = [(int(x * scale), int(y * scale)) for x, y in points]
     polygon: list[Point] = [p for p, q in zip(scaled, [*scaled[1:], scaled[0]], strict=True) if p != q]
-    if self_meeting(polygon) is not None:
+    if touching_sides(polygon) is not None:
         return None
     return Fraction(twice_area(hull_corners(polygon)) - abs(twice_area(polygon)), 2 * scale**2)

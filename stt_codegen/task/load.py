@@ -40,15 +40,15 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
     with about(source):
         if "map" not in document:
             return Task.model_validate(document, context={FILE: True})
-        from stt_codegen.task.map import expanded, written
+        from stt_codegen.task.map import expand_maps, to_toml
 
         bare = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
-        expansion = expanded(document, bare, folder or Path())
+        expansion = expand_maps(document, bare, folder or Path())
         with noted(expansion.notes):
             task = Task.model_validate(expansion.document, context={FILE: True})
         task._notes = expansion.notes
-        if task.floor_plan is None:  # else it was written with the sets of the outline
-            task._written = written(expansion.document)
+        if task.floor_plan is None:  # else it was to_toml with the sets of the outline
+            task._written = to_toml(expansion.document)
         task._spelled_from = ("map", *task.expanded_keys)
         return task
 

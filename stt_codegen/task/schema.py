@@ -17,7 +17,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, create_
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.properties import Property
-from stt_codegen.task.mission import AnyRegion, Choice, Entry, Formula, both, expanded, with_states
+from stt_codegen.task.mission import AnyRegion, Formula, MissionEntry, RegionUnion, conjunction, expand_unions, with_states
 from stt_codegen.task.sets import (
     AnyUnsafe,
     Box,
@@ -235,7 +235,7 @@ class TaskTables(Table):
     )
     unsafe: Annotated[tuple[AnyUnsafe, ...], AfterValidator(_named)] = ()
     region: tuple[AnyRegion, ...] = Field(default=(), description="named sets that missions speak of")
-    mission: tuple[Entry, ...] = Field(default=(), description="what must hold beside reach, avoid and stay, every entry")
+    mission: tuple[MissionEntry, ...] = Field(default=(), description="what must hold beside reach, avoid and stay, every entry")
     tube: TubeOptions = TubeOptions()
     control: ControlOptions = ControlOptions()
     emit: EmitOptions = EmitOptions()
@@ -430,7 +430,7 @@ class TaskTables(Table):
         return self.target_set is not None and self.target_set.motion is not None
 
     @property
-    def regions(self) -> dict[str, Unsafe | Choice]:
+    def regions(self) -> dict[str, Unsafe | RegionUnion]:
         """The named regions."""
         return {one.name: one for one in self.region}
 
@@ -440,12 +440,12 @@ class TaskTables(Table):
         regions = self.regions
         boxes = frozenset(name for name, one in regions.items() if isinstance(one, UnsafeSet))
         meanings = (e.meaning(self.prescribed_time, self.repeat) for e in self.mission)
-        return tuple(with_states(expanded(one, regions), boxes) for one in meanings)
+        return tuple(with_states(expand_unions(one, regions), boxes) for one in meanings)
 
     @property
     def formula(self) -> Formula | None:
         """The mission, all of its entries; None where there is none."""
-        return both(*self.formulas) if self.mission else None
+        return conjunction(*self.formulas) if self.mission else None
 
     def _course(self, table: Unsafe | Region, during: Vector | None, timing: Fraction, spread: Fraction) -> Course:
         """Return the course of a set from what its table says of its time."""

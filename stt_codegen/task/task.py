@@ -16,7 +16,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.task.checks import explain, first_problem, structure_problem
 from stt_codegen.task.closed_axes import ClosedAxis, Image, turns_problem
 from stt_codegen.task.closed_axes import spelled_out as with_turns_spelled_out
-from stt_codegen.task.map import Room, in_words_of_outline, without_outline
+from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.values import ADD_IT
 
@@ -34,7 +34,7 @@ class Task(TaskTables):
     _written: str | None = PrivateAttr(default=None)
     _notes: tuple[str, ...] = PrivateAttr(default=())
     _spelled_from: tuple[str, ...] = PrivateAttr(default=())
-    _room: Room | None = PrivateAttr(default=None)
+    _room: FloorPlan | None = PrivateAttr(default=None)
     _with_outline: TaskTables | None = PrivateAttr(default=None)
     _stated: Task | None = PrivateAttr(default=None)
     _closed: tuple[ClosedAxis, ...] = PrivateAttr(default=())
@@ -79,19 +79,19 @@ class Task(TaskTables):
     @classmethod
     def _of_room(cls, task: TaskTables) -> Task:
         """The task with the sets that its outline leaves of a box spelled out."""
-        from stt_codegen.task.map import written
+        from stt_codegen.task.map import to_toml
 
-        fields, room = without_outline(task)
+        fields, room = expand_outline(task)
         try:
             spelled = cls(**fields)
         except BadInput as error:
-            raise BadInput(in_words_of_outline(str(error), len(task.unsafe), room)) from None
+            raise BadInput(name_walls(str(error), len(task.unsafe), room)) from None
         spelled._room, spelled._with_outline = room, task
-        spelled._written, spelled._spelled_from = written(document_of(spelled.as_stated)), ("outline",)
+        spelled._written, spelled._spelled_from = to_toml(document_of(spelled.as_stated)), ("outline",)
         return spelled
 
     @property
-    def floor_plan(self) -> Room | None:
+    def floor_plan(self) -> FloorPlan | None:
         """The outline, the holes and the names of the unsafe sets that it was turned into; None of a task without an outline."""
         return self._room
 
@@ -144,7 +144,7 @@ class Task(TaskTables):
             return changed
         problem = first_problem(changed) if design or language or scalar == "fixed" else None
         if problem and self._room is not None:
-            problem = in_words_of_outline(problem, len(stated.unsafe) - len(self._room.walls), self._room)
+            problem = name_walls(problem, len(stated.unsafe) - len(self._room.walls), self._room)
         if problem:
             raise BadInput(problem)
         return changed

@@ -31,8 +31,18 @@ from stt_codegen.loop.simulate import Loop, Scenario
 from stt_codegen.pipeline import EmittedController, build, build_task, certify, render_files
 from stt_codegen.plants import plant_of
 from stt_codegen.task.load import parse_task
-from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until, both, either, negated
-from stt_codegen.task.mission.grammar import read
+from stt_codegen.task.mission.formulas import (
+    Always,
+    And,
+    Eventually,
+    Formula,
+    InRegion,
+    Interval,
+    Or,
+    Until,
+    negation,
+)
+from stt_codegen.task.mission.grammar import parse_formula
 from stt_codegen.task.mission.regions import State, states_of, with_states
 from tests.benchmarks.test_peers import needs
 from tests.support.controllers import ROOT, built
@@ -77,12 +87,12 @@ def windows() -> Any:
 
 
 def formulas(depth: int = 3) -> Any:
-    leaves = st.builds(In, st.sampled_from(NAMES), st.booleans())
+    leaves = st.builds(InRegion, st.sampled_from(NAMES), st.booleans())
     return st.recursive(
         leaves,
         lambda inner: st.one_of(
-            st.builds(both, inner, inner),
-            st.builds(either, inner, inner),
+            st.builds(conjunction, inner, inner),
+            st.builds(disjunction, inner, inner),
             st.builds(Always, windows(), inner),
             st.builds(Eventually, windows(), inner),
             st.builds(Until, windows(), inner, inner),
@@ -103,7 +113,7 @@ def truth(formula: Formula, signal: Signal) -> np.ndarray[Any, Any]:
     match formula:
         case State(inner):
             return truth(inner, signal)
-        case In(region, kept):
+        case InRegion(region, kept):
             return signal[region] != kept
         case And(parts):
             return np.all([truth(p, signal) for p in parts], axis=0)
@@ -137,14 +147,14 @@ def signals() -> Any:
 
 @given(formulas())
 def test_a_formula_is_read_as_it_is_written(formula: Formula) -> None:
-    assert read(str(formula)) == formula
+    assert parse_formula(str(formula)) == formula
 
 
 @given(formulas(), st.fixed_dictionaries({name: st.lists(st.booleans(), min_size=GRID, max_size=GRID) for name in NAMES}))
 @settings(max_examples=150, deadline=None)
 def test_a_formula_and_its_negation_never_hold_together(formula: Formula, bits: dict[str, list[bool]]) -> None:
     signal = {name: np.array(v) for name, v in bits.items()}
-    assert not (truth(formula, signal) & truth(negated(formula), signal)).any()
+    assert not (truth(formula, signal) & truth(negation(formula), signal)).any()
 
 
 @pytest.mark.parametrize(
@@ -162,7 +172,7 @@ def test_a_formula_and_its_negation_never_hold_together(formula: Formula, bits: 
 )
 def test_what_is_no_formula_is_told(text: str, told: str) -> None:
     with pytest.raises(ValueError, match=re.escape(told)):
-        read(text)
+        parse_formula(text)
 
 
 # --------------------------------------------------------------------------------------------------- the monitor
@@ -204,9 +214,9 @@ def test_what_the_algebra_says_holds_does(formula: Formula, signal: Signal) -> N
 @settings(max_examples=300, deadline=None)
 def test_of_closed_sets_it_says_all_that_holds(formula: Formula, signal: Signal) -> None:
     """Without "not" every set is closed, and nothing is lost where each state has its own intervals."""
-    from stt_codegen.task.mission.formulas import mapped
+    from stt_codegen.task.mission.formulas import replace_regions
 
-    plain = mapped(formula, lambda one: In(one.region))
+    plain = replace_regions(formula, lambda one: InRegion(one.region))
     stated = with_states(plain, frozenset())
     at_once = satisfied(stated, proved_of(stated, signal))
     told = truth(plain, signal)
@@ -260,7 +270,7 @@ def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(d
 
     def true(f: Formula, x: tuple[float, ...]) -> bool:
         match f:
-            case In(region, out):
+            case InRegion(region, out):
                 return inside(region, x) != out
             case And(parts):
                 return all(true(p, x) for p in parts)
@@ -268,7 +278,7 @@ def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(d
                 return any(true(p, x) for p in parts)
         raise AssertionError(f)
 
-    assert kept_all == all(true(read(formula), x) for x in product(*steps))
+    assert kept_all == all(true(parse_formula(formula), x) for x in product(*steps))
 
 
 # --------------------------------------------------------------------------------------------------- tubes
@@ -582,7 +592,7 @@ def as_rtamt(formula: Formula, end: float) -> str:
     match formula:
         case State(inner):
             return as_rtamt(inner, end)
-        case In(region, kept):
+        case InRegion(region, kept):
             return f"({region} < 0)" if kept else f"({region} >= 0)"
         case And(parts):
             return f"({' and '.join(as_rtamt(p, end) for p in parts)})"

@@ -32,7 +32,7 @@ from stt_codegen.sampling.numbers import FRACTIONS
 from stt_codegen.sampling.order_two import extent
 from stt_codegen.sampling.windows import extremes
 from stt_codegen.task.load import parse_task
-from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, In, Interval, Or, Until
+from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
 from stt_codegen.task.mission.regions import State, states_of, with_states
 from tests.design.test_missions import NAMES, checked, formulas
 from tests.support.controllers import ROOT, built
@@ -68,7 +68,7 @@ def truth(formula: Formula, signal: Mapping[str, Any]) -> Any:
     match formula:
         case State(inner):
             return truth(inner, signal)
-        case In(region, kept):
+        case InRegion(region, kept):
             return signal[region] != kept
         case And(parts):
             return np.all([truth(p, signal) for p in parts], axis=0)
@@ -151,7 +151,7 @@ def in_tuples(formula: Formula) -> Any:
     match formula:
         case State(inner):
             return in_tuples(inner)
-        case In(region, kept):
+        case InRegion(region, kept):
             return ("out" if kept else "in", region)
         case And(parts) | Or(parts):
             return ("and" if isinstance(formula, And) else "or", *map(in_tuples, parts))
@@ -204,7 +204,7 @@ def test_the_margin_in_time_covers_a_clock_that_is_off_in_every_cycle(case: Any,
 
 
 def test_a_cycle_in_which_something_does_not_happen_is_no_cycle_in_which_it_does() -> None:
-    state, cycle = State(In("a")), Cycle(Fraction(BEGIN), Fraction(END))
+    state, cycle = State(InRegion("a")), Cycle(Fraction(BEGIN), Fraction(END))
     again = Always(Interval(), Eventually(Interval(Fraction(0), Fraction(5)), state))
     lead: list[tuple[Any, Any]] = [(Fraction(1), Fraction(2))]
     assert not holds(again, {state: lead}, cycle=cycle)

@@ -24,10 +24,10 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build
 from stt_codegen.report.pictures.map_pictures import map_report
 from stt_codegen.task.load import load_task, parse_task
-from stt_codegen.task.map.convex_pieces import gained, pieces_of, unsafe_tables
-from stt_codegen.task.map.map_table import written
+from stt_codegen.task.map.convex_pieces import count_free_cells_in, cover_cells, unsafe_tables
+from stt_codegen.task.map.map_table import to_toml
 from stt_codegen.task.map.occupancy import read_map
-from stt_codegen.task.map.upright import upright_map
+from stt_codegen.task.map.upright import write_upright_map
 from stt_codegen.task.sets.convex_sets import minimum_over_box
 from tests.support.command_line import run_command
 
@@ -70,7 +70,7 @@ grids = st.tuples(st.integers(1, 9), st.integers(1, 9)).flatmap(
 @settings(max_examples=300, deadline=None)
 def test_boxes_are_exactly_the_cells(cells: np.ndarray) -> None:
     count = np.zeros(cells.shape, dtype=int)
-    for piece in pieces_of(cells):
+    for piece in cover_cells(cells):
         (a, c), (b, d) = piece.corners[0], piece.corners[2]
         count[a:b, c:d] += 1
     assert (count == cells).all()
@@ -80,7 +80,7 @@ def test_boxes_are_exactly_the_cells(cells: np.ndarray) -> None:
 @settings(max_examples=300, deadline=None)
 def test_every_cell_lies_in_one_of_the_polygons(cells: np.ndarray) -> None:
     """All four corners of it: the polygon is convex. And no free cell is counted that is in none."""
-    pieces = pieces_of(cells, "polygons")
+    pieces = cover_cells(cells, "polygons")
     held = np.zeros(cells.shape, dtype=bool)
     middle = np.zeros(cells.shape, dtype=bool)
     for piece in pieces:
@@ -93,13 +93,13 @@ def test_every_cell_lies_in_one_of_the_polygons(cells: np.ndarray) -> None:
             held[i, j] |= all(inside(i + p, j + q) for p in (0, 1) for q in (0, 1))
             middle[i, j] |= inside(i + 0.5, j + 0.5)
     assert (held >= cells).all()
-    assert gained(cells, pieces) == (middle & ~cells).sum()
+    assert count_free_cells_in(cells, pieces) == (middle & ~cells).sum()
 
 
 def test_a_disc_of_cells_is_one_polygon_and_a_corner_of_walls_is_none() -> None:
     x, y = np.mgrid[:30, :30]
-    assert len(pieces_of((x - 15) ** 2 + (y - 15) ** 2 < 100, "polygons")) == 1
-    assert len(pieces_of((x < 2) | (y < 2), "polygons")) == 2
+    assert len(cover_cells((x - 15) ** 2 + (y - 15) ** 2 < 100, "polygons")) == 1
+    assert len(cover_cells((x < 2) | (y < 2), "polygons")) == 2
 
 
 @pytest.mark.parametrize("free_rule", ["white", "thresholds"])
@@ -124,7 +124,7 @@ def test_cells_count_from_the_lower_left_and_what_is_transparent_is_unknown(tmp_
     found = read_map(saved(tmp_path, pixels))
     assert np.argwhere(found.occupied).tolist() == [[2, 2]]
     assert np.argwhere(found.unknown).tolist() == [[1, 0]]
-    (table, other) = unsafe_tables(found, pieces_of(found.unsafe))
+    (table, other) = unsafe_tables(found, cover_cells(found.unsafe))
     assert (other["lower"], other["upper"]) == ([Fraction("-0.9"), Fraction("0.6")], [Fraction("-0.85"), Fraction("0.65")])
     assert table["name"] == "map 1"
 
@@ -183,7 +183,7 @@ def test_what_is_written_reads_as_the_same(seed: int) -> None:
         "tube": {"design": "refined", "adaptive": {"mu": Decimal("1e-7")}, "list": [1, Decimal("2.5")]},
         "unsafe": [{"name": 'q"uote', "vertices": [[1, 2], [3, Decimal("0.1")]]}, {"lower": [1]}],
     }
-    assert tomllib.loads(written(document), parse_float=Decimal) == document
+    assert tomllib.loads(to_toml(document), parse_float=Decimal) == document
 
 
 WRONG = [
@@ -227,7 +227,7 @@ def test_what_is_not_free_stays_so_when_a_map_is_turned_upright(cells: np.ndarra
         folder = Path(name)
         pixels = np.pad(np.where(cells, OCCUPIED, FREE), 4, constant_values=FREE)
         path = saved(folder, pixels, YAML.replace("0.0]", f"{yaw}]"), "turned")
-        upright_map(path, folder / "upright.yaml")
+        write_upright_map(path, folder / "upright.yaml")
         upright = read_map(folder / "upright.yaml")
     unsafe = np.ascontiguousarray((pixels == OCCUPIED)[::-1].T)
     angle, step, corner = float(yaw), 0.05, np.array([-1.0, 0.5])
@@ -481,7 +481,7 @@ def test_the_command_tells_and_draws(tmp_path: Path) -> None:
     found = json.loads(run_command("map", str(path), "--picture", str(tmp_path), "--json").stdout)
     pixels = hall()
     assert (found["occupied"], found["unknown"]) == ((pixels == OCCUPIED).sum(), (pixels == UNKNOWN).sum())
-    assert found["sets"] == len(pieces_of(read_map(path).unsafe))
+    assert found["sets"] == len(cover_cells(read_map(path).unsafe))
     assert found["free_cells_taken"] == 0
     image = (tmp_path / "hall.png").read_bytes()
     assert run_command("map", str(path), "--picture", str(tmp_path / "hall.png")).returncode == 2  # the map itself

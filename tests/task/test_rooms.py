@@ -24,8 +24,8 @@ from stt_codegen.record.check import check
 from stt_codegen.record.package import KINDS, package
 from stt_codegen.report.notes import task_notes
 from stt_codegen.task.load import load_task, parse_task
+from stt_codegen.task.map.floor_plans import partition
 from stt_codegen.task.map.polygons import convex_pieces
-from stt_codegen.task.map.rooms import partition
 from stt_codegen.task.task import Task
 from tests.support.command_line import run_command
 from tests.support.controllers import ROOT, built
@@ -309,15 +309,15 @@ coordinates = st.integers(-3, 3)
 @settings(max_examples=300, deadline=None)
 def test_any_simple_polygon_is_parted_exactly(points: list[tuple[int, int]], chance) -> None:
     """On a coarse grid, where corners lie on lines with others and on the box. Made simple by turning crossing parts around."""
-    from stt_codegen.task.map.polygons import self_meeting, twice_area, without_straight_corners
+    from stt_codegen.task.map.polygons import touching_sides, twice_area, without_straight_corners
 
     for _ in range(60):
-        met = self_meeting(points)
+        met = touching_sides(points)
         if met is None:
             break
         i, j = sorted(met)
         points = points[: i + 1] + points[i + 1 : j + 1][::-1] + points[j + 1 :]
-    if self_meeting(points) is not None or not twice_area(points):
+    if touching_sides(points) is not None or not twice_area(points):
         return
     room = listed(points)
     if chance.random() < 0.5:

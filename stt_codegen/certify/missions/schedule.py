@@ -43,7 +43,7 @@ def served(task: Task, shown: MissionProof) -> tuple[Served, ...]:
 
 def reached(witness: Witness) -> bool:
     """Whether a witness is about a region that the tube is in: keeping off is not served at a time."""
-    return any(not one.kept for one in regions_of(witness.state.inner))
+    return any(not one.is_negated for one in regions_of(witness.state.inner))
 
 
 def _visits(found: tuple[Witness, ...]) -> Iterator[Visit]:

@@ -59,9 +59,9 @@ def map_(
 def _turn_upright(file: Path, target: Path, free: Literal["white", "thresholds"], json: bool) -> None:
     """Write a rotated map as an upright one."""
     with patience(f"turning {file}"):
-        from stt_codegen.task.map import upright_map
+        from stt_codegen.task.map import write_upright_map
 
-        cells = upright_map(file, target, free)
+        cells = write_upright_map(file, target, free)
     if json:
         print_json({"map": str(target), "image": str(target.with_suffix(".png")), **cells})
         return

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.task.mission import In, State
+from stt_codegen.task.mission import InRegion, State
 
 START, END, SEAM = 0, 1, 2
 TINY = 1e-9
@@ -94,11 +94,11 @@ class Skeleton:
         """Whether a region is to be kept off at a moment at which it must be visited, whatever the times."""
         zone = self.zone
         assert zone is not None
-        regions = [(h.state.inner, h) for h in self.holds if isinstance(h.state.inner, In)]
+        regions = [(h.state.inner, h) for h in self.holds if isinstance(h.state.inner, InRegion)]
         for off, kept in regions:
-            for on, h in regions if off.kept else ():
+            for on, h in regions if off.is_negated else ():
                 within = zone[h.first, kept.first] <= TINY and zone[kept.last, h.first] <= TINY
-                if on.region == off.region and not on.kept and within:
+                if on.region == off.region and not on.is_negated and within:
                     return True
         return False
 

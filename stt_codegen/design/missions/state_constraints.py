@@ -27,7 +27,7 @@ from stt_codegen.design.routes import Obstacles, obstacles_of
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import And, Formula, In, Or, State, states_of
+from stt_codegen.task.mission import And, Formula, InRegion, Or, State, states_of
 from stt_codegen.task.sets import Unsafe
 
 MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has room
@@ -141,7 +141,7 @@ def require_start(mission: Mission, start: Array) -> None:
 
 
 def _keeps_off(state: State) -> bool:
-    return isinstance(state.inner, In) and state.inner.kept
+    return isinstance(state.inner, InRegion) and state.inner.is_negated
 
 
 def margin_of(task: Task) -> float:
@@ -184,9 +184,9 @@ def _asked(task: Task, arena: Arena, state: State) -> Asked:
     found = mission_avoidances(task, state)
     sets = tuple(_half_spaces(one.alternatives, arena) for one in found)
     inner = state.inner
-    if isinstance(inner, In) and not inner.kept:
+    if isinstance(inner, InRegion) and not inner.is_negated:
         return Asked(sets, (_piece([row for one in found for row in one.alternatives], arena),), None)
-    pieces = [] if isinstance(inner, In) else _pieces(task, arena, inner)
+    pieces = [] if isinstance(inner, InRegion) else _pieces(task, arena, inner)
     return Asked(sets, tuple(pieces), _blocking(task, arena, state, sets))
 
 
@@ -235,11 +235,11 @@ def _piece(rows: list[Constraint], arena: Arena) -> Piece:
 
 def _pieces(task: Task, arena: Arena, formula: Formula) -> list[Piece]:
     """Boxes in each of which a formula of boxes is true; a tube that is in none of them alone may still satisfy it."""
-    if isinstance(formula, In):
+    if isinstance(formula, InRegion):
         rows = mission_avoidances(task, State(formula))
         return (
             [_piece([row], arena) for one in rows for row in one.alternatives]
-            if formula.kept
+            if formula.is_negated
             else [_piece([row for one in rows for row in one.alternatives], arena)]
         )
     if isinstance(formula, Or):
@@ -262,7 +262,7 @@ def _blocking(task: Task, arena: Arena, state: State, sets: tuple[tuple[Array, A
         owner += [j] * (len(bound) - 2 * n)
     bends: tuple[Array | None, ...] = (None,) * count
     inner = state.inner
-    if owner and isinstance(inner, In):
+    if owner and isinstance(inner, InRegion):
         region = task.regions[inner.region]
         assert isinstance(region, Unsafe)
         convex = region.to_set_in(task.state_space, task.axis_indices(region)).grown(task.half_extents)

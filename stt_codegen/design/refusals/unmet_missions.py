@@ -16,7 +16,7 @@ from stt_codegen.design.missions import Mission, Places, clash, mission_of
 from stt_codegen.design.spline_tubes import Search, segments_tried
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import Entry, regions_of
+from stt_codegen.task.mission import MissionEntry, regions_of
 
 HALVINGS = 4  # to find a time that would do
 IsFound = Callable[[Task], bool]
@@ -35,7 +35,7 @@ def why_unmet(task: Task, arena: Arena, is_found: IsFound) -> str:
     width = f"a tube of width {decimal(task.tube.min_width)}"
     always = [{h.state for h in one.holds} for one in mission.all_skeletons]
     for state, at in places.allowed.items() if len(places.nodes) else ():
-        needed = any(not one.kept for one in regions_of(state.inner)) and all(state in held for held in always)
+        needed = any(not one.is_negated for one in regions_of(state.inner)) and all(state in held for held in always)
         if needed and not at.any() and mission.states[state].pieces:
             refusal = f"{Property.MISSION.label}: no place was found in {state} for {width}, off the unsafe sets"
             return f"{refusal}; widen or move it, or lower tube.min_width"
@@ -78,7 +78,7 @@ def _without(task: Task, k: int, is_found: IsFound) -> bool:
     return is_found(task.changed(mission=rest))
 
 
-def _given(entry: Entry) -> dict[str, Any]:
+def _given(entry: MissionEntry) -> dict[str, Any]:
     return {name: getattr(entry, name) for name in entry.model_fields_set}
 
 
@@ -105,7 +105,7 @@ def times_that_do(task: Task, is_found: IsFound) -> Iterator[str]:
             yield f"mission[{k}].{name} = {shown}"
 
 
-def _times(entry: Entry, t_c: Fraction) -> Iterator[tuple[str, Fraction, Fraction, Told]]:
+def _times(entry: MissionEntry, t_c: Fraction) -> Iterator[tuple[str, Fraction, Fraction, Told]]:
     """The times of an entry that might give way: the field, its value, the one that asks for least, and the field for a value."""
 
     def plain(value: Fraction) -> Fraction:

@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from stt_codegen.report.pictures.drawing import COLOURS
 from stt_codegen.report.pictures.tube_pictures import save
-from stt_codegen.task.map import Kind, OccupancyMap, Piece, gained, pieces_of
+from stt_codegen.task.map import OccupancyMap, Piece, PieceKind, count_free_cells_in, cover_cells
 
 GREYS = {"free": 1.0, "unknown": 0.75, "occupied": 0.35}
 TOO_MANY = 500  # sets whose edges would hide what is drawn
@@ -23,7 +23,7 @@ class MapReport:
     """A map and the pieces that it is taken as. gained: free cells with their middle in a piece."""
 
     found: OccupancyMap
-    kind: Kind
+    kind: PieceKind
     pieces: tuple[Piece, ...]
     gained: int
 
@@ -50,10 +50,10 @@ class MapReport:
         }
 
 
-def map_report(found: OccupancyMap, kind: Kind) -> MapReport:
+def map_report(found: OccupancyMap, kind: PieceKind) -> MapReport:
     """The whole map, as a task without a state space would take it."""
-    pieces = tuple(pieces_of(found.unsafe, kind))
-    return MapReport(found, kind, pieces, gained(found.unsafe, pieces))
+    pieces = tuple(cover_cells(found.unsafe, kind))
+    return MapReport(found, kind, pieces, count_free_cells_in(found.unsafe, pieces))
 
 
 def draw_map(report: MapReport, path: Path) -> None:

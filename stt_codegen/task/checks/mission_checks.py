@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.checks.set_checks import set_problem
-from stt_codegen.task.mission import FORMS, WORDS, Choice, Entry, regions_of, windows_of
+from stt_codegen.task.mission import FORMS, WORDS, MissionEntry, RegionUnion, intervals_of, regions_of
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import Unsafe, UnsafePolytope, concave_problem
 
@@ -31,7 +31,7 @@ def mission_problem(task: TaskTables) -> str | None:
         return problem
     if task.mission and not task.tube.capabilities.carries_out_missions:
         return f"mission: is for the refined design; the {task.tube.design} one knows one target alone, leave the mission out"
-    known: dict[str, Unsafe | Choice] = {}
+    known: dict[str, Unsafe | RegionUnion] = {}
     for j, one in enumerate(task.region):
         if problem := _region_problem(task, one, known):
             return f"region[{j}].{problem}"
@@ -58,13 +58,13 @@ def _repeat_problem(task: TaskTables) -> str | None:
     return None
 
 
-def _region_problem(task: TaskTables, one: Unsafe | Choice, known: dict[str, Unsafe | Choice]) -> str | None:
+def _region_problem(task: TaskTables, one: Unsafe | RegionUnion, known: dict[str, Unsafe | RegionUnion]) -> str | None:
     if "name" not in one.model_fields_set or not NAME.fullmatch(one.name) or one.name in (*WORDS, "inf"):
         given = f"{one.name!r} is no name of a region" if one.name else "is missing"
         return f"name: {given}; use a letter, then letters, digits or _, and none of {', '.join(WORDS)}, inf"
     if one.name in known:
         return f"name: {one.name!r} is already the name of region[{list(known).index(one.name)}]; names must differ"
-    if isinstance(one, Choice):
+    if isinstance(one, RegionUnion):
         unknown = next((name for name in one.any_of if name not in known), None)
         if unknown is not None or not one.any_of:
             told = f"{unknown!r} is no region before this one" if one.any_of else "is empty"
@@ -82,9 +82,9 @@ def _region_problem(task: TaskTables, one: Unsafe | Choice, known: dict[str, Uns
     return None
 
 
-def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Choice]) -> str | None:
+def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsafe | RegionUnion]) -> str | None:
     """A message that begins with ": " or with ".field: "."""
-    given = [name for name in Entry.model_fields if getattr(entry, name) is not None]
+    given = [name for name in MissionEntry.model_fields if getattr(entry, name) is not None]
     form = entry.form
     if form is None:
         forms = [name for name in FORMS if name in given]
@@ -105,12 +105,12 @@ def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Cho
         if one.region not in known:
             field = next((n for n in ("visit", "then", "never", "before") if getattr(entry, n) == one.region), form)
             return f".{field}: {one.region!r} is no region; known are {', '.join(known) or 'none, add [[region]]'}"
-        if not one.kept and (member := _without_half_spaces(known, one.region)):
+        if not one.is_negated and (member := _without_half_spaces(known, one.region)):
             return f".{form}: {member} can only be avoided, as every capsule; to be in, give any_of of balls, or vertices"
-        if not one.kept and (concave := _concave(known, one.region)):
+        if not one.is_negated and (concave := _concave(known, one.region)):
             return f".{form}: {concave}"
     t_c = task.prescribed_time
-    windows = () if task.repeat or not entry.formula else windows_of(meaning)
+    windows = () if task.repeat or not entry.formula else intervals_of(meaning)
     late = next((w for w in windows if w.end is not None and w.end > t_c), None)
     if late is not None:
         told = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
@@ -118,7 +118,7 @@ def _entry_problem(task: TaskTables, entry: Entry, known: dict[str, Unsafe | Cho
     return None
 
 
-def _times_problem(task: TaskTables, entry: Entry) -> str | None:
+def _times_problem(task: TaskTables, entry: MissionEntry) -> str | None:
     t_c, window = task.prescribed_time, entry.between
     if window is not None and not 0 <= window[0] <= window[1] <= t_c:
         told = f"is [{decimal(window[0])}, {decimal(window[1])}]"
@@ -144,22 +144,22 @@ def _times_problem(task: TaskTables, entry: Entry) -> str | None:
     return None
 
 
-def _members(known: dict[str, Unsafe | Choice], name: str) -> Iterator[Unsafe]:
+def _members(known: dict[str, Unsafe | RegionUnion], name: str) -> Iterator[Unsafe]:
     """The region, or those that it is a choice of."""
     region = known[name]
-    if isinstance(region, Choice):
+    if isinstance(region, RegionUnion):
         for member in region.any_of:
             yield from _members(known, member)
     else:
         yield region
 
 
-def _without_half_spaces(known: dict[str, Unsafe | Choice], name: str) -> str | None:
+def _without_half_spaces(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
     """The name of the region, or of one of its members, whose table tells no half-spaces within it to be in, as of a capsule."""
     return next((member.name for member in _members(known, name) if not member.half_spaces()), None)
 
 
-def _concave(known: dict[str, Unsafe | Choice], name: str) -> str | None:
+def _concave(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
     """What makes the region, or one of its members, none to be in: its hull may hold more than was meant."""
     for member in _members(known, name):
         if isinstance(member, UnsafePolytope) and (problem := concave_problem(member.vertices, CONVEX_PARTS)):

@@ -1,27 +1,27 @@
 """Sets that a task takes from files and outlines: occupancy maps and concave rooms, as convex pieces."""
 
-from stt_codegen.task.map.convex_pieces import Piece, gained, pieces_of
-from stt_codegen.task.map.map_table import expanded, files_behind, written
-from stt_codegen.task.map.occupancy import Kind, OccupancyMap, read_map
-from stt_codegen.task.map.polygons import Point, self_meeting, twice_area
-from stt_codegen.task.map.rooms import Room, in_words_of_outline, without_outline
-from stt_codegen.task.map.upright import upright_map
+from stt_codegen.task.map.convex_pieces import Piece, count_free_cells_in, cover_cells
+from stt_codegen.task.map.floor_plans import FloorPlan, expand_outline, name_walls
+from stt_codegen.task.map.map_table import expand_maps, input_files, to_toml
+from stt_codegen.task.map.occupancy import OccupancyMap, PieceKind, read_map
+from stt_codegen.task.map.polygons import Point, touching_sides, twice_area
+from stt_codegen.task.map.upright import write_upright_map
 
 __all__ = [
-    "Kind",
+    "FloorPlan",
     "OccupancyMap",
     "Piece",
+    "PieceKind",
     "Point",
-    "Room",
-    "expanded",
-    "files_behind",
-    "gained",
-    "in_words_of_outline",
-    "pieces_of",
+    "count_free_cells_in",
+    "cover_cells",
+    "expand_maps",
+    "expand_outline",
+    "input_files",
+    "name_walls",
     "read_map",
-    "self_meeting",
+    "to_toml",
+    "touching_sides",
     "twice_area",
-    "upright_map",
-    "without_outline",
-    "written",
+    "write_upright_map",
 ]

@@ -16,7 +16,7 @@ import numpy as np
 
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
-from stt_codegen.task.map.occupancy import Cells, Kind, OccupancyMap, Window
+from stt_codegen.task.map.occupancy import Cells, OccupancyMap, PieceKind, Window
 from stt_codegen.task.sets import hull_corners
 
 GAIN = Fraction(1, 10)  # of a polygon's area may be free cells
@@ -40,7 +40,7 @@ class Piece:
         return abs(sum(a * d - b * c for (a, b), (c, d) in pairs))
 
 
-def pieces_of(unsafe: Cells, kind: Kind = "boxes") -> list[Piece]:
+def cover_cells(unsafe: Cells, kind: PieceKind = "boxes") -> list[Piece]:
     """Sets that together hold every one of these cells."""
     rows, columns = _rectangles(unsafe), [(c, d, a, b) for a, b, c, d in _rectangles(unsafe.T)]
     boxes = rows if len(rows) <= len(columns) else columns
@@ -49,7 +49,7 @@ def pieces_of(unsafe: Cells, kind: Kind = "boxes") -> list[Piece]:
     return _merged(boxes)
 
 
-def gained(unsafe: Cells, pieces: Sequence[Piece]) -> int:
+def count_free_cells_in(unsafe: Cells, pieces: Sequence[Piece]) -> int:
     """How many free cells have their middle in some piece."""
     taken = np.zeros_like(unsafe)
     for piece in pieces:

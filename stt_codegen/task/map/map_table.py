@@ -7,7 +7,7 @@
     free = "white"              # or "thresholds": greys that the thresholds make free are free
 
 A state is free where the first map, which must cover the state space, and each further map that covers it say so. What is proved
-is about the sets. `written` is the task with them spelled out, which a checker can read.
+is about the sets. `to_toml` is the task with them spelled out, which a checker can read.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput, about
 from stt_codegen.task.map.map_yaml import read_header
-from stt_codegen.task.map.occupancy import FREE_RULES, KINDS, FreeRule, Kind, read_map
+from stt_codegen.task.map.occupancy import FREE_RULES, KINDS, FreeRule, PieceKind, read_map
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.values import kind_of
 
@@ -39,7 +39,7 @@ class MapTable:
 
     files: tuple[str, ...]
     axes: tuple[str, ...] | None
-    kind: Kind
+    kind: PieceKind
     free_rule: FreeRule
 
 
@@ -67,7 +67,7 @@ def table_of(value: Any) -> MapTable:
     return MapTable(_files_of(value), None if axes is None else tuple(axes), kind, free_rule)
 
 
-def files_behind(path: Path) -> list[Path]:
+def input_files(path: Path) -> list[Path]:
     """The task file itself, its maps and their images: what no output may replace. path: a task file that was read before."""
     value = tomllib.loads(path.read_bytes().decode("utf-8-sig"), parse_float=Decimal).get("map")
     maps = [] if value is None else [path.parent / file for file in table_of(value).files]
@@ -90,9 +90,9 @@ def _files_of(value: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(files)
 
 
-def expanded(document: dict[str, Any], task: TaskTables, folder: Path) -> Expansion:
+def expand_maps(document: dict[str, Any], task: TaskTables, folder: Path) -> Expansion:
     """The document of a task with [map] as one without: with the unsafe sets of the maps. task: the same, without the maps."""
-    from stt_codegen.task.map.convex_pieces import pieces_of, require_cover, unsafe_tables, window_near, within
+    from stt_codegen.task.map.convex_pieces import cover_cells, require_cover, unsafe_tables, window_near, within
 
     table = table_of(document["map"])
     names = table.axes or task.axis_names
@@ -113,7 +113,7 @@ def expanded(document: dict[str, Any], task: TaskTables, folder: Path) -> Expans
         if number == 1:
             require_cover(chart, lower, upper, names)
         window = window_near(chart, lower, upper, task.tube.clearance)
-        pieces = pieces_of(within(chart, window), table.kind)
+        pieces = cover_cells(within(chart, window), table.kind)
         tables += unsafe_tables(chart, pieces, axes, "map " if len(table.files) == 1 else f"map {number}.")
         notes += [note for note in (chart.grey_note(window),) if note]
     rest = {name: value for name, value in document.items() if name != "map"}
@@ -134,7 +134,7 @@ def _decimals(value: Any) -> Any:
     return Decimal(decimal(value)) if isinstance(value, Fraction) else value
 
 
-def written(document: Mapping[str, Any]) -> str:
+def to_toml(document: Mapping[str, Any]) -> str:
     """A task's data as TOML."""
     lines = [f"{name} = {_plain(v)}" for name, v in document.items() if not _is_table(v)]
 

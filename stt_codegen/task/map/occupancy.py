@@ -33,8 +33,8 @@ COLOURS = 3
 
 Cells = npt.NDArray[np.bool_]
 Window = tuple[slice, slice]
-Kind = Literal["boxes", "polygons"]  # as what a map is taken
-KINDS: tuple[Kind, ...] = get_args(Kind)
+PieceKind = Literal["boxes", "polygons"]  # as what a map is taken
+KINDS: tuple[PieceKind, ...] = get_args(PieceKind)
 FreeRule = Literal["white", "thresholds"]  # what of that which the thresholds make free is free
 FREE_RULES: tuple[FreeRule, ...] = get_args(FreeRule)
 ALL: Window = (slice(None), slice(None))

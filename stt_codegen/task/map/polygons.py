@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from stt_codegen.task.map.convex_pieces import pieces_of
+from stt_codegen.task.map.convex_pieces import cover_cells
 from stt_codegen.task.values import MAX_POINTS
 
 Point = tuple[int, int]
@@ -48,7 +48,7 @@ def meeting_sides(first: Sequence[Side], second: Sequence[Side]) -> tuple[int, i
     return next(((i, j) for i, a in enumerate(first) for j, b in enumerate(second) if meet(a, b)), None)
 
 
-def self_meeting(polygon: Sequence[Point]) -> tuple[int, int] | None:
+def touching_sides(polygon: Sequence[Point]) -> tuple[int, int] | None:
     """Two sides that share a point and are no neighbours, by number; None of a simple polygon. Of four and more corners a side
     that folds back onto its neighbour meets another one too."""
     sides = sides_of(polygon)
@@ -101,7 +101,7 @@ def _boxes(corners: Sequence[Point]) -> list[list[Point]]:
     xs, ys = (sorted({p[i] for p in corners}) for i in (0, 1))
     twice = [(2 * x, 2 * y) for x, y in corners]  # so that the middle of a cell is of whole numbers
     cells = np.array([[contains(twice, (a + b, c + d)) for c, d in pairwise(ys)] for a, b in pairwise(xs)])
-    return [[(xs[i], ys[j]) for i, j in piece.corners] for piece in pieces_of(cells)]
+    return [[(xs[i], ys[j]) for i, j in piece.corners] for piece in cover_cells(cells)]
 
 
 def _length(a: Point, b: Point) -> int:

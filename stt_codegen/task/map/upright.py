@@ -21,7 +21,7 @@ FULL_TURN = 7  # radians, more than 2 pi
 FREE, UNKNOWN = 254, 205  # the greys of savers
 
 
-def upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -> dict[str, int]:
+def write_upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -> dict[str, int]:
     """Write `target` (.yaml) and the .png beside it; return how many cells are free now, and were before.
 
     Raises `BadInput` where the map is not rotated, the upright one is too large, or a file of that name exists."""

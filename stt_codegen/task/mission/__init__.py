@@ -1,21 +1,30 @@
 """The mission of a task: named regions, formulas over them, and the grammar of their text."""
 
-from stt_codegen.task.mission.complements import left_over
+from stt_codegen.task.mission.complements import complement_boxes
 from stt_codegen.task.mission.formulas import (
     WORDS,
     Always,
     And,
     Eventually,
     Formula,
-    In,
+    InRegion,
     Interval,
     Or,
     Until,
-    both,
+    conjunction,
+    intervals_of,
     regions_of,
-    windows_of,
 )
-from stt_codegen.task.mission.regions import FORMS, AnyRegion, Choice, Entry, State, expanded, states_of, with_states
+from stt_codegen.task.mission.regions import (
+    FORMS,
+    AnyRegion,
+    MissionEntry,
+    RegionUnion,
+    State,
+    expand_unions,
+    states_of,
+    with_states,
+)
 
 __all__ = [
     "FORMS",
@@ -23,20 +32,20 @@ __all__ = [
     "Always",
     "And",
     "AnyRegion",
-    "Choice",
-    "Entry",
     "Eventually",
     "Formula",
-    "In",
+    "InRegion",
     "Interval",
+    "MissionEntry",
     "Or",
+    "RegionUnion",
     "State",
     "Until",
-    "both",
-    "expanded",
-    "left_over",
+    "complement_boxes",
+    "conjunction",
+    "expand_unions",
+    "intervals_of",
     "regions_of",
     "states_of",
-    "windows_of",
     "with_states",
 ]

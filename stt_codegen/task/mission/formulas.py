@@ -38,7 +38,7 @@ class Formula:
 
 
 @dataclass(frozen=True)
-class In(Formula):
+class InRegion(Formula):
     """In a region, or, where it is `kept` off, out of it."""
 
     region: str
@@ -102,55 +102,55 @@ class Until(Formula):
         return f"({self.first} until{self.over} {self.last})"
 
 
-def both(*parts: Formula) -> Formula:
+def conjunction(*parts: Formula) -> Formula:
     """`And`, of one part that part."""
     flat = tuple(p for part in parts for p in (part.parts if isinstance(part, And) else (part,)))
     return flat[0] if len(flat) == 1 else And(flat)
 
 
-def either(*parts: Formula) -> Formula:
+def disjunction(*parts: Formula) -> Formula:
     """`Or`, of one part that part."""
     flat = tuple(p for part in parts for p in (part.parts if isinstance(part, Or) else (part,)))
     return flat[0] if len(flat) == 1 else Or(flat)
 
 
-def negated(formula: Formula) -> Formula:
+def negation(formula: Formula) -> Formula:
     """A formula that holds of a trajectory only where this one does not: "not" goes down to the regions. What becomes of "until"
     asks a little more than that, where both change at one moment."""
     match formula:
-        case In(region, out):
-            return In(region, not out)
+        case InRegion(region, out):
+            return InRegion(region, not out)
         case And(parts):
-            return either(*map(negated, parts))
+            return disjunction(*map(negation, parts))
         case Or(parts):
-            return both(*map(negated, parts))
+            return conjunction(*map(negation, parts))
         case Always(over, part):
-            return Eventually(over, negated(part))
+            return Eventually(over, negation(part))
         case Eventually(over, part):
-            return Always(over, negated(part))
+            return Always(over, negation(part))
         case Until(over, first, last):
-            gone, kept, wait = negated(first), negated(last), Interval(over.begin, over.begin)
+            gone, kept, wait = negation(first), negation(last), Interval(over.begin, over.begin)
             length = None if over.end is None else over.end - over.begin
-            released = Eventually(wait, Until(Interval(ZERO, length), kept, both(gone, kept)))
-            return either(Always(over, kept), Eventually(Interval(ZERO, over.begin), gone), released)
+            released = Eventually(wait, Until(Interval(ZERO, length), kept, conjunction(gone, kept)))
+            return disjunction(Always(over, kept), Eventually(Interval(ZERO, over.begin), gone), released)
     raise TypeError(formula)
 
 
-def mapped(formula: Formula, leaf: Callable[[In], Formula]) -> Formula:
+def replace_regions(formula: Formula, leaf: Callable[[InRegion], Formula]) -> Formula:
     """The same formula with something else in place of each region."""
     match formula:
-        case In():
+        case InRegion():
             return leaf(formula)
         case And(parts):
-            return both(*(mapped(p, leaf) for p in parts))
+            return conjunction(*(replace_regions(p, leaf) for p in parts))
         case Or(parts):
-            return either(*(mapped(p, leaf) for p in parts))
+            return disjunction(*(replace_regions(p, leaf) for p in parts))
         case Always(over, part):
-            return Always(over, mapped(part, leaf))
+            return Always(over, replace_regions(part, leaf))
         case Eventually(over, part):
-            return Eventually(over, mapped(part, leaf))
+            return Eventually(over, replace_regions(part, leaf))
         case Until(over, first, last):
-            return Until(over, mapped(first, leaf), mapped(last, leaf))
+            return Until(over, replace_regions(first, leaf), replace_regions(last, leaf))
     raise TypeError(formula)
 
 
@@ -166,17 +166,17 @@ def parts_of(formula: Formula) -> tuple[Formula, ...]:
     return ()
 
 
-def regions_of(formula: Formula) -> Iterator[In]:
+def regions_of(formula: Formula) -> Iterator[InRegion]:
     """Every region that a formula names, as often as it does."""
-    if isinstance(formula, In):
+    if isinstance(formula, InRegion):
         yield formula
     for part in parts_of(formula):
         yield from regions_of(part)
 
 
-def windows_of(formula: Formula) -> Iterator[Interval]:
+def intervals_of(formula: Formula) -> Iterator[Interval]:
     """Every interval that a formula gives."""
     if isinstance(formula, Always | Eventually | Until):
         yield formula.over
     for part in parts_of(formula):
-        yield from windows_of(part)
+        yield from intervals_of(part)

@@ -9,7 +9,18 @@ from decimal import Decimal
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
-from stt_codegen.task.mission.formulas import WORDS, Always, Eventually, Formula, In, Interval, Until, both, either, negated
+from stt_codegen.task.mission.formulas import (
+    WORDS,
+    Always,
+    Eventually,
+    Formula,
+    InRegion,
+    Interval,
+    Until,
+    conjunction,
+    disjunction,
+    negation,
+)
 
 TOKEN = re.compile(r"\s*(?:(->)|([A-Za-z][A-Za-z0-9_]*)|(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|([\[\](),]))")
 MOST_TEXT = 2000  # characters of a formula
@@ -17,7 +28,7 @@ MOST_NESTED = 40  # operators in one another
 PRECEDENCE = ("->", "or", "and", "until")  # from what binds least
 
 
-def read(text: str) -> Formula:
+def parse_formula(text: str) -> Formula:
     """The formula that a text says, in negation normal form. Raises `ValueError` with the place and what would be right."""
     if len(text) > MOST_TEXT:
         raise ValueError(f"has {len(text)} characters; at most {MOST_TEXT} are taken, use several entries")
@@ -82,11 +93,11 @@ class _Reader:
             while self.word == sign:
                 self.at += 1
                 if sign == "->":  # a -> b -> c is a -> (b -> c)
-                    found = either(negated(found), self.binary(level))
+                    found = disjunction(negation(found), self.binary(level))
                 elif sign == "until":
                     found = Until(self.interval(), found, self.binary(level + 1))
                 else:
-                    found = (both if sign == "and" else either)(found, self.binary(level + 1))
+                    found = (conjunction if sign == "and" else disjunction)(found, self.binary(level + 1))
         self.depth -= 1
         return found
 
@@ -95,7 +106,7 @@ class _Reader:
         if word in ("not", "always", "eventually"):
             self.at += 1
             if word == "not":
-                return negated(self.binary(len(PRECEDENCE)))
+                return negation(self.binary(len(PRECEDENCE)))
             over = self.interval()
             return (Always if word == "always" else Eventually)(over, self.binary(len(PRECEDENCE)))
         if word == "(":
@@ -106,7 +117,7 @@ class _Reader:
         if not re.fullmatch(r"[A-Za-z]\w*", word) or word in WORDS:
             raise self.fail("a region, a bracket, not, always or eventually")
         self.at += 1
-        return In(word)
+        return InRegion(word)
 
     def interval(self) -> Interval:
         if self.word != "[":

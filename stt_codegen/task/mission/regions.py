@@ -24,16 +24,16 @@ from stt_codegen.task.mission.formulas import (
     And,
     Eventually,
     Formula,
-    In,
+    InRegion,
     Interval,
     Or,
     Until,
-    both,
-    either,
-    mapped,
+    conjunction,
+    disjunction,
     parts_of,
+    replace_regions,
 )
-from stt_codegen.task.mission.grammar import read
+from stt_codegen.task.mission.grammar import parse_formula
 from stt_codegen.task.sets import (
     SET_TABLES,
     OneOf,
@@ -51,7 +51,7 @@ FORMS = {  # what tells the form of an entry, and what may stand beside it
 }
 
 
-class Choice(Table):
+class RegionUnion(Table):
     """A region that is others together: in it is what is in their union."""
 
     name: str = Field(default="", max_length=MAX_LABEL)
@@ -59,15 +59,15 @@ class Choice(Table):
 
 
 def _kind_of_region(value: Any) -> str:
-    if isinstance(value, Choice) or (isinstance(value, dict) and "any_of" in value):
-        return "<Choice>"
+    if isinstance(value, RegionUnion) or (isinstance(value, dict) and "any_of" in value):
+        return "<RegionUnion>"
     return kind_of_set(value)
 
 
-AnyRegion = Annotated[Unsafe | Choice, OneOf((*SET_TABLES, Choice), _kind_of_region)]
+AnyRegion = Annotated[Unsafe | RegionUnion, OneOf((*SET_TABLES, RegionUnion), _kind_of_region)]
 
 
-class Entry(Table):
+class MissionEntry(Table):
     """One thing that must hold: a visit, something never, a patrol, or a formula."""
 
     visit: str | None = Field(default=None, description="a region to be in, at some time")
@@ -93,24 +93,24 @@ class Entry(Table):
     def meaning(self, t_c: Fraction, repeats: bool = False) -> Formula:
         """The entry as a formula, about regions by name. Raises `ValueError` where its text is none."""
         if self.formula is not None:
-            return read(self.formula)
+            return parse_formula(self.formula)
         if self.visit is not None:
             stay, first = self.stay or ZERO, Interval(*(self.between or (ZERO, t_c)))
-            here: Formula = Always(Interval(ZERO, stay), In(self.visit)) if stay else In(self.visit)
+            here: Formula = Always(Interval(ZERO, stay), InRegion(self.visit)) if stay else InRegion(self.visit)
             if self.then is not None:
                 gap = t_c if self.within is None else self.within
-                here = both(here, Eventually(Interval(stay, stay + gap), In(self.then)))
+                here = conjunction(here, Eventually(Interval(stay, stay + gap), InRegion(self.then)))
             return Eventually(first, here)
         if self.never is not None:
             if self.before is None:
-                return Always(Interval(), In(self.never, True))
-            return Until(Interval(ZERO, t_c), In(self.never, True), In(self.before))
+                return Always(Interval(), InRegion(self.never, True))
+            return Until(Interval(ZERO, t_c), InRegion(self.never, True), InRegion(self.before))
         assert self.patrol is not None
         assert self.every is not None
         rounds, each = Interval(ZERO, (self.until or t_c) - self.every), Interval(ZERO, self.every)
         if repeats and self.until is None:
             rounds = Interval()
-        return both(*(Always(rounds, Eventually(each, In(name))) for name in self.patrol))
+        return conjunction(*(Always(rounds, Eventually(each, InRegion(name))) for name in self.patrol))
 
     def title(self) -> str:
         """The entry in a few words, for a sentence."""
@@ -134,22 +134,24 @@ class State(Formula):
         return str(self.inner)
 
 
-def expanded(formula: Formula, regions: Mapping[str, Unsafe | Choice]) -> Formula:
+def expand_unions(formula: Formula, regions: Mapping[str, Unsafe | RegionUnion]) -> Formula:
     """The same formula with every choice told by its members."""
 
-    def leaf(one: In) -> Formula:
+    def leaf(one: InRegion) -> Formula:
         region = regions[one.region]
-        if not isinstance(region, Choice):
+        if not isinstance(region, RegionUnion):
             return one
-        return (both if one.kept else either)(*(mapped(In(name, one.kept), leaf) for name in region.any_of))
+        return (conjunction if one.is_negated else disjunction)(
+            *(replace_regions(InRegion(name, one.is_negated), leaf) for name in region.any_of)
+        )
 
-    return mapped(formula, leaf)
+    return replace_regions(formula, leaf)
 
 
 def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
     """The same formula with a `State` for all that is told as one; boxes: the regions that are."""
     match formula:
-        case In():
+        case InRegion():
             return State(formula)
         case And(parts):
             return And(tuple(with_states(p, boxes) for p in parts))
@@ -168,7 +170,7 @@ def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
 
 def _is_of(formula: Formula, boxes: frozenset[str]) -> bool:
     """Whether it is a formula without time of these regions alone."""
-    if isinstance(formula, In):
+    if isinstance(formula, InRegion):
         return formula.region in boxes
     return isinstance(formula, And | Or) and all(_is_of(p, boxes) for p in formula.parts)
 

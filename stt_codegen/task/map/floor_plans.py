@@ -19,7 +19,16 @@ from typing import Any
 
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
-from stt_codegen.task.map.polygons import Point, contains, convex_pieces, meeting_sides, self_meeting, sides_of, turn, twice_area
+from stt_codegen.task.map.polygons import (
+    Point,
+    contains,
+    convex_pieces,
+    meeting_sides,
+    sides_of,
+    touching_sides,
+    turn,
+    twice_area,
+)
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import StateSpace, Vector
 
@@ -29,7 +38,7 @@ IN_ORDER = "list every corner once, in order around it, so that no two sides tou
 
 
 @dataclass(frozen=True)
-class Room:
+class FloorPlan:
     """What a task says of its room. outline, holes: corners in order; axes: the two dimensions, by number; walls: the names of
     the sets that fill what the room leaves of its box."""
 
@@ -39,7 +48,7 @@ class Room:
     walls: tuple[str, ...]
 
 
-def without_outline(task: TaskTables) -> tuple[dict[str, Any], Room]:
+def expand_outline(task: TaskTables) -> tuple[dict[str, Any], FloorPlan]:
     """The fields of a task with an outline as those of one without, and the room. Raises `BadInput`."""
     space, n = task.state_space, len(task.initial_state)
     axes = _axes(task, space, n)
@@ -58,13 +67,13 @@ def without_outline(task: TaskTables) -> tuple[dict[str, Any], Room]:
     tables = _tables(task, near, axes if axes != (0, 1) or n > PLANE else None)
     fields = {name: getattr(task, name) for name in task.model_fields_set}
     fields |= {"state_space": {"lower": lower, "upper": upper}, "unsafe": [*task.unsafe, *tables]}
-    room = Room(
+    room = FloorPlan(
         tuple(p for _, p in outline), tuple(tuple(p for _, p in hole) for hole in holes), axes, tuple(t["name"] for t in tables)
     )
     return fields, room
 
 
-def in_words_of_outline(problem: str, first: int, room: Room) -> str:
+def name_walls(problem: str, first: int, room: FloorPlan) -> str:
     """A message about the walls by their names, which no file has by number. first: the number of the first wall."""
     for k, name in enumerate(room.walls, first):
         words = f"{name}, which state_space.outline leaves out of its box"
@@ -154,7 +163,7 @@ def _simple(polygon: list[Point], entries: Sequence[tuple[str, Vector]]) -> list
     where = entries[0][0].rpartition("[")[0]
     if all(turn(polygon[0], polygon[1], p) == 0 for p in polygon):
         raise BadInput(f"state_space.{where}: has no area, all of its corners are on one line; {IN_ORDER}")
-    met = self_meeting(polygon)
+    met = touching_sides(polygon)
     if met is not None:
         problem = f"the side {_side(entries, met[0])} meets the side {_side(entries, met[1])}"
         raise BadInput(f"state_space.{entries[met[1]][0]}: {problem}; {IN_ORDER}")
