@@ -40,6 +40,8 @@ from stt_codegen.task.mission.formulas import (
     Interval,
     Or,
     Until,
+    conjunction,
+    disjunction,
     negation,
 )
 from stt_codegen.task.mission.grammar import parse_formula

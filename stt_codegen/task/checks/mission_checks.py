@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.checks.set_checks import set_problem
-from stt_codegen.task.mission import FORMS, WORDS, MissionEntry, RegionUnion, intervals_of, regions_of
+from stt_codegen.task.mission import FORMS, KEYWORDS, MissionEntry, RegionUnion, intervals_of, regions_of
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import Unsafe, UnsafePolytope, concave_problem
 
@@ -59,9 +59,9 @@ def _repeat_problem(task: TaskTables) -> str | None:
 
 
 def _region_problem(task: TaskTables, one: Unsafe | RegionUnion, known: dict[str, Unsafe | RegionUnion]) -> str | None:
-    if "name" not in one.model_fields_set or not NAME.fullmatch(one.name) or one.name in (*WORDS, "inf"):
+    if "name" not in one.model_fields_set or not NAME.fullmatch(one.name) or one.name in (*KEYWORDS, "inf"):
         given = f"{one.name!r} is no name of a region" if one.name else "is missing"
-        return f"name: {given}; use a letter, then letters, digits or _, and none of {', '.join(WORDS)}, inf"
+        return f"name: {given}; use a letter, then letters, digits or _, and none of {', '.join(KEYWORDS)}, inf"
     if one.name in known:
         return f"name: {one.name!r} is already the name of region[{list(known).index(one.name)}]; names must differ"
     if isinstance(one, RegionUnion):

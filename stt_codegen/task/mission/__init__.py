@@ -2,7 +2,7 @@
 
 from stt_codegen.task.mission.complements import complement_boxes
 from stt_codegen.task.mission.formulas import (
-    WORDS,
+    KEYWORDS,
     Always,
     And,
     Eventually,
@@ -28,7 +28,7 @@ from stt_codegen.task.mission.regions import (
 
 __all__ = [
     "FORMS",
-    "WORDS",
+    "KEYWORDS",
     "Always",
     "And",
     "AnyRegion",

@@ -3,7 +3,9 @@
     always[0, 16] (dock -> eventually[0, 4] left)        not lab until[0, 24] key        eventually[3, 5] always[0, 2] dock
 
 A formula is about a tube, the box gamma(t) of all states that it allows: `dock` holds while all of gamma(t) is in the dock,
-`not dock` while all of it keeps off. What holds of the tube so holds of every trajectory in it (docs/missions.md).
+`not dock` while all of it avoids the dock. So what holds of the tube holds of every trajectory in it (docs/missions.md).
+
+The certificate (certify/monitor.py), the search for a plan (design/missions/) and the closed loop evaluate formulas.
 """
 
 from __future__ import annotations
@@ -15,12 +17,12 @@ from fractions import Fraction
 from stt_codegen.decimals import exact_decimal
 
 ZERO = Fraction(0)
-WORDS = ("always", "eventually", "until", "and", "or", "not")
+KEYWORDS = ("always", "eventually", "until", "and", "or", "not")
 
 
 @dataclass(frozen=True)
 class Interval:
-    """From `begin` to `end` seconds after now; end None: for ever."""
+    """The times from `begin` to `end` seconds after now; without an end where `end` is None."""
 
     begin: Fraction = ZERO
     end: Fraction | None = None
@@ -39,18 +41,18 @@ class Formula:
 
 @dataclass(frozen=True)
 class InRegion(Formula):
-    """In a region, or, where it is `kept` off, out of it."""
+    """True while the state is in a region; where it is negated, while the state is outside."""
 
     region: str
-    kept: bool = False
+    is_negated: bool = False
 
     def __str__(self) -> str:
-        return f"not {self.region}" if self.kept else self.region
+        return f"not {self.region}" if self.is_negated else self.region
 
 
 @dataclass(frozen=True)
 class And(Formula):
-    """All of several."""
+    """True where all parts are."""
 
     parts: tuple[Formula, ...]
 
@@ -60,7 +62,7 @@ class And(Formula):
 
 @dataclass(frozen=True)
 class Or(Formula):
-    """At least one of several."""
+    """True where at least one part is."""
 
     parts: tuple[Formula, ...]
 
@@ -70,7 +72,7 @@ class Or(Formula):
 
 @dataclass(frozen=True)
 class Always(Formula):
-    """At all times of an interval from now."""
+    """True where the part is true at all times of an interval from now."""
 
     over: Interval
     part: Formula
@@ -81,7 +83,7 @@ class Always(Formula):
 
 @dataclass(frozen=True)
 class Eventually(Formula):
-    """At some time of an interval from now."""
+    """True where the part is true at some time of an interval from now."""
 
     over: Interval
     part: Formula
@@ -92,7 +94,7 @@ class Eventually(Formula):
 
 @dataclass(frozen=True)
 class Until(Formula):
-    """`last` at some time of an interval from now, and `first` from now until then, that time included."""
+    """True where `last` is true at some time of an interval from now, and `first` from now up to and including that time."""
 
     over: Interval
     first: Formula
@@ -103,23 +105,25 @@ class Until(Formula):
 
 
 def conjunction(*parts: Formula) -> Formula:
-    """`And`, of one part that part."""
+    """Return `And` of the parts, nested ones flattened; a single part stays itself."""
     flat = tuple(p for part in parts for p in (part.parts if isinstance(part, And) else (part,)))
     return flat[0] if len(flat) == 1 else And(flat)
 
 
 def disjunction(*parts: Formula) -> Formula:
-    """`Or`, of one part that part."""
+    """Return `Or` of the parts, nested ones flattened; a single part stays itself."""
     flat = tuple(p for part in parts for p in (part.parts if isinstance(part, Or) else (part,)))
     return flat[0] if len(flat) == 1 else Or(flat)
 
 
 def negation(formula: Formula) -> Formula:
-    """A formula that holds of a trajectory only where this one does not: "not" goes down to the regions. What becomes of "until"
-    asks a little more than that, where both change at one moment."""
+    """Return a formula, negated at its regions only, that holds of a trajectory only where this one does not.
+
+    The negation of "until" demands a little more than that where both of its parts change at one moment.
+    """
     match formula:
-        case InRegion(region, out):
-            return InRegion(region, not out)
+        case InRegion(region, is_negated):
+            return InRegion(region, not is_negated)
         case And(parts):
             return disjunction(*map(negation, parts))
         case Or(parts):
@@ -129,33 +133,33 @@ def negation(formula: Formula) -> Formula:
         case Eventually(over, part):
             return Always(over, negation(part))
         case Until(over, first, last):
-            gone, kept, wait = negation(first), negation(last), Interval(over.begin, over.begin)
+            not_first, not_last, at_begin = negation(first), negation(last), Interval(over.begin, over.begin)
             length = None if over.end is None else over.end - over.begin
-            released = Eventually(wait, Until(Interval(ZERO, length), kept, conjunction(gone, kept)))
-            return disjunction(Always(over, kept), Eventually(Interval(ZERO, over.begin), gone), released)
+            first_ends = Eventually(at_begin, Until(Interval(ZERO, length), not_last, conjunction(not_first, not_last)))
+            return disjunction(Always(over, not_last), Eventually(Interval(ZERO, over.begin), not_first), first_ends)
     raise TypeError(formula)
 
 
-def replace_regions(formula: Formula, leaf: Callable[[InRegion], Formula]) -> Formula:
-    """The same formula with something else in place of each region."""
+def replace_regions(formula: Formula, replacement: Callable[[InRegion], Formula]) -> Formula:
+    """Return the formula with the replacement of each `InRegion` in its place."""
     match formula:
         case InRegion():
-            return leaf(formula)
+            return replacement(formula)
         case And(parts):
-            return conjunction(*(replace_regions(p, leaf) for p in parts))
+            return conjunction(*(replace_regions(p, replacement) for p in parts))
         case Or(parts):
-            return disjunction(*(replace_regions(p, leaf) for p in parts))
+            return disjunction(*(replace_regions(p, replacement) for p in parts))
         case Always(over, part):
-            return Always(over, replace_regions(part, leaf))
+            return Always(over, replace_regions(part, replacement))
         case Eventually(over, part):
-            return Eventually(over, replace_regions(part, leaf))
+            return Eventually(over, replace_regions(part, replacement))
         case Until(over, first, last):
-            return Until(over, replace_regions(first, leaf), replace_regions(last, leaf))
+            return Until(over, replace_regions(first, replacement), replace_regions(last, replacement))
     raise TypeError(formula)
 
 
 def parts_of(formula: Formula) -> tuple[Formula, ...]:
-    """What a formula is made of, directly."""
+    """Return the operands of a formula's outermost operator; none for a region."""
     match formula:
         case And(parts) | Or(parts):
             return parts
@@ -167,7 +171,7 @@ def parts_of(formula: Formula) -> tuple[Formula, ...]:
 
 
 def regions_of(formula: Formula) -> Iterator[InRegion]:
-    """Every region that a formula names, as often as it does."""
+    """Yield every `InRegion` of a formula, as often as it occurs."""
     if isinstance(formula, InRegion):
         yield formula
     for part in parts_of(formula):
@@ -175,7 +179,7 @@ def regions_of(formula: Formula) -> Iterator[InRegion]:
 
 
 def intervals_of(formula: Formula) -> Iterator[Interval]:
-    """Every interval that a formula gives."""
+    """Yield the interval of every operator of a formula that has one."""
     if isinstance(formula, Always | Eventually | Until):
         yield formula.over
     for part in parts_of(formula):

@@ -1,4 +1,8 @@
-"""The text of a formula, read: from what binds least `->`, or, and, until; then always, eventually and not."""
+"""The grammar of a mission's formulas: from text to a `Formula`.
+
+Operators from the weakest binding to the strongest: `->`, or, and, until; then the prefixes always, eventually and not.
+The entries of regions.py call it; docs/missions.md explains the language.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from fractions import Fraction
 
 from stt_codegen.decimals import decimal
 from stt_codegen.task.mission.formulas import (
-    WORDS,
+    KEYWORDS,
     Always,
     Eventually,
     Formula,
@@ -23,123 +27,135 @@ from stt_codegen.task.mission.formulas import (
 )
 
 TOKEN = re.compile(r"\s*(?:(->)|([A-Za-z][A-Za-z0-9_]*)|(\d+(?:\.\d+)?(?:[eE][+-]?\d+)?)|([\[\](),]))")
-MOST_TEXT = 2000  # characters of a formula
-MOST_NESTED = 40  # operators in one another
-PRECEDENCE = ("->", "or", "and", "until")  # from what binds least
+TEXT_LENGTH_LIMIT = 2000  # characters of a formula
+NESTING_LIMIT = 40  # operators inside one another
+PRECEDENCE = ("->", "or", "and", "until")  # from the weakest binding
 
 
 def parse_formula(text: str) -> Formula:
-    """The formula that a text says, in negation normal form. Raises `ValueError` with the place and what would be right."""
-    if len(text) > MOST_TEXT:
-        raise ValueError(f"has {len(text)} characters; at most {MOST_TEXT} are taken, use several entries")
-    return _Reader(text).whole()
+    """Return the formula of a text, in negation normal form.
+
+    Raises `ValueError` that says where the text is wrong and what is needed there.
+    """
+    if len(text) > TEXT_LENGTH_LIMIT:
+        raise ValueError(f"has {len(text)} characters; at most {TEXT_LENGTH_LIMIT} are taken, use several entries")
+    return _FormulaParser(text).formula()
 
 
-class _Reader:
-    """A reader by descent: each method reads what its name says and leaves the place behind it."""
+class _FormulaParser:
+    """A recursive-descent parser: each method reads the tokens that its name says and advances `index` past them."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.words, self.at, self.depth = text, list(self._tokens(text)), 0, 0
+        self.tokens, self.index, self.depth = list(self._split(text)), 0, 0
 
     @staticmethod
-    def _tokens(text: str) -> Iterator[tuple[str, int]]:
-        place = 0
-        while text[place:].strip():
-            found = TOKEN.match(text, place)
-            if found is None:
-                rest = text[place:].lstrip()
-                place = len(text) - len(rest)
+    def _split(text: str) -> Iterator[tuple[str, int]]:
+        """Yield each token with the index of its first character."""
+        position = 0
+        while text[position:].strip():
+            match = TOKEN.match(text, position)
+            if match is None:
+                rest = text[position:].lstrip()
                 raise ValueError(
-                    f"{rest[:12]!r} at character {place + 1} is no word of a formula; regions, {', '.join(WORDS)} are"
+                    f"{rest[:12]!r} at character {len(text) - len(rest) + 1} is no word of a formula; regions, "
+                    f"{', '.join(KEYWORDS)} are"
                 )
-            yield found.group().strip(), found.end() - len(found.group().strip())
-            place = found.end()
+            token = match.group().strip()
+            yield token, match.end() - len(token)
+            position = match.end()
 
     @property
-    def word(self) -> str:
-        return self.words[self.at][0] if self.at < len(self.words) else ""
+    def token(self) -> str:
+        """The next token; an empty text at the end."""
+        return self.tokens[self.index][0] if self.index < len(self.tokens) else ""
 
-    def fail(self, wanted: str) -> ValueError:
-        if self.at >= len(self.words):
-            return ValueError(f"ends where {wanted} is needed")
-        before = self.words[self.at - 1][0] if self.at else ""
-        close = difflib.get_close_matches(before.lower(), ("always", "eventually", "until"), 1) if before not in WORDS else []
-        if self.word == "[" and before:
+    def error(self, needed: str) -> ValueError:
+        """Return the error that says what is needed in place of the next token."""
+        if self.index >= len(self.tokens):
+            return ValueError(f"ends where {needed} is needed")
+        before = self.tokens[self.index - 1][0] if self.index else ""
+        close = difflib.get_close_matches(before.lower(), ("always", "eventually", "until"), 1) if before not in KEYWORDS else []
+        if self.token == "[" and before:
             return ValueError(
                 f"has a window after {before!r}, which is no operator" + (f"; did you mean {close[0]!r}?" if close else "")
             )
-        return ValueError(f"has {self.word!r} at character {self.words[self.at][1] + 1}, where {wanted} is needed")
+        return ValueError(f"has {self.token!r} at character {self.tokens[self.index][1] + 1}, where {needed} is needed")
 
-    def need(self, word: str) -> None:
-        if self.word != word:
-            raise self.fail(repr(word))
-        self.at += 1
+    def require(self, token: str) -> None:
+        """Read this token, or raise."""
+        if self.token != token:
+            raise self.error(repr(token))
+        self.index += 1
 
-    def whole(self) -> Formula:
-        found = self.binary(0)
-        if self.at < len(self.words):
-            raise self.fail("the end, or one of and, or, until, ->,")
-        return found
+    def formula(self) -> Formula:
+        """Read a formula that goes to the end of the text."""
+        formula = self.binary(0)
+        if self.index < len(self.tokens):
+            raise self.error("the end, or one of and, or, until, ->,")
+        return formula
 
     def binary(self, level: int) -> Formula:
-        """What is joined by the operators of PRECEDENCE from `level` on."""
+        """Read operands joined by the operators of PRECEDENCE from `level` on."""
         self.depth += 1
-        if self.depth > MOST_NESTED * (len(PRECEDENCE) + 1):
-            raise ValueError(f"is nested more than {MOST_NESTED} deep; use several entries")
+        if self.depth > NESTING_LIMIT * (len(PRECEDENCE) + 1):
+            raise ValueError(f"is nested more than {NESTING_LIMIT} deep; use several entries")
         if level == len(PRECEDENCE):
-            found = self.unary()
+            formula = self.unary()
         else:
-            sign, found = PRECEDENCE[level], self.binary(level + 1)
-            while self.word == sign:
-                self.at += 1
-                if sign == "->":  # a -> b -> c is a -> (b -> c)
-                    found = disjunction(negation(found), self.binary(level))
-                elif sign == "until":
-                    found = Until(self.interval(), found, self.binary(level + 1))
+            operator, formula = PRECEDENCE[level], self.binary(level + 1)
+            while self.token == operator:
+                self.index += 1
+                if operator == "->":  # a -> b -> c is a -> (b -> c)
+                    formula = disjunction(negation(formula), self.binary(level))
+                elif operator == "until":
+                    formula = Until(self.interval(), formula, self.binary(level + 1))
                 else:
-                    found = (conjunction if sign == "and" else disjunction)(found, self.binary(level + 1))
+                    formula = (conjunction if operator == "and" else disjunction)(formula, self.binary(level + 1))
         self.depth -= 1
-        return found
+        return formula
 
     def unary(self) -> Formula:
-        word = self.word
+        """Read a region, a formula in brackets, or one behind not, always or eventually."""
+        word = self.token
         if word in ("not", "always", "eventually"):
-            self.at += 1
+            self.index += 1
             if word == "not":
                 return negation(self.binary(len(PRECEDENCE)))
             over = self.interval()
             return (Always if word == "always" else Eventually)(over, self.binary(len(PRECEDENCE)))
         if word == "(":
-            self.at += 1
-            found = self.binary(0)
-            self.need(")")
-            return found
-        if not re.fullmatch(r"[A-Za-z]\w*", word) or word in WORDS:
-            raise self.fail("a region, a bracket, not, always or eventually")
-        self.at += 1
+            self.index += 1
+            formula = self.binary(0)
+            self.require(")")
+            return formula
+        if not re.fullmatch(r"[A-Za-z]\w*", word) or word in KEYWORDS:
+            raise self.error("a region, a bracket, not, always or eventually")
+        self.index += 1
         return InRegion(word)
 
     def interval(self) -> Interval:
-        if self.word != "[":
+        """Read [begin, end] in seconds, end may be inf; without a bracket the interval is all times."""
+        if self.token != "[":
             return Interval()
-        self.at += 1
+        self.index += 1
         begin = self.number()
-        self.need(",")
-        if self.word == "inf":
-            self.at += 1
+        self.require(",")
+        if self.token == "inf":
+            self.index += 1
             end = None
         else:
             end = self.number()
-        self.need("]")
+        self.require("]")
         if end is not None and end < begin:
             raise ValueError(f"has a window from {decimal(begin)} to {decimal(end)}; from must not be after to")
         return Interval(begin, end)
 
     def number(self) -> Fraction:
-        if not self.word[:1].isdigit():
-            raise self.fail("a number of seconds")
-        self.at += 1
-        value = Decimal(self.words[self.at - 1][0])
+        """Read a number of seconds."""
+        if not self.token[:1].isdigit():
+            raise self.error("a number of seconds")
+        self.index += 1
+        value = Decimal(self.tokens[self.index - 1][0])
         if value and not -10 < value.adjusted() < 10:
             raise ValueError(f"has the number {value}; use 0 or seconds from 1e-9 to 1e9")
         return Fraction(value)

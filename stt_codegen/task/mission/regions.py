@@ -1,5 +1,6 @@
-"""The mission of a task: named regions, and entries of which every one must hold. An entry is a formula (formulas.py), or one of
-the simple forms, which are short for one:
+"""The mission of a task: named regions, and entries that must all hold.
+
+An entry is a formula (formulas.py), or one of the simple forms, each of which stands for a formula:
 
     visit = "dock", between = [3, 5], stay = 2           eventually[3, 5] always[0, 2] dock
       .. then = "exit", within = 4                       eventually[3, 5] (always[0, 2] dock and eventually[2, 6] exit)
@@ -43,7 +44,7 @@ from stt_codegen.task.sets import (
 )
 from stt_codegen.task.values import MAX_LABEL, Labels, NotNegative, Positive, Window
 
-FORMS = {  # what tells the form of an entry, and what may stand beside it
+FORMS = {  # the key that decides the form of an entry, and the keys that may stand beside it
     "visit": ("between", "stay", "then", "within"),
     "never": ("before",),
     "patrol": ("every", "until"),
@@ -52,13 +53,14 @@ FORMS = {  # what tells the form of an entry, and what may stand beside it
 
 
 class RegionUnion(Table):
-    """A region that is others together: in it is what is in their union."""
+    """A region that is the union of other regions."""
 
     name: str = Field(default="", max_length=MAX_LABEL)
     any_of: Labels = Field(description="names of regions, of which one is enough")
 
 
 def _kind_of_region(value: Any) -> str:
+    """Return the tag of the table as which an entry of [[region]] is read."""
     if isinstance(value, RegionUnion) or (isinstance(value, dict) and "any_of" in value):
         return "<RegionUnion>"
     return kind_of_set(value)
@@ -86,34 +88,36 @@ class MissionEntry(Table):
 
     @property
     def form(self) -> str | None:
-        """Which of the forms it is; None where it is none or several."""
-        given = [name for name in FORMS if getattr(self, name) is not None]
-        return given[0] if len(given) == 1 else None
+        """The form of the entry; None where it has the keys of no form, or of several."""
+        forms = [name for name in FORMS if getattr(self, name) is not None]
+        return forms[0] if len(forms) == 1 else None
 
     def meaning(self, t_c: Fraction, repeats: bool = False) -> Formula:
-        """The entry as a formula, about regions by name. Raises `ValueError` where its text is none."""
+        """Return the entry as a formula about regions by name. Raises `ValueError` where its text cannot be read.
+
+        t_c: the prescribed time, at which windows without an end close; repeats: whether the task repeats itself."""
         if self.formula is not None:
             return parse_formula(self.formula)
         if self.visit is not None:
-            stay, first = self.stay or ZERO, Interval(*(self.between or (ZERO, t_c)))
-            here: Formula = Always(Interval(ZERO, stay), InRegion(self.visit)) if stay else InRegion(self.visit)
+            stay, arrival = self.stay or ZERO, Interval(*(self.between or (ZERO, t_c)))
+            visit: Formula = Always(Interval(ZERO, stay), InRegion(self.visit)) if stay else InRegion(self.visit)
             if self.then is not None:
                 gap = t_c if self.within is None else self.within
-                here = conjunction(here, Eventually(Interval(stay, stay + gap), InRegion(self.then)))
-            return Eventually(first, here)
+                visit = conjunction(visit, Eventually(Interval(stay, stay + gap), InRegion(self.then)))
+            return Eventually(arrival, visit)
         if self.never is not None:
             if self.before is None:
                 return Always(Interval(), InRegion(self.never, True))
             return Until(Interval(ZERO, t_c), InRegion(self.never, True), InRegion(self.before))
         assert self.patrol is not None
         assert self.every is not None
-        rounds, each = Interval(ZERO, (self.until or t_c) - self.every), Interval(ZERO, self.every)
+        patrol_time, next_visit = Interval(ZERO, (self.until or t_c) - self.every), Interval(ZERO, self.every)
         if repeats and self.until is None:
-            rounds = Interval()
-        return conjunction(*(Always(rounds, Eventually(each, InRegion(name))) for name in self.patrol))
+            patrol_time = Interval()
+        return conjunction(*(Always(patrol_time, Eventually(next_visit, InRegion(name))) for name in self.patrol))
 
     def title(self) -> str:
-        """The entry in a few words, for a sentence."""
+        """Return the entry in a few words, for a sentence."""
         if self.visit is not None:
             return f"visit {self.visit}" + (f" then {self.then}" if self.then else "")
         if self.never is not None:
@@ -125,8 +129,9 @@ class MissionEntry(Table):
 
 @dataclass(frozen=True)
 class State(Formula):
-    """A formula without time, told as one: of one region, or of boxes with "and" and "or", which is decided in every cell of the
-    grid that their edges make, so that a tube may lie in two boxes at once."""
+    """A formula without time that is decided as a unit: one region, or boxes joined by "and" and "or".
+
+    Boxes are decided in every cell of the grid of their edges, so that a tube may lie in two boxes at once."""
 
     inner: Formula
 
@@ -135,28 +140,27 @@ class State(Formula):
 
 
 def expand_unions(formula: Formula, regions: Mapping[str, Unsafe | RegionUnion]) -> Formula:
-    """The same formula with every choice told by its members."""
+    """Return the formula with the members of every union of regions in its place."""
 
-    def leaf(one: InRegion) -> Formula:
-        region = regions[one.region]
+    def members(leaf: InRegion) -> Formula:
+        region = regions[leaf.region]
         if not isinstance(region, RegionUnion):
-            return one
-        return (conjunction if one.is_negated else disjunction)(
-            *(replace_regions(InRegion(name, one.is_negated), leaf) for name in region.any_of)
-        )
+            return leaf
+        join = conjunction if leaf.is_negated else disjunction
+        return join(*(replace_regions(InRegion(name, leaf.is_negated), members) for name in region.any_of))
 
-    return replace_regions(formula, leaf)
+    return replace_regions(formula, members)
 
 
 def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
-    """The same formula with a `State` for all that is told as one; boxes: the regions that are."""
+    """Return the formula with a `State` for every part that is decided as a unit. boxes: the regions that are boxes."""
     match formula:
         case InRegion():
             return State(formula)
         case And(parts):
             return And(tuple(with_states(p, boxes) for p in parts))
         case Or(parts):
-            if _is_of(formula, boxes):
+            if _is_made_of(formula, boxes):
                 return State(formula)
             return Or(tuple(with_states(p, boxes) for p in parts))
         case Always(over, part):
@@ -168,15 +172,15 @@ def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
     raise TypeError(formula)
 
 
-def _is_of(formula: Formula, boxes: frozenset[str]) -> bool:
-    """Whether it is a formula without time of these regions alone."""
+def _is_made_of(formula: Formula, boxes: frozenset[str]) -> bool:
+    """Whether the formula is without time and about these regions only."""
     if isinstance(formula, InRegion):
         return formula.region in boxes
-    return isinstance(formula, And | Or) and all(_is_of(p, boxes) for p in formula.parts)
+    return isinstance(formula, And | Or) and all(_is_made_of(p, boxes) for p in formula.parts)
 
 
 def states_of(formula: Formula) -> Iterator[State]:
-    """All `State`s of a formula, each once."""
+    """Return the states of a formula in order, each once."""
     return iter(dict.fromkeys(_states(formula)))
 
 
