@@ -40,7 +40,7 @@ from stt_codegen.lemmas.emitted import examples, functions, printed_kernels
 from stt_codegen.lemmas.lemma import Lemma, Verdict
 from stt_codegen.lemmas.paper import transform, update_cells
 from stt_codegen.lemmas.sampling import first_exit, sampled_evaluated, sampled_exact, sampled_windows
-from stt_codegen.lemmas.sets import constraint_rows as row_lemmas
+from stt_codegen.lemmas.sets import task_constraints as row_lemmas
 from stt_codegen.lemmas.tube import spline_edges
 from stt_codegen.program.analyse import exact_logarithm as enclosed
 from stt_codegen.program.convert.from_casadi import lower

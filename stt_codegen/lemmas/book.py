@@ -22,7 +22,7 @@ from stt_codegen.lemmas.sampling import (
     sampled_windows,
     saturated,
 )
-from stt_codegen.lemmas.sets import constraint_rows, moving_bounds, shape_supports
+from stt_codegen.lemmas.sets import moving_bounds, shape_supports, task_constraints
 from stt_codegen.lemmas.tube import filtered_tube, inertial_inputs, input_limits, spline_edges
 
 # The order of the book: a lemma stands before those that name it as a step.
@@ -46,7 +46,7 @@ FAMILIES = {
             *sampled_exact.LEMMAS,
         ),
     ),
-    "rows": ("Rows, and what the certificate reads off them", constraint_rows.LEMMAS),
+    "rows": ("Rows, and what the certificate reads off them", task_constraints.LEMMAS),
     "limits": ("Limits on u", (*input_limits.LEMMAS, *saturated.LEMMAS)),
     "filtered": ("Plants of order 2", (*filtered_tube.LEMMAS, *inertial_inputs.LEMMAS)),
     "shapes": ("Shapes: normals, supports, distances", shape_supports.LEMMAS),

@@ -1,3 +1,3 @@
 """Lemmas about unsafe sets: normals and supports, constraints, sets that move."""
 
-__all__ = ["constraint_rows", "moving_bounds", "shape_supports"]
+__all__ = ["moving_bounds", "shape_supports", "task_constraints"]

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from stt_codegen import constraints as rows
+from stt_codegen import constraints
 from stt_codegen.designs import LOWER, UPPER
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.program import round_down
@@ -74,8 +74,11 @@ def _prove_rows() -> Outcome:
         for i, v in enumerate(held):
             others = plant.get("g_cross", 0) * sum(held[:i] + held[i + 1 :])
             most = plant.get("g_min", 1) * v - plant.get("f_max", 0) - plant.get("w_max", 0) - others
-            here = [row for row in rows.limit_constraints(task) if row.dimension == i]
-            wanted = [rows.Constraint(((i, LOWER, -1),), -most, order=1), rows.Constraint(((i, UPPER, 1),), -most, order=1)]
+            here = [row for row in constraints.limit_constraints(task) if row.dimension == i]
+            wanted = [
+                constraints.Constraint(((i, LOWER, -1),), -most, order=1),
+                constraints.Constraint(((i, UPPER, 1),), -most, order=1),
+            ]
             wrong += [] if here == wanted else [f"{plant}, u_max {u_max}: {here}"]
     return outcome_of_cases(TASKS, wrong, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
 
