@@ -66,7 +66,7 @@ from stt_codegen.program.nodes import (
 from stt_codegen.program.operations import REAL
 from stt_codegen.program.symbolic.paths import follow
 from stt_codegen.program.targets.python.printer import PythonPrinter
-from stt_codegen.sampling import loops, numbers, periods, setting, statements, windows
+from stt_codegen.sampling import loops, numbers, periods, sampled_loop, sampling_conditions, windows
 from stt_codegen.task.sets import convex_sets as sets
 
 OTHER = {
@@ -265,7 +265,8 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     ast.LtE: ast.GtE, ast.GtE: ast.LtE, ast.FloorDiv: ast.Div, ast.And: ast.Or, ast.Or: ast.And, ast.Eq: ast.NotEq,
 }  # fmt: skip
 OTHER_NAMES = {
-    "least": "most", "most": "least", "narrow": "wide", "wide": "narrow", "shift": "latency", "latency": "shift", "cosh": "tanh",
+    "least": "most", "most": "least", "diagonal_min": "diagonal_max", "diagonal_max": "diagonal_min", "narrow": "wide",
+    "wide": "narrow", "shift": "latency", "latency": "shift", "cosh": "tanh",
     "min": "max", "max": "min", "minimum": "maximum", "maximum": "minimum", "argmin": "argmax", "floor": "ceil", "ceil": "floor",
     "LOWER": "UPPER", "UPPER": "LOWER", "lower": "upper", "upper": "lower", "narrow_seen": "narrow", "f_max": "w_max",
     "keep": "bound", "size": "per", "reach": "rush", "share": "decay", "initial_state": "start", "gain": "e_max",
@@ -277,7 +278,7 @@ def mutate_source(text: str, draw: random.Random) -> str:
     tree = ast.parse(text)
     function = next(n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef))
     assigned = {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-    local = sorted(assigned | {a.arg for a in function.args.args} - {"self", "cls", "s"})
+    local = sorted(assigned | {a.arg for a in function.args.args} - {"self", "cls", "loop"})
     spots: list[Callable[[], None]] = []
     for statement in function.body:
         for node in ast.walk(statement):
@@ -354,7 +355,7 @@ def _statements() -> list[float]:
             if name == "sharp"
             else sampled_evaluated.symbol("E")
         )
-        for condition in statements.STATEMENTS[name].conditions(loop, at, sampled_evaluated.symbol("tau")):
+        for condition in sampling_conditions.SAMPLING_CONDITIONS[name].conditions(loop, at, sampled_evaluated.symbol("tau")):
             found += [float(v) for v in np.asarray(condition.values, dtype=object).ravel()]
     return found
 
@@ -428,7 +429,10 @@ def _setting() -> list[float]:
     task, tube, error = _probed()
     made = loops.loop_of(task, tube, error)
     falling = np.array([[3.0, 1.0], [2.0, 5.0], [4.0, 4.5]])
-    both = [setting.back(falling, np.maximum), setting.back(falling, np.minimum)]
+    both = [
+        sampled_loop.worst_with_previous_window(falling, np.maximum),
+        sampled_loop.worst_with_previous_window(falling, np.minimum),
+    ]
     return _numbers_of([made, made.longest_age, made.with_law(latency=0.0).longest_age, *both])
 
 
@@ -442,12 +446,12 @@ def _period() -> list[float]:
     for k, rho in itertools.product(range(4), ((3, 5), (25, 30), (2, 10**5))):
         e = np.array([Fraction(v) for v in rho], dtype=object)
         free, blind = loop.with_law(u_max=np.full(2, np.inf)), loop.with_law(shift=np.array([Fraction(2)] * 2))
-        found += [statements.input_bound(v.window(k), e) for v in (loop, free, blind)]
+        found += [sampling_conditions.input_bound(v.window(k), e) for v in (loop, free, blind)]
         for u in (found[-3], found[-3] * 20):
-            conditions = statements.sharp_under(loop.window(k), e, age, u, loop.push[k])
-            found.append(statements.first_failing(conditions) or 0)
+            conditions = sampling_conditions.sharp_under(loop.window(k), e, age, u, loop.closing_speed[k])
+            found.append(sampling_conditions.first_failing(conditions) or 0)
     logarithms = [enclosed.logarithm(Fraction(v)) for v in (1.5, 1.001, 77, 1e6)]
-    return _numbers_of([found, logarithms, loop.longest_age, loop.law.shift, loop.law.farthest, loop.start])
+    return _numbers_of([found, logarithms, loop.longest_age, loop.law.shift, loop.law.eps_at_clamp, loop.start])
 
 
 def _update() -> list[float]:
@@ -513,15 +517,16 @@ def _arithmetic() -> list[float]:
 
 
 READ: tuple[tuple[Any, str, Callable[[], list[float]], tuple[Any, ...]], ...] = (
-    (statements, "input_bound emitted_input sharp_push sharp_under pull q q_rate _seen _seen_reach _stale _input "
-     "_diagonal_staleness diagonal _general_staleness general", _statements, (sampled_evaluated,)),
+    (sampling_conditions, "input_bound emitted_input sharp_closing_speed sharp_under input_per_gain q q_rate _measured_distances "
+     "_measured_eps_bound _diagonal_staleness diagonal _general_staleness general", _statements, (sampled_evaluated,)),
+    (sampling_conditions.Staleness, "input_bound input_change", _statements, (sampled_evaluated,)),
     (windows, "extremes refined_windows", _windows, (sampled_windows,)),
     (windows.Windows, "shortest", _windows, (first_exit,)),
-    (setting, "law_of setting_of back", _setting, (first_exit, sampled_windows)),
-    (setting.Setting, "longest_age", _setting, (first_exit,)),
+    (sampled_loop, "law_of first_order_loop worst_with_previous_window", _setting, (first_exit, sampled_windows)),
+    (sampled_loop.SampledLoop, "longest_age", _setting, (first_exit,)),
     (enclosed, "logarithm _artanh", _period, (sampled_exact, sampled_windows)),
     (periods, "inputs_where_proved is_in_range", _period, (sampled_exact,)),
-    (numbers.Fractions, "reach_of_share far_divisor near_divisor share_of_reach log_below log_above lesser evenly", _period,
+    (numbers.Fractions, "eps_of_share far_divisor near_divisor share_of_eps log_below log_above lesser evenly", _period,
      (sampled_exact, sampled_windows)),
     (alpha_curves, "curve_values ahead", _update, (update_cells,)),
     (alpha_curves.Curve, "of outer cell balance root beyond", _update, (update_cells,)),

@@ -51,7 +51,7 @@ from stt_codegen.emit.render import Files, render
 from stt_codegen.pipeline import build_program, certify
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.sampling.loops import exact_loop
-from stt_codegen.sampling.statements import input_bound
+from stt_codegen.sampling.sampling_conditions import input_bound
 from stt_codegen.task.schema import PlantBounds
 from stt_codegen.task.sets.shapes import Box
 from stt_codegen.task.task import Task

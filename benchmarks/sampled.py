@@ -24,9 +24,9 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.suites.report import command, record, table
-from stt_codegen.sampling.periods import Period, longest
-from stt_codegen.sampling.setting import ROUNDING, Law, Setting
-from stt_codegen.sampling.statements import STATEMENTS
+from stt_codegen.sampling.periods import Period, longest_proved_period
+from stt_codegen.sampling.sampled_loop import ROUNDING, SampledLaw, SampledLoop
+from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS
 from stt_codegen.sampling.windows import Windows
 
 STEPS, PARTS, TRIES = 150, 6, 40  # samples of a run, parts of a period, doublings of it by a quarter
@@ -65,11 +65,11 @@ class Loop:
         return 2 if self.turn else 1
 
     @property
-    def law(self) -> Law:
+    def law(self) -> SampledLaw:
         """What the statements know of it: x is within 2 wide of 0, and is rounded, as the edges are, to single precision."""
         ones = np.ones(self.n)
         shift = (self.noise + 4 * 2.0**-24 * 2 * self.wide) * ones
-        return Law(
+        return SampledLaw(
             gain=self.gain * ones,
             e_max=E_MAX * ones,
             shift=shift,
@@ -78,7 +78,7 @@ class Loop:
             latency=self.latency,
         )
 
-    def setting(self, start: float) -> Setting:
+    def setting(self, start: float) -> SampledLoop:
         """What the statements read, for runs that begin with |eps| <= start in every component."""
         n, ones = self.n, np.ones((2, self.n))
         windows = Windows(
@@ -90,17 +90,17 @@ class Loop:
         cross = self.most * sine * (np.ones((n, n)) - np.eye(n)) * np.ones((2, 1, 1))
         push = (self.push + self.speed) * ones
         root = math.sqrt(n)
-        return Setting(
+        return SampledLoop(
             windows=windows,
             law=self.law,
-            least=self.least * cosine * ones,
-            most=self.most * ones,
+            diagonal_min=self.least * cosine * ones,
+            diagonal_max=self.most * ones,
             cross=cross,
-            push=push,
+            closing_speed=push,
             narrow=self.narrow * ones,
-            definite=np.full(2, self.least * cosine),
+            eigenvalue_min=np.full(2, self.least * cosine),
             norm=np.full(2, self.most),
-            push_norm=np.full(2, self.push + root * self.speed),
+            closing_speed_norm=np.full(2, self.push + root * self.speed),
             start=start * np.ones(n),
         )
 
@@ -202,7 +202,7 @@ def violations(loop: Loop, statement: str, period: Period, share: float, seed: i
     found, draw = [], random.Random(seed)
     for (name, adversary), e in zip(ADVERSARIES.items(), begins(loop, share, draw), strict=True):
         worst = run(loop, period.seconds, e, adversary, draw)
-        kept = worst.norm < period.reach[0] if statement == "general" else (worst.eps < period.reach).all()
+        kept = worst.norm < period.eps_bound[0] if statement == "general" else (worst.eps < period.eps_bound).all()
         if not (kept and (worst.u <= period.u).all()):
             found.append(name)
     return found
@@ -227,14 +227,14 @@ def main() -> int:
     options = parser.parse_args()
     draw = random.Random(1)
     rows = []
-    for statement in STATEMENTS:
+    for statement in SAMPLING_CONDITIONS:
         for turn in (False, True) if statement != "diagonal" else (False,):
             loops, proved, broken, factors = 0, 0, 0, []
             for seed in range(options.count):
                 loop = drawn(draw, turn)
                 share = draw.choice((0.9, draw.uniform(0.0, 0.9)))
                 loops += 1
-                period = longest(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
+                period = longest_proved_period(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
                 if period is None:
                     continue
                 proved += 1

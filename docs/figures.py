@@ -9,7 +9,7 @@ from stt_codegen.pipeline import EmittedController, build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.pictures.tube_pictures import draw, draw_beside, plane_named
-from stt_codegen.sampling.gains import most_room
+from stt_codegen.sampling.gains import choose_proved_gain
 
 HERE = Path(__file__).parent
 TASKS = HERE.parent / "tasks"
@@ -24,7 +24,7 @@ SHARE = 0.9  # of gamma(0): where runs begin
 def driven(name: str) -> tuple[EmittedController, list[Run]]:
     """A certified tube with the gain that `--gain best` takes, and runs from all over the initial set under every disturbance."""
     controller = build(TASKS / f"{name}.toml")
-    best = most_room(Analysis(controller, with_wind(INTEGRATOR, WIND)).setting, 1 / RATE)
+    best = choose_proved_gain(Analysis(controller, with_wind(INTEGRATOR, WIND)).setting, 1 / RATE)
     assert best is not None
     controller = with_gain(controller, best[0].tolist())
     loop = Loop(controller, INTEGRATOR)

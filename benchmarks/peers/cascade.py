@@ -6,7 +6,8 @@ The cascade takes the tube for a stage of its own, which asks for a speed, and a
 
 with eps1, xi1 of x between the edges, eps2, xi2 of v between v_ref - rho and v_ref + rho, c the tube's middle. The plain one has
 no term in brackets, which feeds the middle's speed forward. What is known of it when u is held, by component, with
-W- <= W <= W+ the tube's width in a window, S = |W'|/2 or, of the plain one, the edges' speed, and q of sampling/statements.py:
+W- <= W <= W+ the tube's width in a window, S = |W'|/2 or, of the plain one, the edges' speed, and q of
+sampling/sampling_conditions.py:
 while |v - v_ref| < rho, |eps1| < E1 stays if
 
     4 k1 q(E1)/W+ > rho + S
@@ -47,10 +48,10 @@ from stt_codegen.errors import NotCertified
 from stt_codegen.pipeline import EmittedController, build_task
 from stt_codegen.program.targets.template_files import template_folder
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling.gains import SPARE, Gains, natural_gain, needed_input, rounded_gain
-from stt_codegen.sampling.order_two import extent
-from stt_codegen.sampling.setting import Law, Setting, setting_of
-from stt_codegen.sampling.statements import q, q_rate
+from stt_codegen.sampling.gains import INPUT_MARGIN_FACTOR, Gains, natural_gain, needed_input, rounded_gain
+from stt_codegen.sampling.order_two import filtered_extremes
+from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop, first_order_loop
+from stt_codegen.sampling.sampling_conditions import q, q_rate
 from stt_codegen.sampling.windows import refined_windows
 from stt_codegen.task.load import load_task
 
@@ -151,7 +152,7 @@ class Stage:
 
     @classmethod
     def of(cls, design: RefinedDesign, forward: bool) -> Stage:
-        w, turn = refined_windows(design), extent(design).middle
+        w, turn = refined_windows(design), filtered_extremes(design).middle
         return cls(w.narrow, w.wide, w.widening, w.widening / 2 if forward else w.speed, turn if forward else 0 * turn)
 
     def least_gain(self, reach: Array, rho: Array) -> Array:
@@ -174,7 +175,7 @@ class Proved:
     law: Filtered | Cascade
     seconds: float
     u: tuple[float, ...]
-    setting: Setting
+    setting: SampledLoop
     reach: Array | None = None
 
 
@@ -192,7 +193,7 @@ def cascade(controller: EmittedController, forward: bool, share: float) -> Prove
     # a start at rest is as far from v_ref as v_ref(0) is from 0
     first = np.array([abs(float(a + b)) / 2 if forward else 0.0 for a, b in slopes_at_start(design)])
     away = (first + k1 * 4 * q(begin) / np.diff(windows.start)[:, 0]) / rho
-    pushed = np.array([b.push for b in bounds]) + stage.rate(k1, reach, rho)
+    pushed = np.array([b.disturbance for b in bounds]) + stage.rate(k1, reach, rho)
     score = np.where(away < float(E_MAX) * (1 - 1e-6), rho, 0)[:, 0] / pushed.max(axis=1)
     best = score.argmax(axis=0), 0, np.arange(n)
     if not (score.max(axis=0) > 0).all():
@@ -200,9 +201,9 @@ def cascade(controller: EmittedController, forward: bool, share: float) -> Prove
     k1, rho, reach, away = k1[best], rho[best], reach[best], away[best]
     same = 0 * windows.narrow
     moved = replace(windows, narrow=same + 2 * rho, wide=same + 2 * rho, speed=stage.rate(k1, reach, rho), widening=same)
-    law = Law(gain=np.ones(n), e_max=np.full(n, float(E_MAX)), shift=np.zeros(n), u_max=np.full(n, np.inf), rounding=0.0)
-    setting = setting_of(moved, bounds, law, 2 * np.arctanh(away) * (1 + 1e-9))
-    setting = setting.with_law(u_max=rounded_gain(needed_input(setting) * SPARE))
+    law = SampledLaw(gain=np.ones(n), e_max=np.full(n, float(E_MAX)), shift=np.zeros(n), u_max=np.full(n, np.inf), rounding=0.0)
+    setting = first_order_loop(moved, bounds, law, 2 * np.arctanh(away) * (1 + 1e-9))
+    setting = setting.with_law(u_max=rounded_gain(needed_input(setting) * INPUT_MARGIN_FACTOR))
     found = Gains(setting, natural_gain(setting)).longest
     if found is None:
         return None
@@ -366,7 +367,7 @@ def compare(w_max: float, processes: int) -> tuple[list[list[str]], list[str], b
         return [], [f"Plants of order 2 are not compared: {folder()} is not there; it is in a checkout"], True
     results = list(spread(partial(run, w_max=w_max), TUBES, min(processes, len(TUBES)), None))
     told = [m for found in results if not isinstance(found, str) for m in found]
-    reading = READING.format(w_max=w_max, spare=SPARE, corner=CORNER, rate=1e3 / PERIODS[0])
+    reading = READING.format(w_max=w_max, spare=INPUT_MARGIN_FACTOR, corner=CORNER, rate=1e3 / PERIODS[0])
     lines = [reading, *(found for found in results if isinstance(found, str))]
     return [row(m) for m in told], lines, all(m.kept for m in told if m.found and isinstance(m.found.law, Filtered))
 

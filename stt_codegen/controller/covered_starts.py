@@ -1,8 +1,8 @@
 """Which starts the guarantee covers, as bounds that `covered` compares a measurement with.
 
 With `control.period` these are the starts that P9 is proved for: |e(0)| within `initial_set.share`, and for order 2 v + lambda x
-as near the middle of the filtered tube as it is from the starts that the task states (`start_reach`: P9's invariant begins
-there). Without it they are those of Theorem 4.1 at which the clamp does not act: |e(0)| < e_max, in continuous time.
+as near the middle of the filtered tube as it is from the starts that the task states (`inertial_start_bound`: P9's invariant
+begins there). Without it they are those of Theorem 4.1 at which the clamp does not act: |e(0)| < e_max, in continuous time.
 
 What a measurement may be wrong by is taken off both sides: noise, and the rounding of x, v and their sum to the scalar. So a
 measurement strictly between the bounds belongs to no state that is not covered.
@@ -35,7 +35,7 @@ from stt_codegen.program import (
     round_toward,
 )
 from stt_codegen.properties import Property
-from stt_codegen.sampling import FRACTIONS, start_reach
+from stt_codegen.sampling import FRACTIONS, inertial_start_bound
 from stt_codegen.task import Task
 
 Bounds = tuple[tuple[Fraction, Fraction], ...]
@@ -94,7 +94,7 @@ def starts_of(task: Task, design: RefinedDesign) -> Starts:
     places = tuple(_inner(low, high, share, noise + rounding * size) for low, high in ends)
     if task.order == 1:
         return Starts(places, ())
-    reaches = start_reach(task, design, numbers=FRACTIONS) if task.control.period is not None else None
+    reaches = inertial_start_bound(task, design, numbers=FRACTIONS) if task.control.period is not None else None
     is_known = reaches is not None and bool((reaches < math.inf).all())
     noise_v = Fraction(0) if task.uses_differences else task.plant.noise_v or Fraction(0)
     filtered = []
@@ -103,7 +103,7 @@ def starts_of(task: Task, design: RefinedDesign) -> Starts:
     ):
         lower, upper = low_rate + value * low, high_rate + value * high
         far = max(abs(lower), abs(upper))
-        shares = FRACTIONS.share_of_reach(reaches[i]) if reaches is not None and is_known else share
+        shares = FRACTIONS.share_of_eps(reaches[i]) if reaches is not None and is_known else share
         if task.emit.scalar == "fixed":  # x and v are half a unit off, and lambda times x is rounded down
             wrong = design.unit * (Fraction(3, 2) + value / 2)
         else:  # x and v, their product and sum are rounded: each of at most what is added up here

@@ -27,7 +27,7 @@ from stt_codegen.design.refusals import refusal
 from stt_codegen.design.spline_tubes import PLENTY, Search, Shape, calmest, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
-from stt_codegen.sampling import Gains, loop_of, natural_gain, statements_of
+from stt_codegen.sampling import Gains, condition_kinds_of, loop_of, natural_gain
 from stt_codegen.task import Task
 
 CAPS = (2, 1, 4, 16)  # times the speed without bounds by component is what one may have, in this order
@@ -150,11 +150,11 @@ def _longest_period(task: Task, design: RefinedDesign, allowance: Fraction) -> f
     """Seconds between samples that are proved for the plant's bounds and the share of starts: at the task's gain, over all gains
     where that is left open. 0 where there are none. allowance: for the arithmetic, whose error is not derived yet."""
     edge, rate = ((v,) * task.dimension for v in (allowance, allowance * design.segments / design.prescribed_time))
-    setting, statements = loop_of(task, design, edge, rate), statements_of(task)
+    setting, statements = loop_of(task, design, edge, rate), condition_kinds_of(task)
     if task.control.gain is None or task.has_automatic_gain:
-        best = Gains(setting, natural_gain(setting), statements=statements).longest
+        best = Gains(setting, natural_gain(setting), kinds=statements).longest
         return 0.0 if best is None else best[1].seconds
-    period = Gains(setting, setting.law.gain, statements=statements).at(setting.law.gain)
+    period = Gains(setting, setting.law.gain, kinds=statements).at(setting.law.gain)
     return 0.0 if period is None else period.seconds
 
 

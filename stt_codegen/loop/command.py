@@ -18,7 +18,7 @@ from stt_codegen.pipeline import EmittedController, build_program, certify, rend
 from stt_codegen.plants import Model, Plant, plant_of
 from stt_codegen.record import write_files
 from stt_codegen.report import Analysis, above_float, below_float
-from stt_codegen.sampling import least, most_room
+from stt_codegen.sampling import choose_proved_gain, prove_for_period
 from stt_codegen.task import Task
 
 BOUNDS = "bounds"  # the name of the plants within_bounds
@@ -211,7 +211,7 @@ def _gain(text: str, analysis: Analysis, age: float) -> tuple[float, ...]:
     if text == "best":
         setting, shortest = analysis.setting, analysis.shortest
         best = (
-            most_room(setting, age, shortest, analysis.statements) or analysis.gains.longest
+            choose_proved_gain(setting, age, shortest, analysis.statements) or analysis.gains.longest
             if analysis.controller.certificate.tube_holds
             else None
         )
@@ -261,7 +261,7 @@ def foretold(controller: EmittedController, plant: Model | None, scenario: Scena
     age, period = scenario.age, analysis.period
     if period is None:
         return [*lines, f"no sampling period is proved for gain {by_component(controller.task.gain)}, this plant and start"]
-    now = least("sharp", analysis.setting, age) or period
+    now = prove_for_period("sharp", analysis.setting, age) or period
     e = f"|e| stays below {', '.join(f'{above_float(v):g}' for v in now.e)}"
     most, here = f"{1e3 * below_float(period.seconds):.4g} ms", f"{1e3 * age:.9g} ms"
     if 1 / scenario.rate < analysis.shortest:

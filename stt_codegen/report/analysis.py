@@ -43,28 +43,28 @@ from stt_codegen.report.bounds import (
 )
 from stt_codegen.report.plant_table import ProposedBounds, propose_bounds, uncovered_bounds
 from stt_codegen.sampling import (
-    BEYOND,
-    STATEMENTS,
+    KNOWN_AGE_FACTOR,
+    SAMPLING_CONDITIONS,
     Bounds,
     Gains,
     Period,
     PlantEnclosure,
-    Setting,
+    SampledLoop,
     Windows,
-    back,
     bounds_of_task,
-    effort,
-    eps_of_states,
+    choose_proved_gain,
+    condition_kinds_of,
+    continuous_input_bound,
     epsilon_star,
     epsilon_star_norm,
     holds_saturated,
     holds_scaled,
-    longest_from,
+    longest_proved_period_from,
     loop_of,
-    most_room,
     refined_windows,
-    speeds,
-    statements_of,
+    start_bound_of_task,
+    velocity_bounds,
+    worst_with_previous_window,
 )
 
 Array = npt.NDArray[Any]
@@ -94,23 +94,33 @@ class Analysis:
         self.windows = WINDOWS[controller.design.kind](self)
         self.bounds = list(self._bounds(1 if task.gain[0] > 0 else -1))
         self.setting = self._setting(start)
-        self.statements = statements_of(task)
+        self.statements = condition_kinds_of(task)
         self.starts = f"|e(0)| <= {decimal(task.initial_set.share)} by component" if start is None else "x(0) as given"
         if task.order == 2 and (start is None or len(start) == task.dimension):
             moving = any(task.start_speed)
             self.starts += f" and |v(0)| <= {by_component(task.start_speed)}" if moving else " and at rest"
 
-    def _setting(self, start: Sequence[float] | None) -> Setting:
+    def _setting(self, start: Sequence[float] | None) -> SampledLoop:
         """The loop; of order 2 what is held is v + lambda x."""
         controller, design = self.controller, self.controller.design
         rate = rate_error(require_refined(design), controller.program) if design.filter else ()
         edge, windows = controller.certificate.edge_error, self.windows
-        made = loop_of(controller.task, design, edge, rate, windows, self.bounds, self.noise, self.latency, start)
-        return replace(made, known_to=min(made.known_to, self.mixed_age))
+        made = loop_of(
+            controller.task,
+            design,
+            edge,
+            rate,
+            windows=windows,
+            bounds=self.bounds,
+            noise=self.noise,
+            latency=self.latency,
+            start=start,
+        )
+        return replace(made, largest_known_age=min(made.largest_known_age, self.mixed_age))
 
     def _eps_of(self, state: Sequence[float] | None) -> Array:
         """What |eps(0)| is at most, of a state, or of the starts in the share."""
-        return eps_of_states(self.controller.task, self.controller.design, self.windows, state)
+        return start_bound_of_task(self.controller.task, self.controller.design, self.windows, state)
 
     @cached_property
     def enclosed(self) -> Enclosed:
@@ -128,9 +138,9 @@ class Analysis:
         enclosure = PlantEnclosure(self.plant, task.dimension, sign, task.order)
         low, high = w.low, w.high
         if task.order == 2:
-            slow, fast = speeds(require_refined(self.controller.design))
+            slow, fast = velocity_bounds(require_refined(self.controller.design))
             low, high = np.concatenate([low, slow], axis=1), np.concatenate([high, fast], axis=1)
-        for a, b in zip(back(low, np.minimum), back(high, np.maximum), strict=True):
+        for a, b in zip(worst_with_previous_window(low, np.minimum), worst_with_previous_window(high, np.maximum), strict=True):
             yield enclosure.over(list(zip(a.tolist(), b.tolist(), strict=True)), self._drift(a, b))
 
     @property
@@ -138,7 +148,7 @@ class Analysis:
         """To which age of a sample the bounds on a plant that mixes are known, seconds; without end for others."""
         if self.plant is None or self.plant.mixing is None or self.controller.task.order == 1:
             return math.inf
-        return (self.wanted + self.latency) * float(BEYOND)
+        return (self.wanted + self.latency) * float(KNOWN_AGE_FACTOR)
 
     def _drift(self, low: Array, high: Array) -> list[float]:
         """How far x of a sample may be from x in a window of that box: of order 2 as far as it gets in `mixed_age`; of order 1
@@ -166,8 +176,10 @@ class Analysis:
     @cached_property
     def periods(self) -> dict[str, Period | None]:
         """By statement, the longest period proved for the task's gain."""
-        known = STATEMENTS if self.controller.task.order == 1 and not self.controller.task.scales_input else self.statements
-        return {statement: longest_from(self.shortest, statement, self.setting) for statement in known}
+        known = (
+            SAMPLING_CONDITIONS if self.controller.task.order == 1 and not self.controller.task.scales_input else self.statements
+        )
+        return {statement: longest_proved_period_from(self.shortest, statement, self.setting) for statement in known}
 
     @property
     def shortest(self) -> float:
@@ -199,7 +211,7 @@ class Analysis:
             if task.plant.g_cross is None and task.dimension > 1:
                 found.append("g is diagonal, for plant.g_cross is not stated; `prove TASK --plant` takes any g")
             if task.plant.g_min is None:
-                found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].definite)):g}")
+                found.append(f"plant.g_min, which is not stated, is {below_float(float(self.bounds[0].eigenvalue_min)):g}")
         if self.shortest and not task.uses_differences:
             found.append("alpha follows (11); what the emitted steps differ from it by is not in the period")
         return found
@@ -213,8 +225,8 @@ class Analysis:
     @cached_property
     def from_initial_state(self) -> Period | None:
         """The longest period from initial_state alone, where that is longer than from all starts of the share."""
-        setting = self.setting.begun_at(self._eps_of([float(v) for v in self.controller.task.initial_state]))
-        found = [p for p in (longest_from(self.shortest, name, setting) for name in self.periods) if p is not None]
+        setting = self.setting.with_start(self._eps_of([float(v) for v in self.controller.task.initial_state]))
+        found = [p for p in (longest_proved_period_from(self.shortest, name, setting) for name in self.periods) if p is not None]
         best = max(found, key=lambda p: p.seconds, default=None)
         return None if best is None or (self.period is not None and best.seconds <= self.period.seconds) else best
 
@@ -234,18 +246,18 @@ class Analysis:
         s, task, c = self.setting, self.controller.task, self.controller.certificate
         yield Hypothesis("tube", f"the certificate holds: {Property.WIDTH.code} to {Property.ARITHMETIC.code}", c.tube_holds)
         yield Hypothesis("start", f"starts strictly inside gamma(0): {self.starts}", bool(np.isfinite(s.start).all()))
-        least = float(s.definite.min())
+        least = float(s.eigenvalue_min.min())
         sign = "" if task.gain[0] > 0 else "-"
         known = f"{sign}g_s > 0 over the tube" + (f", at least {below_float(least):g}" if math.isfinite(least) else "")
         yield Hypothesis("Assumption 2", known, least > 0)
-        clamp = s.law.farthest
+        clamp = s.law.eps_at_clamp
         inside = (epsilon_star(s) < clamp).all() or (epsilon_star_norm(s) < clamp).all() or self.period is not None
         most = by_component([float(f"{below_float(v):.4g}") for v in clamp.tolist()])
         told = f"eps* <= eps(e_max) = {most} under continuous control, or a sampled statement holds: the clamp never acts"
         yield Hypothesis("Theorem 4.1", told, bool(inside))
         if task.u_max is not None:
             free = self.period is not None or (holds_scaled(s) if task.scales_input else holds_saturated(s))
-            free = free or bool(((effort(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
+            free = free or bool(((continuous_input_bound(s) <= s.law.u_max) & (epsilon_star(s) < clamp)).all())
             told = f"control.u_max is at least what the law may ask for, or outdoes all that pushes ({Property.LIMITS.code})"
             yield Hypothesis("saturation", told, free)
         if task.emit.tick_period is not None:
@@ -316,7 +328,7 @@ class Analysis:
         task, own, alone, age = self.controller.task, self.period, self.from_initial_state, self.wanted + self.latency
         sign = 1 if task.gain[0] > 0 else -1
         longest, limited, gains = self.gains.longest, self.gains.limited, self.gains.range(age)
-        roomiest = most_room(self.setting, age, self.shortest, self.statements)
+        roomiest = choose_proved_gain(self.setting, age, self.shortest, self.statements)
 
         def signed(gain: Array) -> tuple[float, ...]:
             return tuple((sign * gain).tolist())
@@ -367,14 +379,16 @@ class Analysis:
                 rounded(w.speed.max(axis=0), above_float),
             ),
             plant_over_the_tube=PlantOverTube(
-                rounded(np.array([b.push for b in self.bounds]).max(axis=0), above_float),
-                rounded(s.least.min(axis=0), below_float),
+                rounded(np.array([b.disturbance for b in self.bounds]).max(axis=0), above_float),
+                rounded(s.diagonal_min.min(axis=0), below_float),
                 rounded(s.cross.max(axis=(0, 2)), above_float),
-                below_float(float(s.definite.min())),
+                below_float(float(s.eigenvalue_min.min())),
                 above_float(float(s.norm.max())),
             ),
             continuous=ContinuousBounds(
-                rounded(epsilon_star(s), above_float), above_float(epsilon_star_norm(s)), rounded(effort(s), above_float)
+                rounded(epsilon_star(s), above_float),
+                above_float(epsilon_star_norm(s)),
+                rounded(continuous_input_bound(s), above_float),
             ),
             sampled={name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
             sampling=self.sampling(),

@@ -59,10 +59,10 @@ class ProvedPeriod:
         """What is proved where u acts up to `latency` after its sample: the age of a sample less that; None where none is."""
         if period is None or not period.seconds > latency:
             return None
-        begin, end, dimension = period.tight
+        begin, end, dimension = period.bottleneck
         e, u = (tuple(above_float(v) for v in values) for values in (period.e, period.u))
         return cls(
-            statement=period.statement,
+            statement=period.kind,
             period=below_float(period.seconds - latency),
             e=e,
             u=u,

@@ -49,15 +49,19 @@ class Extremes:
 
 def component_extremes(bounds: Sequence[Bounds]) -> Extremes:
     """The worst of |f_i + w_i|, g_ii and |g_ij| over the windows."""
-    push, g_upper = (np.array([getattr(b, name) for b in bounds]).max(axis=0) for name in ("push", "most"))
-    g_lower = np.array([b.least for b in bounds]).min(axis=0)
+    push, g_upper = (np.array([getattr(b, name) for b in bounds]).max(axis=0) for name in ("disturbance", "diagonal_max"))
+    g_lower = np.array([b.diagonal_min for b in bounds]).min(axis=0)
     g_cross = np.array([b.cross for b in bounds]).max(axis=(0, 2))
     return Extremes(push.tolist(), g_lower.tolist(), g_upper.tolist(), g_cross.tolist())
 
 
 def norm_extremes(bounds: Sequence[Bounds]) -> Extremes:
     """The worst of |f + w|, g_s and |g| over the windows; |g_ij| is in |g|."""
-    push, g_lower, g_upper = max(b.push_norm for b in bounds), min(b.definite for b in bounds), max(b.norm for b in bounds)
+    push, g_lower, g_upper = (
+        max(b.disturbance_norm for b in bounds),
+        min(b.eigenvalue_min for b in bounds),
+        max(b.norm for b in bounds),
+    )
     return Extremes([push], [g_lower], [g_upper], [0.0])
 
 
@@ -151,10 +155,10 @@ def _reason(task: Task, worst: Extremes, opposite: Callable[[], Sequence[Bounds]
     positive = task.gain[0] > 0
     g, sign = ("g", "negative") if positive else ("-g", "positive")
     if task.order == 1:
-        quantity, turned = f"the least eigenvalue of {g}_s", min(b.definite for b in opposite())
+        quantity, turned = f"the least eigenvalue of {g}_s", min(b.eigenvalue_min for b in opposite())
     else:
         i = worst.g_lower.index(min(worst.g_lower))
-        quantity, turned = f"{g}_ii of {task.axis_words[i]}", min(float(b.least.min()) for b in opposite())
+        quantity, turned = f"{g}_ii of {task.axis_words[i]}", min(float(b.diagonal_min.min()) for b in opposite())
     lowest = f"{below(Fraction(min(worst.g_lower)), 4):g}"
     problem = f"{quantity} is only known to be at least {lowest}, and plant.g_min is greater than 0"
     if turned > 0:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from stt_codegen.decimals import by_component
 from stt_codegen.report.bounds import ProvedPeriod, Sampling
-from stt_codegen.sampling import MUCH
+from stt_codegen.sampling import WORTHWHILE_PERIOD_RATIO
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def sampling_lines(sampling: Sampling, tick_period: float | None) -> Iterator[Li
         told = f"gain {by_component(longest.gain)}"
         yield Line(f"{told} would allow {time_told(longest.proved.period)}, |u| is at most {few(longest.proved.u)}", under=True)
     limited, best = sampling.limited, 0.0 if longest is None else longest.proved.period
-    if limited is not None and limited.u_max is not None and limited.proved.period > MUCH * best:
+    if limited is not None and limited.u_max is not None and limited.proved.period > WORTHWHILE_PERIOD_RATIO * best:
         told = f"control.u_max {by_component(limited.u_max)} and gain {by_component(limited.gain)}"
         yield Line(f"{told} would allow {time_told(limited.proved.period)}", under=True)
     if sampling.gains is None:

@@ -1,59 +1,81 @@
-"""What held inputs, late samples, noise and limits do to a tube: bounds of plants, time windows, statements, periods, gains."""
+"""Sampled control in a tube: bounds on plants, time windows, sampling conditions, proved periods and gains."""
 
-from stt_codegen.sampling.continuous import effort, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
-from stt_codegen.sampling.gains import MUCH, Gains, longest_from, most_room, natural_gain, rounded_gain
-from stt_codegen.sampling.loops import eps_of_states, exact_loop, loop_of, statements_of
+from stt_codegen.sampling.continuous import continuous_input_bound, epsilon_star, epsilon_star_norm, holds_saturated, holds_scaled
+from stt_codegen.sampling.gains import (
+    WORTHWHILE_PERIOD_RATIO,
+    Gains,
+    choose_proved_gain,
+    longest_proved_period_from,
+    natural_gain,
+    rounded_gain,
+)
+from stt_codegen.sampling.loops import condition_kinds_of, exact_loop, loop_of, start_bound_of_task
 from stt_codegen.sampling.numbers import FRACTIONS, Fractions
-from stt_codegen.sampling.order_two import BEYOND, extent, inertial_motion, speeds, start_reach
-from stt_codegen.sampling.periods import Period, inputs_where_proved, least, longest
-from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, least_eigenvalue
-from stt_codegen.sampling.setting import ROUNDING, Law, Setting, back, in_balls, law_of, reach_of_starts, setting_of
-from stt_codegen.sampling.statements import STATEMENTS, emitted_input
+from stt_codegen.sampling.order_two import (
+    KNOWN_AGE_FACTOR,
+    filtered_extremes,
+    inertial_motion,
+    inertial_start_bound,
+    velocity_bounds,
+)
+from stt_codegen.sampling.periods import Period, inputs_where_proved, longest_proved_period, prove_for_period
+from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, minimum_eigenvalue
+from stt_codegen.sampling.sampled_loop import (
+    ROUNDING,
+    SampledLaw,
+    SampledLoop,
+    first_order_loop,
+    in_balls,
+    law_of,
+    start_bound_of_share,
+    worst_with_previous_window,
+)
+from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS, emitted_input
 from stt_codegen.sampling.windows import Windows, extremes, refined_windows
 
 __all__ = [
-    "BEYOND",
     "FRACTIONS",
-    "MUCH",
+    "KNOWN_AGE_FACTOR",
     "ROUNDING",
-    "STATEMENTS",
+    "SAMPLING_CONDITIONS",
+    "WORTHWHILE_PERIOD_RATIO",
     "Bounds",
     "Fractions",
     "Gains",
-    "Law",
     "Period",
     "PlantEnclosure",
-    "Setting",
+    "SampledLaw",
+    "SampledLoop",
     "Windows",
-    "back",
     "bounds_of_task",
-    "effort",
+    "choose_proved_gain",
+    "condition_kinds_of",
+    "continuous_input_bound",
     "emitted_input",
-    "eps_of_states",
     "epsilon_star",
     "epsilon_star_norm",
     "exact_loop",
-    "extent",
     "extremes",
+    "filtered_extremes",
+    "first_order_loop",
     "holds_saturated",
     "holds_scaled",
     "in_balls",
     "inertial_motion",
+    "inertial_start_bound",
     "inputs_where_proved",
     "law_of",
-    "least",
-    "least_eigenvalue",
-    "longest",
-    "longest_from",
+    "longest_proved_period",
+    "longest_proved_period_from",
     "loop_of",
-    "most_room",
+    "minimum_eigenvalue",
     "natural_gain",
-    "reach_of_starts",
+    "prove_for_period",
     "refined_windows",
     "rounded_gain",
-    "setting_of",
-    "speeds",
-    "start_reach",
-    "statements",
-    "statements_of",
+    "sampling_conditions",
+    "start_bound_of_share",
+    "start_bound_of_task",
+    "velocity_bounds",
+    "worst_with_previous_window",
 ]

@@ -1,9 +1,11 @@
-"""The numbers that the sampling conditions are computed in: doubles, from which balls and symbols follow, or exact fractions.
+"""The kinds of number that the sampling conditions are computed in: doubles, or exact fractions.
 
-The formulas of this room are written once. What they need besides +, -, *, /, comparisons, maxima and minima is here: conversions
-with their rounding, and what is done with a bound E on |eps| = |ln(a/b)|. Of E only e^E and tanh(E/2) are asked for. So fractions
-have the rational rho = e^E in the place of E, 1/(1 + e^-E) = rho/(1 + rho) and tanh(E/2) = (rho - 1)/(rho + 1); what is left are
-logarithms of rationals, which are enclosed.
+The code for doubles also runs on balls (Arb) and on symbols, and so proves and states what it computes.
+
+The formulas of this room are written once. What they need beyond +, -, *, /, comparisons, maxima and minima is here: conversions
+with their rounding, and functions of a bound E on |eps| = |ln(a/b)|. These need only e^E and tanh(E/2). So fractions use the
+rational rho = e^E in place of E: 1/(1 + e^-E) = rho/(1 + rho) and tanh(E/2) = (rho - 1)/(rho + 1). What remains are logarithms of
+rationals, which are enclosed (the lemmas `sampled.fractions` and `sampled.logarithm`).
 """
 
 from __future__ import annotations
@@ -20,53 +22,53 @@ from stt_codegen.program.analyse import logarithm
 
 
 class Numbers(Protocol):
-    """What a kind of number does. Every method takes and gives single numbers or arrays."""
+    """What a kind of number can do. Every method takes and returns single numbers or arrays."""
 
     def of(self, value: Any) -> Any:
-        """The number nearest to a fraction."""
+        """Return the number nearest to a fraction."""
 
     def toward(self, value: Fraction, end: float) -> Any:
-        """A fraction as a number, rounded toward `end` where it is none."""
+        """Return a fraction as a number, rounded toward `end` if it must be rounded."""
 
     def outward(self, value: Any, share: float) -> Any:
-        """What was rounded, larger by that share of it: by nothing where nothing was rounded."""
+        """Return a rounded value enlarged by this share of it; an exact value as it is."""
 
     def multiples_above(self, counts: Any, unit: Fraction) -> Any:
-        """So many units, integers (..), rounded up."""
+        """Return counts (whole numbers) times the unit, rounded up."""
 
     def root_above(self, value: Any) -> Any:
-        """A bound on the square root."""
+        """Return an upper bound on the square root."""
 
     def evenly(self, end: Fraction, parts: int) -> Any:
-        """The times that cut [0, end] into equal parts: (parts + 1)."""
+        """Return the times that cut [0, end] into equal parts: (parts + 1)."""
 
-    def reach_of_share(self, share: Any) -> Any:
-        """E at |e| = share: ln((1 + share)/(1 - share))."""
+    def eps_of_share(self, share: Any) -> Any:
+        """Return E at |e| = share: ln((1 + share)/(1 - share))."""
 
-    def reach_of_ratio(self, ratio: Fraction) -> Any:
-        """E at a/b = ratio: |ln ratio|."""
+    def eps_of_ratio(self, ratio: Fraction) -> Any:
+        """Return E at a/b = ratio: |ln ratio|."""
 
-    def far_divisor(self, reach: Any) -> Any:
-        """1 + e^-E: a width over the distance to the farther edge at |eps| = E."""
+    def far_divisor(self, eps_bound: Any) -> Any:
+        """Return 1 + e^-E: the width over the distance to the farther edge at |eps| = E."""
 
-    def near_divisor(self, reach: Any) -> Any:
-        """1 + e^E: a width over the distance to the nearer edge."""
+    def near_divisor(self, eps_bound: Any) -> Any:
+        """Return 1 + e^E: the width over the distance to the nearer edge at |eps| = E."""
 
-    def share_of_reach(self, reach: Any) -> Any:
-        """|e| at |eps| = E: tanh(E/2)."""
+    def share_of_eps(self, eps_bound: Any) -> Any:
+        """Return |e| at |eps| = E: tanh(E/2)."""
 
     def log_below(self, value: Any) -> Any:
-        """A logarithm, or what is no larger; of numbers above 1."""
+        """Return a logarithm or a lower bound on it; for numbers above 1."""
 
     def log_above(self, value: Any) -> Any:
-        """A logarithm, or what is no less."""
+        """Return a logarithm or an upper bound on it."""
 
     def lesser(self, value: Any, limit: Any) -> Any:
-        """The lesser of both, or the limit where they are nearly equal; `limit` may be infinite."""
+        """Return the smaller of both, or the limit where they are nearly equal; `limit` may be infinite."""
 
 
 class Doubles:
-    """Doubles that are rounded outwards where they are made, arrays of balls, and arrays of symbols; reaches are E."""
+    """Doubles, rounded outward on conversion, and arrays of balls or of symbols; a bound on |eps| is E itself."""
 
     def of(self, value: Any) -> Any:
         return float(value)
@@ -87,20 +89,20 @@ class Doubles:
     def evenly(self, end: Fraction, parts: int) -> Any:
         return np.linspace(0.0, float(end), parts + 1)
 
-    def reach_of_share(self, share: Any) -> Any:
+    def eps_of_share(self, share: Any) -> Any:
         return 2 * (math.atanh(share) if isinstance(share, Fraction) else np.arctanh(share))
 
-    def reach_of_ratio(self, ratio: Fraction) -> Any:
+    def eps_of_ratio(self, ratio: Fraction) -> Any:
         return abs(math.log(ratio))
 
-    def far_divisor(self, reach: Any) -> Any:
-        return 1 + np.exp(-reach)
+    def far_divisor(self, eps_bound: Any) -> Any:
+        return 1 + np.exp(-eps_bound)
 
-    def near_divisor(self, reach: Any) -> Any:
-        return 1 + np.exp(reach)
+    def near_divisor(self, eps_bound: Any) -> Any:
+        return 1 + np.exp(eps_bound)
 
-    def share_of_reach(self, reach: Any) -> Any:
-        return np.tanh(reach / 2)
+    def share_of_eps(self, eps_bound: Any) -> Any:
+        return np.tanh(eps_bound / 2)
 
     def log_below(self, value: Any) -> Any:
         return np.log(value)
@@ -115,7 +117,10 @@ class Doubles:
 
 @dataclass(frozen=True)
 class Fractions:
-    """Exact fractions, in arrays of objects; reaches are rho = e^E. enclosed: the two ends of a logarithm."""
+    """Exact fractions, in arrays of objects; a bound on |eps| is rho = e^E.
+
+    enclosed: a function that returns both ends of an enclosed logarithm.
+    """
 
     enclosed: Callable[[Any], tuple[Any, Any]] = logarithm
 
@@ -138,20 +143,20 @@ class Fractions:
     def evenly(self, end: Fraction, parts: int) -> Any:
         return np.array([end * k / parts for k in range(parts + 1)], dtype=object)
 
-    def reach_of_share(self, share: Any) -> Any:
+    def eps_of_share(self, share: Any) -> Any:
         return (1 + share) / (1 - share)
 
-    def reach_of_ratio(self, ratio: Fraction) -> Any:
+    def eps_of_ratio(self, ratio: Fraction) -> Any:
         return max(ratio, 1 / ratio)
 
-    def far_divisor(self, reach: Any) -> Any:
-        return 1 + 1 / reach
+    def far_divisor(self, eps_bound: Any) -> Any:
+        return 1 + 1 / eps_bound
 
-    def near_divisor(self, reach: Any) -> Any:
-        return 1 + reach
+    def near_divisor(self, eps_bound: Any) -> Any:
+        return 1 + eps_bound
 
-    def share_of_reach(self, reach: Any) -> Any:
-        return (reach - 1) / (reach + 1)
+    def share_of_eps(self, eps_bound: Any) -> Any:
+        return (eps_bound - 1) / (eps_bound + 1)
 
     def log_below(self, value: Any) -> Any:
         return np.frompyfunc(lambda v: self.enclosed(v)[0], 1, 1)(value)

@@ -1,10 +1,13 @@
-"""A loop of order 2 as the sharp statement sees it: what is held is v + lambda x in the filtered tube, so widths are
-W' + lambda W, and what pushes is not the same in the statement's three places. With F = |f + w|, edges L and R, middle c,
-W = R - L and Z = W' + lambda W:
+"""The loop of a plant of order 2, as the sharp sampling conditions see it.
+
+The law (13) controls v + lambda x in the filtered tube, so widths are W' + lambda W. The closing speed differs in the three
+places of the sharp conditions. With F = |f + w|, edges L and R, middle c, W = R - L and Z = W' + lambda W:
 
     at an edge            P_x = F + max(lambda^2 W - R'', lambda^2 W + L'', R'', -L'')
     while a sample ages   P_d = F + max(lambda Z - L'', lambda^2 W - R'', lambda Z + R'', lambda^2 W + L'', 0)
     from the middle       P_m = F + |c''| + lambda (Z + lambda W)/2
+
+The lemmas `filtered.*` prove this. sampling/loops.py builds the loops.
 """
 
 from __future__ import annotations
@@ -23,196 +26,224 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerati
 from stt_codegen.program import FORMATS, round_down
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 from stt_codegen.sampling.plant import Bounds
-from stt_codegen.sampling.setting import Law, Setting, back, law_of
+from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop, law_of, worst_with_previous_window
 from stt_codegen.sampling.windows import OUT, Windows, refined_windows
 from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
-ROUNDINGS = (
-    8  # of a distance a = (v - L') + lambda (x - L), each of half a unit in the last place of what is at most Z + 2 lambda W
-)
-
-BEYOND = Fraction(101, 100)  # times the age that is asked for: so old a sample is known, where its error depends on it
+# Of a distance a = (v - L') + lambda (x - L), each of half a unit in the last place of at most Z + 2 lambda W.
+ROUNDINGS = 8
+# The error of a velocity by differences is known for samples that are older than the stated age by this factor.
+KNOWN_AGE_FACTOR = Fraction(101, 100)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Extent:
-    """By window, the last from t_c on, and component (W + 1, n), rounded outwards: least and largest Z, largest W, the largest of
-    L'', -L'', R'', -R'' and |c''|, of lambda^2 W + L'' and lambda^2 W - R''; and the largest |L'| and |R'|."""
+class FilteredExtremes:
+    """Extremes of a filtered tube by window, the last from t_c on, and component, (W + 1, n), rounded outward.
+
+    narrow, wide: the smallest and the largest Z. width: the largest W. bends (4, W + 1, n): the largest L'', -L'', R'' and -R''.
+    middle: the largest |c''|. press (2, W + 1, n): the largest lambda^2 W + L'' and lambda^2 W - R''. rate: the largest |L'| and
+    |R'|.
+    """
 
     narrow: Array
     wide: Array
     width: Array
-    bends: Array  # (4, W + 1, n)
+    bends: Array
     middle: Array
-    press: Array  # (2, W + 1, n)
+    press: Array
     rate: Array
 
 
-def extent(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Extent:
-    """Exact but for the conversion to doubles, which is rounded outwards."""
+def filtered_extremes(design: RefinedDesign, numbers: Numbers = DOUBLES) -> FilteredExtremes:
+    """Return the extremes of a design; they are exact but for the conversion to doubles, which is rounded outward."""
     edges, press = filtered_edges(design), demanded_accelerations(design)
     z = edges.coefficients[:, :, UPPER] - edges.coefficients[:, :, LOWER]
     bezier = design.bezier()
     w = bezier[:, :, UPPER] - bezier[:, :, LOWER]
-    turn = 6 * np.diff(bezier, n=2, axis=3)
+    second_difference = 6 * np.diff(bezier, n=2, axis=3)
     bend_unit = design.unit * (Fraction(design.segments) / design.prescribed_time) ** 2
     rate_unit = design.unit * Fraction(design.segments) / design.prescribed_time
     up = numbers.multiples_above
 
-    def held(values: Array, last: Array) -> Array:
+    def with_last_window(values: Array, last: Array) -> Array:
+        """Append the window from t_c on: the tube stands, or repeats itself from its seam."""
         return np.concatenate([values, last[None] if design.seam is None else values[design.seam : design.seam + 1]])
 
-    low, high = turn[:, :, LOWER], turn[:, :, UPPER]
-    four = [up(v.max(axis=-1), bend_unit) for v in (low, -low, high, -high)]
+    low, high = second_difference[:, :, LOWER], second_difference[:, :, UPPER]
+    bends = [up(v.max(axis=-1), bend_unit) for v in (low, -low, high, -high)]
     lower, upper = press.coefficients[:, :, LOWER], -press.coefficients[:, :, UPPER]
-    still = up(0 * w[-1, :, 3], design.unit)
-    return Extent(
-        narrow=-held(up(-z.min(axis=-1), edges.unit), up(-z[-1, :, 3], edges.unit)),
-        wide=held(up(z.max(axis=-1), edges.unit), up(z[-1, :, 3], edges.unit)),
-        width=held(up(w.max(axis=-1), design.unit), up(w[-1, :, 3], design.unit)),
-        bends=np.stack([held(v, still) for v in four]),
-        middle=held(up(np.abs(low + high).max(axis=-1), bend_unit) / 2, still),
-        press=np.stack([held(up(v.max(axis=-1), press.unit), up(v[-1, :, 3], press.unit)) for v in (lower, upper)]),
-        rate=held(up(3 * np.abs(np.diff(bezier, axis=3)).max(axis=(2, 3)), rate_unit), still),
+    zero = up(0 * w[-1, :, 3], design.unit)
+    return FilteredExtremes(
+        narrow=-with_last_window(up(-z.min(axis=-1), edges.unit), up(-z[-1, :, 3], edges.unit)),
+        wide=with_last_window(up(z.max(axis=-1), edges.unit), up(z[-1, :, 3], edges.unit)),
+        width=with_last_window(up(w.max(axis=-1), design.unit), up(w[-1, :, 3], design.unit)),
+        bends=np.stack([with_last_window(v, zero) for v in bends]),
+        middle=with_last_window(up(np.abs(low + high).max(axis=-1), bend_unit) / 2, zero),
+        press=np.stack([with_last_window(up(v.max(axis=-1), press.unit), up(v[-1, :, 3], press.unit)) for v in (lower, upper)]),
+        rate=with_last_window(up(3 * np.abs(np.diff(bezier, axis=3)).max(axis=(2, 3)), rate_unit), zero),
     )
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What the sharp statement takes of a filtered tube, by window and component (W + 1, n). wide: the largest Z of this window;
-    seen: the least Z of it and of the one before. at_edge (P_x), aging (P_d), from_middle (P_m): what the tube's motion adds to
-    |f + w| in the statement's three places, in this window and the one before."""
+    """The motion of a filtered tube, as the sharp conditions need it, by window and component (W + 1, n).
+
+    wide: the largest Z of the window. narrow: the smallest Z of it and of the one before. at_edge (P_x), aging (P_d), from_middle
+    (P_m): what the motion adds to |f + w| in the three places of the conditions, in this window and the one before.
+    """
 
     wide: Array
-    seen: Array
+    narrow: Array
     at_edge: Array
     aging: Array
     from_middle: Array
 
 
-def inertial_motion(found: Extent, lambdas: Sequence[Fraction], numbers: Numbers = DOUBLES) -> Motion:
-    """The formulas that the docstring of this file has."""
-    value = np.array([numbers.of(v) for v in lambdas])
-    up_l, down_l, up_r, down_r = found.bends  # largest L'', -L'', R'', -R''
-    z, w = value * found.wide, value * value * found.width
-    at_edge = np.maximum.reduce([found.press[0], found.press[1], up_r, down_l])
+def inertial_motion(extremes: FilteredExtremes, filter_rates: Sequence[Fraction], numbers: Numbers = DOUBLES) -> Motion:
+    """Return the motion, by the formulas in the docstring of this file; filter_rates: lambda by component."""
+    rate = np.array([numbers.of(v) for v in filter_rates])
+    up_l, down_l, up_r, down_r = extremes.bends  # the largest L'', -L'', R'', -R''
+    z, w = rate * extremes.wide, rate * rate * extremes.width
+    at_edge = np.maximum.reduce([extremes.press[0], extremes.press[1], up_r, down_l])
     aging = np.maximum.reduce([z + down_l, w + down_r, z + up_r, w + up_l, 0 * z])
-    both = (back(v, np.maximum) for v in (at_edge, aging, found.middle + (z + w) / 2))
-    return Motion(found.wide, back(found.narrow, np.minimum), *both)
+    speeds = (worst_with_previous_window(v, np.maximum) for v in (at_edge, aging, extremes.middle + (z + w) / 2))
+    return Motion(extremes.wide, worst_with_previous_window(extremes.narrow, np.minimum), *speeds)
 
 
-def inertial_windows(design: RefinedDesign, found: Extent, numbers: Numbers = DOUBLES) -> Windows:
-    """The windows of the filtered tube; low, high and start are of x."""
-    still = 0 * found.narrow
-    return replace(refined_windows(design, numbers), narrow=found.narrow, wide=found.wide, speed=still, widening=still)
+def inertial_windows(design: RefinedDesign, extremes: FilteredExtremes, numbers: Numbers = DOUBLES) -> Windows:
+    """Return the windows of the filtered tube; `low`, `high` and `start` are those of x."""
+    zero = 0 * extremes.narrow
+    return replace(refined_windows(design, numbers), narrow=extremes.narrow, wide=extremes.wide, speed=zero, widening=zero)
 
 
-def speeds(design: RefinedDesign) -> tuple[Array, Array]:
-    """By window and component, between which v is: z between the filtered edges, x between its own, less lambda x."""
-    found, windows = extent(design), refined_windows(design)
-    value = np.array([float(v) for v in design.filter])
-    room = found.rate + value * (windows.high - windows.low)
-    return -room * (1 + OUT), room * (1 + OUT)
+def velocity_bounds(design: RefinedDesign) -> tuple[Array, Array]:
+    """Return the bounds on v by window and component: v + lambda x is in the filtered tube, and x in its own."""
+    extremes, windows = filtered_extremes(design), refined_windows(design)
+    rate = np.array([float(v) for v in design.filter])
+    largest = extremes.rate + rate * (windows.high - windows.low)
+    return -largest * (1 + OUT), largest * (1 + OUT)
 
 
 def difference_error(
     task: Task,
     noise: Fraction,
-    fastest: Sequence[Fraction],
-    width: Sequence[Fraction],
-    filter_: Sequence[Fraction],
-    more: Fraction = Fraction(1),
+    extremes: tuple[Sequence[Fraction], Sequence[Fraction]],
+    filter_rates: Sequence[Fraction],
+    age_factor: Fraction = Fraction(1),
 ) -> tuple[Fraction, ...]:
-    """What a velocity by differences is wrong by at most, by component, noise bounding the error of x, for samples at most `more`
-    times control.period apart. Between samples tau apart it is the mean of v, which turns by at most A = F + G u_max + .. a
-    second: A tau/2 (the lemma `filtered.differences`). Twice the error of x over the shortest tau, and four roundings of the
-    quotient, |v| being at most `fastest` + lambda W, join it."""
+    """Return a bound on the error of a velocity by differences, by component.
+
+    noise: bounds the error of x. extremes: the largest edge speed and the largest W, by component. Samples are at most
+    age_factor times control.period apart. Between samples tau apart the quotient is the mean of v, which changes by at most A =
+    F + G u_max + .. a second: this gives A tau/2 (the lemma `filtered.differences`). To this the function adds twice the error of
+    x over the shortest tau, and bends roundings of the quotient, whose size is at most the edge speed + lambda W.
+    """
     assert task.u_max is not None
-    roundoff, found = Fraction(FORMATS[task.emit.scalar].roundoff), []
+    roundoff, errors = Fraction(FORMATS[task.emit.scalar].roundoff), []
     size = max(abs(v) for edge in (task.state_space.lower, task.state_space.upper) for v in edge)
     limit = [round_down(v, task.emit.scalar) for v in task.u_max]
     for i, bounds in enumerate(task.plant_bounds):
-        turn = bounds.force + bounds.g_max * limit[i] + bounds.cross * (sum(limit, Fraction(0)) - limit[i])
-        apart = turn * more * task.sampling_period / 2 + 2 * (noise + roundoff * (size + noise)) / task.shortest_period
-        found.append(apart + 4 * roundoff * (fastest[i] + filter_[i] * width[i] + apart))
-    return tuple(found)
+        acceleration = bounds.force + bounds.g_max * limit[i] + bounds.cross * (sum(limit, Fraction(0)) - limit[i])
+        lag = acceleration * age_factor * task.sampling_period / 2
+        error = lag + 2 * (noise + roundoff * (size + noise)) / task.shortest_period
+        speed, width = (values[i] for values in extremes)
+        errors.append(error + 4 * roundoff * (speed + filter_rates[i] * width + error))
+    return tuple(errors)
 
 
-def difference_age(task: Task, latency: Any, more: Fraction, numbers: Numbers = DOUBLES) -> Any:
-    """To which age of a sample a velocity by differences has that error, seconds: samples `more` times the period apart, whose u
-    acts `latency` later; without end where v is measured."""
-    return numbers.of(task.sampling_period * more) + latency if task.uses_differences else math.inf
+def difference_age(task: Task, latency: Any, age_factor: Fraction, numbers: Numbers = DOUBLES) -> Any:
+    """Return up to which age of a sample, in seconds, `difference_error` holds; infinite where v is measured.
+
+    Samples are age_factor times the period apart, and their input acts `latency` later.
+    """
+    return numbers.of(task.sampling_period * age_factor) + latency if task.uses_differences else math.inf
 
 
 def inertial_law(
     task: Task,
-    found: Extent,
-    lambdas: Sequence[Fraction],
+    extremes: FilteredExtremes,
+    filter_rates: Sequence[Fraction],
     errors: tuple[Sequence[Fraction], Sequence[Fraction]],
     noise: tuple[Any, Any],
-    late: Any = 0.0,
     *,
-    more: Fraction = BEYOND,
+    latency: Any = 0.0,
+    age_factor: Fraction = KNOWN_AGE_FACTOR,
     numbers: Numbers = DOUBLES,
-) -> Law:
-    """The law of a task of order 2: what it sees of a and b is wrong by the arithmetic of edges and rates (`errors`), by the
-    noise of x and v, by x and v rounded to the scalar, and by the roundings of a and b. more: as in `difference_age`."""
+) -> SampledLaw:
+    """Return the law of a task of order 2.
+
+    Its `shift` sums up the errors of a and b: of the arithmetic of edges and rates (`errors`), of the noise of x and v, of x and
+    v rounded to the scalar, and of the roundings of a and b. age_factor: as in `difference_age`.
+    """
     edge, rate = errors
     roundoff = numbers.of(FORMATS[task.emit.scalar].roundoff)
-    value = np.array([numbers.of(v) for v in lambdas])
-    wrong = np.array([numbers.of(2 * (r + v * e)) for e, r, v in zip(edge, rate, lambdas, strict=True)])
+    filter_rate = np.array([numbers.of(v) for v in filter_rates])
+    arithmetic = np.array([numbers.of(2 * (r + v * e)) for e, r, v in zip(edge, rate, filter_rates, strict=True)])
     size = numbers.of(max(abs(v) for side in (task.state_space.lower, task.state_space.upper) for v in side))
-    fastest, width, wide = (v.max(axis=0) for v in (found.rate, found.width, found.wide))
+    fastest, width, wide = (v.max(axis=0) for v in (extremes.rate, extremes.width, extremes.wide))
     of_v: Any = noise[1]
     if task.uses_differences:
-        fast, far = ([Fraction(v) for v in values.tolist()] for values in (fastest, width))
-        error = difference_error(task, Fraction(noise[0]), fast, far, lambdas, more)
+        exact = ([Fraction(v) for v in fastest.tolist()], [Fraction(v) for v in width.tolist()])
+        error = difference_error(task, Fraction(noise[0]), exact, filter_rates, age_factor)
         of_v = of_v + numbers.outward(np.array([numbers.of(v) for v in error]), OUT)
-    rounded = roundoff * (value * size + (fastest + value * width) + ROUNDINGS * (wide + 2 * value * width))
-    shift = wrong + of_v + value * noise[0] + rounded
-    return replace(law_of(task, edge, 0, late, numbers), shift=numbers.outward(shift, 1e-9))
+    in_state = filter_rate * size + (fastest + filter_rate * width)
+    rounded = roundoff * (in_state + ROUNDINGS * (wide + 2 * filter_rate * width))
+    shift = arithmetic + of_v + filter_rate * noise[0] + rounded
+    return replace(law_of(task, edge, 0, latency, numbers), shift=numbers.outward(shift, 1e-9))
 
 
-def inertial_setting(design: RefinedDesign, found: Extent, plant: Sequence[Bounds], law: Law, start: Array) -> Setting:
-    """`plant`: bounds on accelerations for every window, over it and the one before."""
+def inertial_loop(
+    design: RefinedDesign, extremes: FilteredExtremes, plant: Sequence[Bounds], law: SampledLaw, start: Array
+) -> SampledLoop:
+    """Return the loop of a plant of order 2.
+
+    plant: bounds on accelerations for every window, each over it and the one before. start (n): a bound on |eps(0)|.
+    """
     numbers = law.numbers
-    force, motion = np.array([p.push for p in plant]), inertial_motion(found, design.filter, numbers)
-    pushes = (motion.at_edge, motion.aging, motion.from_middle)
-    at_edge, aging, from_middle = (numbers.outward(force + v, OUT) for v in pushes)
-    return Setting(
-        windows=inertial_windows(design, found, numbers),
+    force, motion = np.array([p.disturbance for p in plant]), inertial_motion(extremes, design.filter, numbers)
+    speeds = (motion.at_edge, motion.aging, motion.from_middle)
+    at_edge, aging, from_middle = (numbers.outward(force + v, OUT) for v in speeds)
+    return SampledLoop(
+        windows=inertial_windows(design, extremes, numbers),
         law=law,
-        least=np.array([p.least for p in plant]),
-        most=np.array([p.most for p in plant]),
+        diagonal_min=np.array([p.diagonal_min for p in plant]),
+        diagonal_max=np.array([p.diagonal_max for p in plant]),
         cross=np.array([p.cross for p in plant]),
-        push=at_edge,
-        narrow=motion.seen,
-        definite=np.array([p.definite for p in plant]),
+        closing_speed=at_edge,
+        narrow=motion.narrow,
+        eigenvalue_min=np.array([p.eigenvalue_min for p in plant]),
         norm=np.array([p.norm for p in plant]),
-        push_norm=np.full(len(force), np.inf),  # the statement for any g is about order 1
+        closing_speed_norm=np.full(len(force), np.inf),  # the general conditions are about order 1
         start=start,
-        drift=aging,
-        middle=from_middle,
+        closing_speed_aging=aging,
+        closing_speed_middle=from_middle,
     )
 
 
-def start_reach(task: Task, design: RefinedDesign, state: Sequence[float] | None = None, numbers: Numbers = DOUBLES) -> Array:
-    """What |ln(a/b)| is at most at the start, as a reach, rounded up: for every x in the share of gamma(0), or one state, which
-    may have its own speeds behind x, and every speed within initial_set.speed, at rest where there is none; infinite where
-    v + lambda x may be outside. The bound on e counts for x at 0 too."""
-    found = []
+def inertial_start_bound(
+    task: Task, design: RefinedDesign, state: Sequence[float] | None = None, numbers: Numbers = DOUBLES
+) -> Array:
+    """Return a bound on |ln(a/b)| at the start, by component, rounded up.
+
+    It is for every x in the share of gamma(0), or for one state, with every speed within initial_set.speed (at rest where there
+    is none), or with the state's own speeds behind x. The bound on |e(0)| of x counts too. Infinite where v + lambda x may be
+    outside.
+    """
+    bounds = []
     for i, (low_rate, high_rate) in enumerate(slopes_at_start(design)):
         low, high = (int(v) * design.unit for v in design.bezier()[0, i, :, 0])
         half, middle = task.initial_set.share * (high - low) / 2, (low + high) / 2
-        places = [middle - half, middle + half] if state is None else [Fraction(float(state[i]))]
-        shares = [abs(2 * x - low - high) / (high - low) for x in places]
-        reaches = [numbers.reach_of_share(v) if v < 1 else math.inf for v in shares]
-        has_speed = state is not None and len(state) > task.dimension
-        speeds_ = [Fraction(float(state[task.dimension + i]))] if has_speed else [task.start_speed[i], -task.start_speed[i]]  # type: ignore[index]
-        for x, v in itertools.product(places, speeds_):
+        positions = [middle - half, middle + half] if state is None else [Fraction(float(state[i]))]
+        shares = [abs(2 * x - low - high) / (high - low) for x in positions]
+        eps_bounds = [numbers.eps_of_share(v) if v < 1 else math.inf for v in shares]
+        if state is not None and len(state) > task.dimension:
+            velocities = [Fraction(float(state[task.dimension + i]))]
+        else:
+            velocities = [task.start_speed[i], -task.start_speed[i]]
+        for x, v in itertools.product(positions, velocities):
             a, b = v - low_rate + design.filter[i] * (x - low), high_rate - v + design.filter[i] * (high - x)
             is_inside = a > 0 and b > 0 and low < x < high
-            reaches.append(numbers.reach_of_ratio(a / b) if is_inside else math.inf)
-        found.append(numbers.outward(max(reaches), 1e-9))
-    return np.array(found)
+            eps_bounds.append(numbers.eps_of_ratio(a / b) if is_inside else math.inf)
+        bounds.append(numbers.outward(max(eps_bounds), 1e-9))
+    return np.array(bounds)

@@ -1,9 +1,11 @@
-"""The longest period of a statement, and the least E for a period: searched for in doubles; what is returned has been shown in
-balls (Arb).
+"""The longest sampling period for which sampling conditions hold, and the smallest bound E on |eps| for a period.
 
-In the sharp statement every component has an E of its own. What an input pushes the other components with rises with its E, and
-what a component must withstand rises with what the others push. So for one tau there is a least E in all components at once: each
-is raised, from its least, until its own conditions hold; where one finds none there is no E at all.
+Both are searched for in doubles, and then proved in balls (Arb) before they are returned. certify/sampled/period.py proves them
+once more in fractions; lemmas/sampling/ has the mathematics.
+
+In the sharp conditions every component has an E of its own. The effect of an input on the other components rises with its E, and
+so does the E that they need. For one tau there is therefore a smallest E in all components at once: each starts from its own
+smallest and is raised until its own conditions hold. Where a component has no such E, there is none at all.
 """
 
 from __future__ import annotations
@@ -13,251 +15,286 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from flint import arb
 
-from stt_codegen.sampling.setting import Setting, in_balls
-from stt_codegen.sampling.statements import STATEMENTS, conditions_of, first_failing, input_bound, sharp_push, sharp_under
+from stt_codegen.sampling.sampled_loop import SampledLoop, in_balls
+from stt_codegen.sampling.sampling_conditions import (
+    SAMPLING_CONDITIONS,
+    conditions_of,
+    first_failing,
+    input_bound,
+    sharp_closing_speed,
+    sharp_under,
+)
 
 Array = npt.NDArray[Any]
-Found = tuple[float, Array]  # tau in seconds and E by component
-BACK_OFF = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # of the searched tau or E, until the balls agree
-FIRST_HALVINGS = 24  # more than a search has, where it has met no period yet
-MIDDLE = 0.01  # the least E that is tried, |e| = 0.005: as good as a start in the middle
+RETREATS = (1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1)  # shares by which a searched tau or E gives way until balls prove it
+FIRST_HALVINGS = 24  # halvings beyond those of a search, while no period has been proved yet
+SMALLEST_EPS_BOUND = 0.01  # |e| = 0.005: as good as a start in the middle
+
+
+class PeriodCandidate(NamedTuple):
+    """A period from the search in doubles, not proved yet: seconds, and E by component, (n,)."""
+
+    seconds: float
+    eps_bound: Array
 
 
 @dataclass(frozen=True)
 class Period:
-    """tau seconds are proved with |eps_i| < reach[i] throughout; u bounds |u| by component; tight: time window (seconds) and
-    dimension (from 1; 0 for all) that allow no more."""
+    """A proved period.
 
-    statement: str
+    kind: of the sampling conditions. seconds: the age of a sample, for which |eps_i| < eps_bound[i] throughout. u: a bound on
+    |u| by component. bottleneck: begin and end of the time window (seconds) and the dimension (from 1; 0 for all) where the
+    margin is smallest.
+    """
+
+    kind: str
     seconds: float
-    reach: tuple[float, ...]
+    eps_bound: tuple[float, ...]
     u: tuple[float, ...]
-    tight: tuple[float, float, int]
+    bottleneck: tuple[float, float, int]
 
     @property
     def e(self) -> tuple[float, ...]:
-        """The bounds on |e| by component that go with |eps| < reach."""
-        return tuple(math.tanh(v / 2) for v in self.reach)
+        """The bounds on |e| by component that correspond to eps_bound."""
+        return tuple(math.tanh(v / 2) for v in self.eps_bound)
 
 
 @dataclass(frozen=True)
 class Search:
-    """How many values of E are tried, how often around the best of them, and how often tau is halved for each."""
+    """The effort of a search: values of E on a grid, grids (each around the best of the last), and halvings of tau for each."""
 
-    reaches: int
+    values: int
     rounds: int
     halvings: int
 
 
-FINE, COARSE = Search(32, 2, 24), Search(32, 1, 12)  # what is proved; what gains are compared by
+FINE, COARSE = Search(32, 2, 24), Search(32, 1, 12)  # for proofs; for comparing gains
 
 
-def holds(statement: str, s: Setting, reach: Array, tau: float) -> bool:
-    """Shown in balls: with |eps_i(0)| < reach[i] and samples no older than tau the state stays in the tube. The general statement
-    speaks of the norm of eps, and reach has the same bound on it in every place."""
-    reach = np.asarray(reach, dtype=float)
-    if not is_in_range(statement, s, reach, tau):
+def holds(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> bool:
+    """Return whether balls prove: with |eps_i(0)| < eps_bound[i] and samples no older than tau the state stays in the tube.
+
+    For the general conditions, which are about the norm of eps, every entry of eps_bound is the same bound on it.
+    """
+    eps_bound = np.asarray(eps_bound, dtype=float)
+    if not is_in_range(kind, loop, eps_bound, tau):
         return False
-    e = arb(float(reach[0])) if statement == "general" else np.array([arb(v) for v in reach.tolist()], dtype=object)
-    return first_failing(conditions_of(statement, in_balls(s), e, arb(tau))) is None
+    e = arb(float(eps_bound[0])) if kind == "general" else np.array([arb(v) for v in eps_bound.tolist()], dtype=object)
+    return first_failing(conditions_of(kind, in_balls(loop), e, arb(tau))) is None
 
 
-def is_in_range(statement: str, s: Setting, reach: Array, tau: Any) -> bool:
-    """Whether the statement speaks of these: reaches that no start has and that the clamp leaves, samples from this window or the
-    one before. Of the numbers that the setting has."""
-    start = s.numbers.outward(_start(statement, s), 1e-12)
-    ends = bool((start < reach).all() and (reach <= _farthest(statement, s)).all())
-    return ends and bool(s.law.latency <= tau <= s.longest_age)
+def is_in_range(kind: str, loop: SampledLoop, eps_bound: Array, tau: Any) -> bool:
+    """Return whether the conditions apply: every start is inside E, E is within the clamp, and samples are not too old.
+
+    eps_bound and tau are of the loop's kind of number.
+    """
+    start = loop.numbers.outward(_start_bound(kind, loop), 1e-12)
+    is_between = bool((start < eps_bound).all() and (eps_bound <= _largest_eps_bound(kind, loop)).all())
+    return is_between and bool(loop.law.latency <= tau <= loop.longest_age)
 
 
-def inputs_where_proved(loop: Setting, rho: Sequence[Fraction], age: Fraction) -> tuple[Fraction, ...] | None:
-    """A bound on |u| by component where the sharp statement holds in fractions (`exact_loop`) with these rho = e^E for samples of
-    that age; else None. Window by window, so that the first condition that fails is the last one that is computed."""
-    reach = np.array(rho, dtype=object)
-    if not is_in_range("sharp", loop, reach, age):
+def inputs_where_proved(loop: SampledLoop, rho: Sequence[Fraction], age: Fraction) -> tuple[Fraction, ...] | None:
+    """Return a bound on |u| by component if the sharp conditions hold in fractions (`exact_loop`) for samples of this age.
+
+    rho: e^E by component. None where a condition fails. Windows are checked one by one, so nothing is computed after the first
+    condition that fails.
+    """
+    ratios = np.array(rho, dtype=object)
+    if not is_in_range("sharp", loop, ratios, age):
         return None
-    largest = 0 * reach
+    largest = 0 * ratios
     for k in range(len(loop.narrow)):
         window = loop.window(k)
-        u = input_bound(window, reach)
-        if first_failing(sharp_under(window, reach, age, u, sharp_push(window, u))) is not None:
+        u = input_bound(window, ratios)
+        if first_failing(sharp_under(window, ratios, age, u, sharp_closing_speed(window, u))) is not None:
             return None
         largest = np.maximum(largest, u[0])
     return tuple(largest.tolist())
 
 
-def longest(statement: str, s: Setting) -> Period | None:
-    """The longest period that is found and proved; None where none is, not even a short one."""
-    found = proposal(statement, s)
-    if found is None:
+def longest_proved_period(kind: str, loop: SampledLoop) -> Period | None:
+    """Return the longest period that the search finds and balls prove; None where not even a short one is proved."""
+    candidate = period_candidate(kind, loop)
+    if candidate is None:
         return None
-    tau, reach = found
-    shares = (tau * (1 - share) for share in BACK_OFF)
-    return next((_period(statement, s, reach, t, tau) for t in shares if holds(statement, s, reach, t)), None)
+    tau, eps_bound = candidate
+    shorter = (tau * (1 - share) for share in RETREATS)
+    return next((_period(kind, loop, eps_bound, t, tau) for t in shorter if holds(kind, loop, eps_bound, t)), None)
 
 
-def least(statement: str, s: Setting, tau: float) -> Period | None:
-    """The statement at tau seconds with the least E that is found and proved; None where none is."""
-    reach = _least_proved(statement, s, tau)
-    return None if reach is None else _period(statement, s, reach, tau, tau)
+def prove_for_period(kind: str, loop: SampledLoop, tau: float) -> Period | None:
+    """Prove the conditions at tau seconds with the smallest E that the search finds; None where none is proved."""
+    eps_bound = _smallest_proved_bound(kind, loop, tau)
+    return None if eps_bound is None else _period(kind, loop, eps_bound, tau, tau)
 
 
-def is_proved(statement: str, s: Setting, tau: float) -> bool:
-    """Whether some E is found and proved for tau seconds: for every |k| from `law.gain` to `law.gain_high`."""
-    return _least_proved(statement, s, tau) is not None
+def is_proved(kind: str, loop: SampledLoop, tau: float) -> bool:
+    """Return whether some E is found and proved for tau seconds, for every |k| from `law.gain` to `law.gain_high`."""
+    return _smallest_proved_bound(kind, loop, tau) is not None
 
 
-def _least_proved(statement: str, s: Setting, tau: float) -> Array | None:
-    reach = least_proposed(statement, s, tau)
-    if reach is None:
+def _smallest_proved_bound(kind: str, loop: SampledLoop, tau: float) -> Array | None:
+    """Return the smallest E that the search finds for tau, raised until balls prove it."""
+    candidate = smallest_bound_candidate(kind, loop, tau)
+    if candidate is None:
         return None
-    tried = (np.minimum(reach * (1 + share), _farthest(statement, s)) for share in BACK_OFF)
-    return next((e for e in tried if holds(statement, s, e, tau)), None)
+    raised = (np.minimum(candidate * (1 + share), _largest_eps_bound(kind, loop)) for share in RETREATS)
+    return next((e for e in raised if holds(kind, loop, e, tau)), None)
 
 
-def _period(statement: str, s: Setting, reach: Array, tau: float, longest_tau: float) -> Period:
-    window, dimension = _tightest(statement, s, reach, longest_tau)
-    ends = (*s.windows.times.tolist(), float(s.windows.times[-1]))
-    given = float(reach[0]) if statement == "general" else reach
-    u = np.minimum(np.asarray(STATEMENTS[statement].inputs(s, given, tau), dtype=float).max(axis=0) * (1 + 1e-12), s.law.u_max)
-    return Period(statement, tau, tuple(reach.tolist()), tuple(u.tolist()), (ends[window], ends[window + 1], dimension))
+def _period(kind: str, loop: SampledLoop, eps_bound: Array, tau: float, longest_tau: float) -> Period:
+    """Return the record of a proved period, with its bottleneck at the longest tau."""
+    window, dimension = _bottleneck(kind, loop, eps_bound, longest_tau)
+    ends = (*loop.windows.times.tolist(), float(loop.windows.times[-1]))
+    inputs = np.asarray(SAMPLING_CONDITIONS[kind].inputs(loop, _as_argument(kind, eps_bound)), dtype=float)
+    u = np.minimum(inputs.max(axis=0) * (1 + 1e-12), loop.law.u_max)
+    return Period(kind, tau, tuple(eps_bound.tolist()), tuple(u.tolist()), (ends[window], ends[window + 1], dimension))
 
 
-def _start(statement: str, s: Setting) -> Array:
-    """What E must be above, by component: |eps(0)|, or its norm in every place."""
-    return np.full(s.start.shape, np.sqrt((s.start**2).sum())) if statement == "general" else s.start
+def _as_argument(kind: str, eps_bound: Array) -> Any:
+    """Return E as conditions of this kind take it: one number for the norm, or one by component."""
+    return float(eps_bound[0]) if kind == "general" else eps_bound
 
 
-def _farthest(statement: str, s: Setting) -> Array:
-    """What E may be at most, by component: eps at the clamp."""
-    most = s.numbers.outward(s.law.farthest, -1e-12)
-    return np.full(most.shape, most.min()) if statement == "general" else most
+def _start_bound(kind: str, loop: SampledLoop) -> Array:
+    """Return what E must be above, (n,): |eps(0)| by component, or its norm in every entry."""
+    return np.full(loop.start.shape, np.sqrt((loop.start**2).sum())) if kind == "general" else loop.start
+
+
+def _largest_eps_bound(kind: str, loop: SampledLoop) -> Array:
+    """Return what E may be at most, (n,): |eps| at the clamp."""
+    largest = loop.numbers.outward(loop.law.eps_at_clamp, -1e-12)
+    return np.full(largest.shape, largest.min()) if kind == "general" else largest
 
 
 # ------------------------------------------------------------------------------------------- search
 
 
-def proposal(statement: str, s: Setting, search: Search = FINE) -> Found | None:
-    """(tau, E) in doubles, for `longest` to show in balls: tau by halving, then again with values of E around the best."""
-    best: Found | None = None
-    grid = _first_grid(statement, s, search)
+def period_candidate(kind: str, loop: SampledLoop, search: Search = FINE) -> PeriodCandidate | None:
+    """Search for the longest period in doubles: tau by halving, then again with values of E around the best."""
+    best: PeriodCandidate | None = None
+    grid = _first_grid(kind, loop, search)
     for _ in range(search.rounds):
-        found = None if grid is None else grid.longest(search.halvings)
-        if found is not None and (best is None or found[0] > best[0]):
-            best = found
-        grid = None if grid is None or best is None else grid.around(best[1])
+        candidate = None if grid is None else grid.longest(search.halvings)
+        if candidate is not None and (best is None or candidate.seconds > best.seconds):
+            best = candidate
+        grid = None if grid is None or best is None else grid.around(best.eps_bound)
     return best
 
 
-def least_proposed(statement: str, s: Setting, tau: float) -> Array | None:
-    """The least E for tau seconds in doubles, for `least` to show in balls."""
-    reach: Array | None = None
-    grid = _first_grid(statement, s, FINE)
+def smallest_bound_candidate(kind: str, loop: SampledLoop, tau: float) -> Array | None:
+    """Search for the smallest E for tau seconds in doubles."""
+    eps_bound: Array | None = None
+    grid = _first_grid(kind, loop, FINE)
     for _ in range(FINE.rounds):
-        found = None if grid is None else grid.least(tau)
-        reach = reach if found is None else found
-        grid = None if grid is None or reach is None else grid.around(reach)
-    return reach
+        finer = None if grid is None else grid.smallest_bound(tau)
+        eps_bound = eps_bound if finer is None else finer
+        grid = None if grid is None or eps_bound is None else grid.around(eps_bound)
+    return eps_bound
 
 
 @dataclass(frozen=True)
 class _Grid:
-    """Values of E to try, (R, n)."""
+    """Values of E to try, (R, n), rising."""
 
-    statement: str
-    setting: Setting
+    kind: str
+    loop: SampledLoop
     values: Array
 
-    def least(self, tau: float) -> Array | None:
-        """The least E of these, by component, for which the conditions hold at tau."""
+    def smallest_bound(self, tau: float) -> Array | None:
+        """Return the smallest of these E, by component, for which the conditions hold at tau."""
         raise NotImplementedError
 
-    def longest(self, halvings: int) -> Found | None:
-        """The largest tau by halving, and an E for it."""
-        best = self.least(0.0)
+    def longest(self, halvings: int) -> PeriodCandidate | None:
+        """Search for the largest tau by halving, and an E for it."""
+        best = self.smallest_bound(0.0)
         if best is None:
             return None
-        low, high = 0.0, self.setting.longest_age
-        whole = self.least(high)
-        if whole is not None:
-            return high, whole
+        low, high = 0.0, self.loop.longest_age
+        at_longest_age = self.smallest_bound(high)
+        if at_longest_age is not None:
+            return PeriodCandidate(high, at_longest_age)
         for k in range(halvings + FIRST_HALVINGS):
             if k >= halvings and low > 0:
-                break  # until a first one is met the halvings go on, for a period may be short beside a window
+                break  # until then halving goes on, since a period may be short compared with a window
             middle = (low + high) / 2
-            found = self.least(middle)
-            if found is None:
+            eps_bound = self.smallest_bound(middle)
+            if eps_bound is None:
                 high = middle
             else:
-                low, best = middle, found
-        return (low, best) if low > 0 else None
+                low, best = middle, eps_bound
+        return PeriodCandidate(low, best) if low > 0 else None
 
-    def around(self, reach: Array) -> _Grid:
-        """As many values between the neighbours of these."""
-        k = np.argmin(np.abs(self.values - reach), axis=0)
+    def around(self, eps_bound: Array) -> _Grid:
+        """Return a grid of as many values between the neighbours of these."""
+        k = np.argmin(np.abs(self.values - eps_bound), axis=0)
         columns, last = np.arange(len(k)), len(self.values) - 1
         low, high = self.values[np.maximum(k - 1, 0), columns], self.values[np.minimum(k + 1, last), columns]
         return replace(self, values=np.geomspace(low, high, last + 1))
 
 
-def _first_grid(statement: str, s: Setting, search: Search) -> _Grid | None:
-    """Values of E over all that may be; None where none may be."""
-    low, high = np.maximum(_start(statement, s) * 1.0001, MIDDLE), _farthest(statement, s) * 0.9999
+def _first_grid(kind: str, loop: SampledLoop, search: Search) -> _Grid | None:
+    """Return a grid over the whole range of E; None where the range is empty."""
+    low, high = np.maximum(_start_bound(kind, loop) * 1.0001, SMALLEST_EPS_BOUND), _largest_eps_bound(kind, loop) * 0.9999
     if not (np.isfinite(low).all() and (low < high).all()):
         return None
-    kind = _Sharp if statement == "sharp" else _Scalar
-    return kind(statement, s, np.geomspace(low, high, search.reaches))
+    grid = _Sharp if kind == "sharp" else _Scalar
+    return grid(kind, loop, np.geomspace(low, high, search.values))
 
 
 class _Sharp(_Grid):
+    """A grid for the sharp conditions, which have one E for each component."""
+
     @cached_property
     def inputs(self) -> Array:
         """A bound on |u| for every E, by window and component: (R, W + 1, n)."""
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            return np.asarray(input_bound(self.setting, self.values[:, None, :]))
+            return np.asarray(input_bound(self.loop, self.values[:, None, :]))
 
-    def least(self, tau: float) -> Array | None:
-        s, components = self.setting, np.arange(self.values.shape[1])
+    def smallest_bound(self, tau: float) -> Array | None:
+        """Raise the E of each component until its conditions hold under the inputs of the others, as often as these change."""
+        loop, components = self.loop, np.arange(self.values.shape[1])
         chosen = np.zeros(len(components), dtype=int)
         while True:
-            push = sharp_push(s, self.inputs[chosen, :, components].T)
+            closing_speed = sharp_closing_speed(loop, self.inputs[chosen, :, components].T)
             with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-                conditions = sharp_under(s, self.values[:, None, :], tau, self.inputs, push)
+                conditions = sharp_under(loop, self.values[:, None, :], tau, self.inputs, closing_speed)
             good = np.logical_and.reduce([np.all(np.broadcast_to(c.values > 0, self.inputs.shape), axis=1) for c in conditions])
             good &= np.arange(len(self.values))[:, None] >= chosen
             if not good.any(axis=0).all():
                 return None
             raised = good.argmax(axis=0)
-            if (raised == chosen).all() or not s.cross.any():
+            if (raised == chosen).all() or not loop.cross.any():
                 return np.asarray(self.values[raised, components])
             chosen = raised
 
 
 class _Scalar(_Grid):
-    """The statements with one E for all components."""
+    """A grid for the conditions that have one E for all components."""
 
-    def least(self, tau: float) -> Array | None:
-        inner = (1,) if self.statement == "general" else (1, 1)
-        reach = self.values.max(axis=1).reshape(-1, *inner)
+    def smallest_bound(self, tau: float) -> Array | None:
+        """Return the first E of the grid for which all conditions hold, in every entry."""
+        inner = (1,) if self.kind == "general" else (1, 1)
+        eps_bound = self.values.max(axis=1).reshape(-1, *inner)
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-            conditions = conditions_of(self.statement, self.setting, reach, tau)
+            conditions = conditions_of(self.kind, self.loop, eps_bound, tau)
         good = np.all([np.all(c.values > 0, axis=tuple(range(-len(inner), 0))) for c in conditions], axis=0)
         if not good.any():
             return None
-        return np.full(self.values.shape[1], reach.ravel()[int(good.argmax())])
+        return np.full(self.values.shape[1], eps_bound.ravel()[int(good.argmax())])
 
 
-def _tightest(statement: str, s: Setting, reach: Array, tau: float) -> tuple[int, int]:
-    """Window and dimension (from 1; 0 for all) with the least slack, relative to the slack of tau = 0."""
-    given, conditions = float(reach[0]) if statement == "general" else reach, STATEMENTS[statement].conditions
-    now, rest = conditions(s, given, tau), conditions(s, given, 0.0)
-    pairs = [(np.asarray(a.values, float), np.asarray(b.values, float)) for a, b in zip(now, rest, strict=True)]
+def _bottleneck(kind: str, loop: SampledLoop, eps_bound: Array, tau: float) -> tuple[int, int]:
+    """Return the window and the dimension (from 1; 0 for all) with the smallest margin, relative to the margin at tau = 0."""
+    e, conditions = _as_argument(kind, eps_bound), SAMPLING_CONDITIONS[kind].conditions
+    at_tau, at_rest = conditions(loop, e, tau), conditions(loop, e, 0.0)
+    pairs = [(np.asarray(a.values, float), np.asarray(b.values, float)) for a, b in zip(at_tau, at_rest, strict=True)]
     share = np.min([np.divide(a, b, out=np.full(a.shape, np.inf), where=(b > 0) & np.isfinite(b)) for a, b in pairs], axis=0)
-    place = np.unravel_index(int(np.argmin(share)), share.shape)
-    return int(place[0]), int(place[1]) + 1 if len(place) > 1 else 0
+    position = np.unravel_index(int(np.argmin(share)), share.shape)
+    return int(position[0]), int(position[1]) + 1 if len(position) > 1 else 0

@@ -1,8 +1,8 @@
-"""A certified tube cut into time windows, with what the statements about effort and sampling need of each: bounds on its
-width, on the speed of its edges, on the rate of its width, and on the place where it is. All rounded outward.
+"""A certified tube in time windows, with bounds for each on its width, the speed of its edges, the rate of its width, and x.
 
-Refined tubes have a window for each segment, exact but for the last rounding; enclosed ones (certify/adaptive/enclosure.py) have
-their cells' places joined, and the one speed of P6.
+All bounds are rounded outward. The sampling conditions and the bounds on u use them; the lemma `sampled.windows` shows that they
+hold. Refined tubes have one window for each segment, exact but for the last rounding. Adaptive ones have windows of several cells
+and the one speed of P6 (certify/adaptive/enclosure.py).
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ from stt_codegen.designs import LOWER, UPPER, RefinedDesign
 from stt_codegen.sampling.numbers import DOUBLES, Numbers
 
 Array = npt.NDArray[Any]
-OUT = 2.0**-48  # as a share: more than the few roundings of a quotient or product of doubles
+OUT = 2.0**-48  # relative; more than the few roundings of a quotient or product of doubles
 
 
 @dataclass(frozen=True, kw_only=True)
 class Windows:
-    """W time windows and last the one from t_c on. times: (W + 1) boundaries, seconds. start: gamma(0), (n, 2). The rest is
-    (W + 1, n): narrow <= gamma_d <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high."""
+    """W time windows, and one more from t_c on.
+
+    times: (W + 1) boundaries, seconds. start: gamma(0), lower and upper, rounded inward, (n, 2). All others are (W + 1, n):
+    narrow <= gamma_d <= wide, |edge rate| <= speed, |gammadot_d| <= widening, low <= gamma_L, gamma_U <= high.
+    """
 
     times: Array
     narrow: Array
@@ -33,7 +36,7 @@ class Windows:
     widening: Array
     low: Array
     high: Array
-    start: Array  # gamma(0), lower and upper, rounded inward: (n, 2)
+    start: Array
 
     @property
     def shortest(self) -> Any:
@@ -43,9 +46,11 @@ class Windows:
 
 @dataclass(frozen=True, kw_only=True)
 class Extremes:
-    """What the Bezier coefficients of a refined tube say of every segment, and last of the time from t_c on: whole numbers, in
-    units of the table, (K + 1, n). step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of
-    the width; 3 K/t_c of these bound a rate (the lemma `sampled.windows`)."""
+    """Extremes of a refined tube's Bezier coefficients in each segment, and from t_c on: whole units of the table, (K + 1, n).
+
+    step, width_step: the largest |difference| of neighbouring coefficients, of the edges and of the width. 3 K/t_c times a step
+    bounds a rate (the lemma `sampled.windows`).
+    """
 
     narrow: Array
     wide: Array
@@ -56,7 +61,7 @@ class Extremes:
 
 
 def extremes(design: RefinedDesign) -> Extremes:
-    """The extremes of every segment, int64: 6 times a table of less than 2^50, so that doubles hold them too."""
+    """Return the extremes of every segment, int64; they are below 6 * 2^50, so doubles hold them exactly."""
     bezier = design.windows()
     width = bezier[:, :, UPPER] - bezier[:, :, LOWER]
     return Extremes(
@@ -70,17 +75,20 @@ def extremes(design: RefinedDesign) -> Extremes:
 
 
 def refined_windows(design: RefinedDesign, numbers: Numbers = DOUBLES) -> Windows:
-    """A window for each segment. In doubles products with a power of 2 are exact, those with `per_second` rounded outward."""
-    found, unit = extremes(design), numbers.of(design.unit)
+    """Return one window for each segment.
+
+    In doubles, products with the unit, a power of 2, are exact; those with `per_second` are rounded outward.
+    """
+    bounds, unit = extremes(design), numbers.of(design.unit)
     rate = Fraction(3 * design.segments) / design.prescribed_time
     per_second = numbers.outward(numbers.of(rate), OUT) * unit
     return Windows(
         times=numbers.evenly(Fraction(design.prescribed_time), design.segments),
-        narrow=found.narrow * unit,
-        wide=found.wide * unit,
-        speed=found.step * per_second,
-        widening=found.width_step * per_second,
-        low=found.low * unit,
-        high=found.high * unit,
+        narrow=bounds.narrow * unit,
+        wide=bounds.wide * unit,
+        speed=bounds.step * per_second,
+        widening=bounds.width_step * per_second,
+        low=bounds.low * unit,
+        high=bounds.high * unit,
         start=design.bezier()[0, :, :, 0] * unit,
     )

@@ -24,7 +24,7 @@ from benchmarks.peers.cascade import E_MAX, Filtered, Stage, drive, edges_at, in
 from benchmarks.suites.families import FAMILIES, cubes, feasible
 from stt_codegen.errors import BadInput, MissingTool
 from stt_codegen.reference import transform
-from stt_codegen.sampling.statements import sharp
+from stt_codegen.sampling.sampling_conditions import sharp
 from tests.support.absent import absent
 
 PAPER = FAMILIES["paper"]

@@ -18,7 +18,7 @@ from stt_codegen.controller.covered_starts import NAMES, start_share, starts_of
 from stt_codegen.designs.filtered import slopes_at_start
 from stt_codegen.program.number import FORMATS
 from stt_codegen.sampling.numbers import FRACTIONS
-from stt_codegen.sampling.order_two import start_reach
+from stt_codegen.sampling.order_two import inertial_start_bound
 from stt_codegen.task.load import load_task, parse_task
 from tests.support.controllers import ROOT, TASK_FILES, built, interface_of
 
@@ -46,7 +46,7 @@ def truly_covered(controller: stt.Controller, x: list[Fraction], v: list[Fractio
     """Whether the proof begins at a true state: by the tube's own polynomials, without the bounds of `covered`."""
     task, design = controller.task, controller.design
     share, period = start_share(task), task.control.period
-    ratios = start_reach(task, design, numbers=FRACTIONS) if task.order == 2 and period is not None else None
+    ratios = inertial_start_bound(task, design, numbers=FRACTIONS) if task.order == 2 and period is not None else None
     for i, (low_rate, high_rate) in enumerate(slopes_at_start(design) if task.order == 2 else [(0, 0)] * task.dimension):
         low, high = (int(edge) * design.unit for edge in design.bezier()[0, i, :, 0])
         if abs(2 * x[i] - low - high) > share * (high - low):

@@ -38,7 +38,7 @@ from stt_codegen.program.analyse.ranges import OutOfRange, Span, ranges
 from stt_codegen.program.nodes import Assign, Const, Kernel, Op, Program, Select, integer
 from stt_codegen.program.targets.c.runner import STRICT, CompiledC
 from stt_codegen.program.targets.python.runner import GeneratedPython
-from stt_codegen.sampling.setting import law_of as law_of_setting
+from stt_codegen.sampling.sampled_loop import law_of as law_of_setting
 from stt_codegen.task.load import load_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, built, interface_of

@@ -33,8 +33,8 @@ from stt_codegen.program.targets.c.runner import CompiledC
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.sampling.loops import exact_loop, loop_of
 from stt_codegen.sampling.numbers import FRACTIONS
-from stt_codegen.sampling.order_two import start_reach
-from stt_codegen.sampling.periods import inputs_where_proved, longest
+from stt_codegen.sampling.order_two import inertial_start_bound
+from stt_codegen.sampling.periods import inputs_where_proved, longest_proved_period
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, built
@@ -353,13 +353,13 @@ def test_the_statement_in_fractions_is_the_one_in_balls() -> None:
     task, design, program = controller.task, controller.design, controller.program
     assert isinstance(design, RefinedDesign)
     errors = edge_error(design, program), rate_error(design, program)
-    most = longest("sharp", loop_of(task, design, *errors))
+    most = longest_proved_period("sharp", loop_of(task, design, *errors))
     assert most is not None
 
     def holds(seconds: float) -> bool:
         period = Fraction(f"{seconds:.12g}")
         given = task.model_copy(update={"control": task.control.model_copy(update={"period": period})})
-        rho = tuple(Fraction(str(np.exp(v) * (1 + 1e-9))) for v in most.reach)
+        rho = tuple(Fraction(str(np.exp(v) * (1 + 1e-9))) for v in most.eps_bound)
         limit = [(1 + e) / (1 - e) for e in given.e_max]
         loop, age = exact_loop(given, design, *errors), period + given.control.latency
         return inputs_where_proved(loop, tuple(map(min, rho, limit)), age) is not None
@@ -458,12 +458,12 @@ def test_the_bound_on_e_is_never_below_where_it_starts() -> None:
     design = replace(controller.design, table=tuple(tuple((a, b) for a, b in row) for row in table))
     share = controller.task.initial_set.share
     least = (1 + share) / (1 - share)
-    ratios = start_reach(controller.task, design, numbers=FRACTIONS)
+    ratios = inertial_start_bound(controller.task, design, numbers=FRACTIONS)
     assert min(ratios) >= least
     proved = controller.certificate.proved_period
     assert proved is not None
     assert all(rho > least for rho in proved.rho)
-    eps = start_reach(controller.task, design)
+    eps = inertial_start_bound(controller.task, design)
     assert (eps >= np.log(float(least)) * (1 - 1e-12)).all()
 
 

@@ -29,7 +29,7 @@ from stt_codegen.pipeline import EmittedController, build_program, certify, rend
 from stt_codegen.plants import plant_of
 from stt_codegen.record.package import package
 from stt_codegen.sampling.numbers import FRACTIONS
-from stt_codegen.sampling.order_two import extent
+from stt_codegen.sampling.order_two import filtered_extremes
 from stt_codegen.sampling.windows import extremes
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
@@ -258,10 +258,10 @@ def test_the_tube_is_c2_where_it_begins_again(text: str) -> None:
         values = getattr(found, name)
         assert (values[-1] == values[design.seam]).all()
     if design.filter:
-        every = extent(design)
+        every = filtered_extremes(design)
         for values in (every.narrow, every.wide, every.width, every.middle, every.rate, *every.bends, *every.press):
             assert (values[-1] == values[design.seam]).all()
-        exact = extent(design, FRACTIONS)
+        exact = filtered_extremes(design, FRACTIONS)
         assert len(exact.narrow) == design.segments + 1
         assert exact.narrow[-1, 0] == exact.narrow[design.seam, 0]
 

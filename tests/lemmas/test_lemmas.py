@@ -39,9 +39,9 @@ from stt_codegen.program.nodes import Assign, For, Load, Op, Return, Select, Sta
 from stt_codegen.program.operations import BOOL, INT, REAL
 from stt_codegen.program.symbolic.paths import follow
 from stt_codegen.program.targets.python.printer import PythonPrinter
-from stt_codegen.sampling import periods, setting, statements, windows
+from stt_codegen.sampling import periods, sampled_loop, sampling_conditions, windows
 from stt_codegen.sampling.numbers import Fractions
-from stt_codegen.sampling.setting import Setting, setting_of
+from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop
 from stt_codegen.sampling.windows import extremes
 from stt_codegen.task.sets.convex_sets import BoxSet
 from stt_codegen.task.sets.motion import Leg
@@ -178,13 +178,23 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
         (definite_plants, "ARM", upside_down, "plant.arm"),
         (sampled, "INPUT_OVER_GAIN", (1 / sampled.a - 1 / sampled.b) * sp.log(sampled.a / sampled.b), "sampled.pull"),
         (sampled, "Q", sampled.E * sp.cosh(sampled.E / 2), "sampled.law"),
-        (statements, "pull", lambda a, b, log, r: (1 / a - 1 / b) * log(a / b) + r * (1 / a + 1 / b), "sampled.sharp_evaluated"),
-        (statements, "sharp_push", lambda s, u: s.push, "sampled.sharp_evaluated"),
-        (statements, "input_bound", lambda s, reach: 0 * s.push, "sampled.sharp_evaluated"),
-        (statements, "q", lambda e: e * np.cosh(e / 2), "sampled.diagonal_evaluated"),
-        (statements, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.diagonal_evaluated"),
-        (statements, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.general_evaluated"),
-        (statements, "_input", lambda s, seen, d, root: 0 * seen / d, "sampled.general_evaluated"),
+        (
+            sampling_conditions,
+            "input_per_gain",
+            lambda a, b, log, r: (1 / a - 1 / b) * log(a / b) + r * (1 / a + 1 / b),
+            "sampled.sharp_evaluated",
+        ),
+        (sampling_conditions, "sharp_closing_speed", lambda s, u: s.closing_speed, "sampled.sharp_evaluated"),
+        (sampling_conditions, "input_bound", lambda s, reach: 0 * s.closing_speed, "sampled.sharp_evaluated"),
+        (sampling_conditions, "q", lambda e: e * np.cosh(e / 2), "sampled.diagonal_evaluated"),
+        (sampling_conditions, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.diagonal_evaluated"),
+        (sampling_conditions, "q_rate", lambda e: np.cosh(e / 2) ** 2, "sampled.general_evaluated"),
+        (
+            sampling_conditions.Staleness,
+            "input_bound",
+            lambda old: 0 * old.measured_eps_bound / old.width,
+            "sampled.general_evaluated",
+        ),
         (slack, "halves", lambda piece: (piece, piece), "refined.halves"),
         (slack, "units_above", lambda value, unit: math.floor(value / unit), "refined.integers"),
         (slack.RowBlock, "told", lambda self, pieces, *when: 2 * self._left(pieces), "rows.told"),
@@ -203,24 +213,24 @@ upside_down = Plant(name="wrong", dimension=None, drift=lambda x: [0] * x.shape[
             "sampled.windows",
         ),
         (windows, "OUT", -(2.0**-40), "sampled.windows"),
-        (setting, "back", lambda values, worse: values, "sampled.exact_windows"),
+        (sampled_loop, "worst_with_previous_window", lambda values, worse: values, "sampled.exact_windows"),
         (Fractions, "log_above", Fractions.log_below, "sampled.inputs"),
         (Fractions, "near_divisor", Fractions.far_divisor, "sampled.inputs"),
         (Fractions, "log_below", Fractions.log_above, "sampled.fractions"),
-        (Fractions, "share_of_reach", lambda numbers, rho: rho / (rho + 1), "sampled.fractions"),
-        (Fractions, "reach_of_share", lambda numbers, share: 1 / (1 - share), "sampled.setting"),
+        (Fractions, "share_of_eps", lambda numbers, rho: rho / (rho + 1), "sampled.fractions"),
+        (Fractions, "eps_of_share", lambda numbers, share: 1 / (1 - share), "sampled.setting"),
         (periods, "is_in_range", lambda *_: True, "sampled.all"),
         (periods, "first_failing", lambda conditions: None, "sampled.all"),
         (enclosed, "TERMS", 3, "sampled.logarithm"),
         (Fractions, "evenly", lambda numbers, end, parts: np.arange(parts + 1), "sampled.exact_windows"),
         (
             sampled_windows,
-            "setting_of",
-            lambda w, p, law, start: replace(setting_of(w, p, law, start), push=w.speed),
+            "first_order_loop",
+            lambda w, p, law, start: replace(first_order_loop(w, p, law, start), closing_speed=w.speed),
             "sampled.setting",
         ),
-        (Setting, "longest_age", property(lambda s: s.windows.shortest), "sampled.age"),
-        (first_exit, "back", lambda values, worse: values, "sampled.before"),
+        (SampledLoop, "longest_age", property(lambda s: s.windows.shortest), "sampled.age"),
+        (first_exit, "worst_with_previous_window", lambda values, worse: values, "sampled.before"),
         (update_module.Curve, "of", classmethod(lambda cls, *rest: replace(WRONG.of(*rest), rush=rest[1])), "update.rounded"),
         (update_module.Curve, "beyond", lambda self, z, p, q: WRONG.beyond(self, z, p, q + q), "update.root"),
         (update_module.Curve, "cell", lambda self, *rest: WRONG.cell(self, *rest)[:1] * 3, "update.falls"),

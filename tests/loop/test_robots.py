@@ -18,7 +18,7 @@ from stt_codegen.loop.simulate import Loop, Scenario, of_task, starts
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling.order_two import speeds
+from stt_codegen.sampling.order_two import velocity_bounds
 from stt_codegen.sampling.plant import PlantEnclosure
 from stt_codegen.task.load import load_task
 from tests.support.controllers import built
@@ -68,9 +68,9 @@ def test_bounds_hold_of_states_constants_and_samples(name: str) -> None:
             constants = [draw.choice([a, b, draw.uniform(a, b)]) for a, b in plant.constants]
             sample = state[:n] + drift * draw.choice([-1, 1], size=n) if plant.mixing else []
             f, g = (np.array(v) for v in evaluate(np.concatenate([state, constants, sample])))
-            assert (np.abs(f.ravel()) + float(plant.w_max) <= bounds.push * (1 + 1e-12)).all()
-            assert (bounds.least <= np.diag(g)).all()
-            assert (np.diag(g) <= bounds.most).all()
+            assert (np.abs(f.ravel()) + float(plant.w_max) <= bounds.disturbance * (1 + 1e-12)).all()
+            assert (bounds.diagonal_min <= np.diag(g)).all()
+            assert (np.diag(g) <= bounds.diagonal_max).all()
             assert (np.abs(g - np.diag(np.diag(g))) <= bounds.cross + 1e-15).all()
     assert found.mixed_age == (math.inf if plant.mixing is None else pytest.approx(float(found.wanted + found.latency) * 1.01))
 
@@ -82,7 +82,7 @@ def test_bounds_of_a_window_hold_for_the_oldest_sample(name: str) -> None:
     found, n, draw = analysis(name), controller.task.dimension, np.random.default_rng(7)
     design = controller.design
     assert isinstance(design, RefinedDesign)
-    evaluate, (slow, fast) = model(plant, n, 2), speeds(design)
+    evaluate, (slow, fast) = model(plant, n, 2), velocity_bounds(design)
     age, worst = found.wanted + found.latency, 0.0
     for k in range(0, len(found.bounds), 3):
         for _ in range(60):
@@ -92,8 +92,8 @@ def test_bounds_of_a_window_hold_for_the_oldest_sample(name: str) -> None:
             g = np.array(evaluate(np.concatenate([x, v, [draw.choice(ends) for ends in plant.constants], sample]))[1])
             aside = np.abs(g - np.diag(np.diag(g)))
             assert (aside <= found.bounds[k].cross + 1e-15).all()
-            assert (found.bounds[k].least <= np.diag(g)).all()
-            assert (np.diag(g) <= found.bounds[k].most).all()
+            assert (found.bounds[k].diagonal_min <= np.diag(g)).all()
+            assert (np.diag(g) <= found.bounds[k].diagonal_max).all()
             worst = max(worst, float((aside / np.maximum(found.bounds[k].cross, 1e-300)).max()))
     assert worst > 0.5  # a bound that no sample comes near says nothing of samples
 

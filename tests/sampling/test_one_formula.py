@@ -20,10 +20,10 @@ import pytest
 from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.lemmas.sampling import sampled_evaluated, sampled_exact
 from stt_codegen.program.analyse.exact_logarithm import logarithm
-from stt_codegen.sampling import statements
+from stt_codegen.sampling import sampling_conditions
 from stt_codegen.sampling.numbers import FRACTIONS
-from stt_codegen.sampling.periods import inputs_where_proved, longest
-from stt_codegen.sampling.setting import Law, Setting
+from stt_codegen.sampling.periods import inputs_where_proved, longest_proved_period
+from stt_codegen.sampling.sampled_loop import SampledLaw, SampledLoop
 from stt_codegen.sampling.windows import Windows
 
 ROUNDOFF = 2.0**-53
@@ -38,7 +38,7 @@ def drawn(draw: random.Random, low: float, high: float) -> Fraction:
     return Fraction(math.floor(draw.uniform(low, high) * 2**20), 2**20)
 
 
-def exact_loop(draw: random.Random, n: int, order: int, is_limited: bool, is_late: bool, is_coupled: bool) -> Setting:
+def exact_loop(draw: random.Random, n: int, order: int, is_limited: bool, is_late: bool, is_coupled: bool) -> SampledLoop:
     """A loop of three windows in fractions that doubles hold."""
 
     def array(low: float, high: float, *shape: int) -> Any:
@@ -60,20 +60,20 @@ def exact_loop(draw: random.Random, n: int, order: int, is_limited: bool, is_lat
     push, least = array(0.1, 0.5, 3, n), array(0.7, 0.9, 3, n)
     needed = np.array([drawn(draw, v, v + 0.01) * Fraction(draw.choice((99, 102, 300)), 100) for v in (push / least).max(axis=0)])
     u_max = needed if is_limited else np.full(n, np.inf)  # a little less and a little more than what is enough
-    law = Law(
+    law = SampledLaw(
         gain=gain, e_max=array(0.6, 0.9, n), shift=array(0.0005, 0.004, n), u_max=u_max,
         rounding=Fraction(1, 256), latency=drawn(draw, 1e-3, 2e-3) if is_late else Fraction(0), numbers=FRACTIONS,
     )  # fmt: skip
     cross = array(0, 0.1, 3, n, n) * (1 - np.eye(n, dtype=int)) * is_coupled
     drift, middle = (array(0.1, 0.9, 3, n), array(0.1, 0.9, 3, n)) if order == 2 else (None, None)
     one = array(1, 1, 3)
-    return Setting(
-        windows=windows, law=law, least=least, most=array(1, 1.3, 3, n), cross=cross, push=push, narrow=narrow - array(0, 0.1, 3, n),
-        definite=one, norm=one, push_norm=one, start=np.full(n, Fraction(2)), drift=drift, middle=middle,
+    return SampledLoop(
+        windows=windows, law=law, diagonal_min=least, diagonal_max=array(1, 1.3, 3, n), cross=cross, closing_speed=push, narrow=narrow - array(0, 0.1, 3, n),
+        eigenvalue_min=one, norm=one, closing_speed_norm=one, start=np.full(n, Fraction(2)), closing_speed_aging=drift, closing_speed_middle=middle,
     )  # fmt: skip
 
 
-def in_doubles(loop: Setting) -> Setting:
+def in_doubles(loop: SampledLoop) -> SampledLoop:
     """The same loop in doubles: reaches are E, starts too."""
 
     def floats(values: Any) -> Any:
@@ -83,9 +83,20 @@ def in_doubles(loop: Setting) -> Setting:
     windows = Windows(**{name: floats(getattr(loop.windows, name)) for name in names})
     law = loop.law
     parts = {name: floats(getattr(law, name)) for name in ("gain", "e_max", "shift", "u_max")}
-    numbers = Law(**parts, rounding=float(law.rounding), latency=float(law.latency))
-    values = {name: floats(getattr(loop, name)) for name in ("least", "most", "cross", "push", "narrow", "drift", "middle")}
-    ends = {name: floats(getattr(loop, name)) for name in ("definite", "norm", "push_norm")}
+    numbers = SampledLaw(**parts, rounding=float(law.rounding), latency=float(law.latency))
+    values = {
+        name: floats(getattr(loop, name))
+        for name in (
+            "diagonal_min",
+            "diagonal_max",
+            "cross",
+            "closing_speed",
+            "narrow",
+            "closing_speed_aging",
+            "closing_speed_middle",
+        )
+    }
+    ends = {name: floats(getattr(loop, name)) for name in ("eigenvalue_min", "norm", "closing_speed_norm")}
     return replace(loop, windows=windows, law=numbers, start=np.log(floats(loop.start)), **values, **ends)
 
 
@@ -186,7 +197,7 @@ def test_doubles_are_the_fractions_within_what_they_round(kind: tuple[int, int, 
         if not is_computable(loop, rho, age):
             continue
         wanted, carries, has = (
-            [statements.input_bound(s, e), *(c.values for c in statements.sharp(s, e, tau))]
+            [sampling_conditions.input_bound(s, e), *(c.values for c in sampling_conditions.sharp(s, e, tau))]
             for s, e, tau in ((loop, rho, age), (tracked, carried, float(age)), (doubles, reach, float(age)))
         )
         for a, b, c in zip(wanted, carries, has, strict=True):
@@ -199,10 +210,10 @@ def test_doubles_are_the_fractions_within_what_they_round(kind: tuple[int, int, 
     assert compared > 40
 
 
-def is_computable(loop: Setting, rho: Any, age: Fraction) -> bool:
+def is_computable(loop: SampledLoop, rho: Any, age: Fraction) -> bool:
     """Whether no condition takes a logarithm of what is below 1."""
-    u = statements.input_bound(loop, rho)
-    for c in statements.sharp_under(loop, rho, age, u, statements.sharp_push(loop, u)):
+    u = sampling_conditions.input_bound(loop, rho)
+    for c in sampling_conditions.sharp_under(loop, rho, age, u, sampling_conditions.sharp_closing_speed(loop, u)):
         if c.lemma == "sampled.ends" and not (c.values > 0).all():
             return False
     return True
@@ -211,8 +222,8 @@ def is_computable(loop: Setting, rho: Any, age: Fraction) -> bool:
 # ------------------------------------------------------------------------------------------------ one wrong term, three laws
 
 
-def input_by_hand(loop: Setting, k: int, i: int, rho: Fraction) -> Any:
-    """U of one component in one window, from the docstring of sampling/statements.py; infinite where nothing bounds it."""
+def input_by_hand(loop: SampledLoop, k: int, i: int, rho: Fraction) -> Any:
+    """U of one component in one window, from the docstring of sampling/sampling_conditions.py; infinite where nothing bounds it."""
     law, d = loop.law, loop.narrow[k, i]
     eta, share, r = law.shift[i], (1 - law.e_max[i]) / 2, law.rounding
     far, near = d * rho / (1 + rho) + eta, d / (1 + rho) - eta
@@ -223,13 +234,18 @@ def input_by_hand(loop: Setting, k: int, i: int, rho: Fraction) -> Any:
     return min(law.gain[i] * (1 / far + 1 / near) * (logarithm(far / near)[1] + r) * (1 + r), law.u_max[i])
 
 
-def kept_by_hand(loop: Setting, k: int, i: int, rho: Fraction, age: Fraction, u: list[Any]) -> bool:
+def kept_by_hand(loop: SampledLoop, k: int, i: int, rho: Fraction, age: Fraction, u: list[Any]) -> bool:
     """The conditions on one component in one window, likewise."""
     law, r = loop.law, loop.law.rounding
     others = sum((loop.cross[k, i, j] * v for j, v in enumerate(u) if j != i), Fraction(0))
-    push = loop.push[k, i] + others
-    aged, turned = (push if v is None else v[k, i] + others for v in (loop.drift, loop.middle))
-    narrow, wide, most, least = loop.windows.narrow[k, i], loop.windows.wide[k, i], loop.most[k, i], loop.least[k, i]
+    push = loop.closing_speed[k, i] + others
+    aged, turned = (push if v is None else v[k, i] + others for v in (loop.closing_speed_aging, loop.closing_speed_middle))
+    narrow, wide, most, least = (
+        loop.windows.narrow[k, i],
+        loop.windows.wide[k, i],
+        loop.diagonal_max[k, i],
+        loop.diagonal_min[k, i],
+    )
     if (turned + most * u[i]) * age + law.shift[i] >= narrow / 2 * ((rho - 1) / (rho + 1) - r) or least * law.u_max[i] <= push:
         return False
     c = aged * age + most * u[i] * law.latency + law.shift[i]
@@ -240,7 +256,7 @@ def kept_by_hand(loop: Setting, k: int, i: int, rho: Fraction, age: Fraction, u:
     return True
 
 
-def by_hand(loop: Setting, rho: tuple[Fraction, ...], age: Fraction) -> tuple[Any, ...] | None:
+def by_hand(loop: SampledLoop, rho: tuple[Fraction, ...], age: Fraction) -> tuple[Any, ...] | None:
     """What `inputs_where_proved` should say, where rho and age are in range."""
     largest = [Fraction(0)] * len(rho)
     for k in range(len(loop.narrow)):
@@ -251,7 +267,7 @@ def by_hand(loop: Setting, rho: tuple[Fraction, ...], age: Fraction) -> tuple[An
     return tuple(largest)
 
 
-def last_age(loop: Setting, rho: tuple[Fraction, ...]) -> Fraction | None:
+def last_age(loop: SampledLoop, rho: tuple[Fraction, ...]) -> Fraction | None:
     """Near the longest age that the conditions allow, by hand; None where they allow none."""
     low, high = max(loop.law.latency, Fraction(1, 10**6)), loop.longest_age
     if by_hand(loop, rho, low) is None:
@@ -263,12 +279,12 @@ def last_age(loop: Setting, rho: tuple[Fraction, ...]) -> Fraction | None:
 
 
 @functools.cache
-def cases() -> list[tuple[Setting, tuple[Fraction, ...], Fraction, tuple[Any, ...] | None]]:
+def cases() -> list[tuple[SampledLoop, tuple[Fraction, ...], Fraction, tuple[Any, ...] | None]]:
     """Random loops with reaches up to the clamp, ages on both sides of the longest, and what is true by hand."""
     draw, made = random.Random(5), []
     for kind in KINDS * 4:
         loop = exact_loop(draw, *kind)
-        rho = tuple(draw.choice((drawn(draw, 2.1, float(v)), v)) for v in loop.law.farthest)
+        rho = tuple(draw.choice((drawn(draw, 2.1, float(v)), v)) for v in loop.law.eps_at_clamp)
         longest_age = last_age(loop, rho)
         ages = [Fraction(1, 500)] if longest_age is None else [longest_age * (1 + Fraction(k, 10**4)) for k in (-1000, -1, 1)]
         ages = [age for age in ages if loop.law.latency <= age <= loop.longest_age]
@@ -287,7 +303,7 @@ def the_certificate_agrees() -> bool:
 
 
 @functools.cache
-def loops_to_search() -> list[tuple[Setting, Setting]]:
+def loops_to_search() -> list[tuple[SampledLoop, SampledLoop]]:
     draw = random.Random(6)
     loops = [exact_loop(draw, *kind) for kind in KINDS * 4]
     return [(loop, in_doubles(loop)) for loop in loops]
@@ -296,16 +312,16 @@ def loops_to_search() -> list[tuple[Setting, Setting]]:
 def the_search_agrees() -> bool:
     """What it finds is true by hand, and clearly more is true of no reach of a grid, where there is one component."""
     for loop, doubles in loops_to_search():
-        found = longest("sharp", doubles)
+        found = longest_proved_period("sharp", doubles)
         if found is not None:
             age = max(Fraction(found.seconds) * (1 - Fraction(1, 10**6)), loop.law.latency)
-            u = by_hand(loop, tuple(Fraction(math.exp(v)) for v in found.reach), age)
+            u = by_hand(loop, tuple(Fraction(math.exp(v)) for v in found.eps_bound), age)
             if u is None or any(abs(float(a) - b) > 1e-6 * b for a, b in zip(u, found.u, strict=True)):
                 return False
         if len(loop.start) == 1:
             more = Fraction(0 if found is None else found.seconds) * Fraction(21, 20) + Fraction(1, 10**5)
             more = max(more, loop.law.latency)
-            reaches = np.geomspace(math.log(2) * 1.001, math.log(loop.law.farthest[0]) * 0.999, 24)
+            reaches = np.geomspace(math.log(2) * 1.001, math.log(loop.law.eps_at_clamp[0]) * 0.999, 24)
             if more <= loop.longest_age and any(by_hand(loop, (Fraction(math.exp(v)),), more) is not None for v in reaches):
                 return False
     return True
@@ -333,7 +349,7 @@ def test_the_formulas_are_those_of_the_statement(law: str) -> None:
 @contextmanager
 def changed(name: str, old: str, new: str) -> Iterator[None]:
     """A function of the statements with another source text, wherever it is known."""
-    function = getattr(statements, name)
+    function = getattr(sampling_conditions, name)
     text, kept, names = textwrap.dedent(inspect.getsource(function)), function.__code__, dict[str, Any]()
     assert text.count(old) == 1
     exec(compile("from __future__ import annotations\n" + text.replace(old, new), name, "exec"), function.__globals__ | {}, names)
@@ -345,22 +361,22 @@ def changed(name: str, old: str, new: str) -> Iterator[None]:
 
 
 MUTANTS = [
-    ("pull", "1 / far + 1 / near", "1 / far - 1 / near"),
-    ("pull", "+ rounding * steepness", ""),
+    ("input_per_gain", "1 / far + 1 / near", "1 / far - 1 / near"),
+    ("input_per_gain", "+ rounding * steepness", ""),
     ("emitted_input", "* (1 + rounding)", ""),
-    ("_seen", "+ s.law.shift,", "- s.law.shift,"),
-    ("input_bound", "(1 - s.law.e_max) / 2", "(1 - s.law.e_max) / 3"),
-    ("input_bound", "s.narrow - 2 * s.law.shift", "s.narrow - s.law.shift"),
-    ("sharp_push", "(s.cross * u[..., None, :]).sum(axis=-1)", "0 * s.push"),
-    ("sharp_under", "(s.numbers.share_of_reach(reach) - r)", "s.numbers.share_of_reach(reach)"),
-    ("sharp_under", "(turned + s.most * u) * tau", "(turned + s.least * u) * tau"),
-    ("sharp_under", "* s.least - push)\n    drift", "* s.most - push)\n    drift"),
-    ("sharp_under", "aged * tau", "aged * tau / 2"),
-    ("sharp_under", "+ s.most * u * s.law.latency", ""),
-    ("sharp_under", "* s.law.latency + s.law.shift", "* s.law.latency"),
-    ("sharp_under", "(s.windows.narrow, s.windows.wide)", "(s.windows.narrow, s.windows.narrow)"),
-    ("sharp_under", "s.law.gain * (1 - r)", "s.law.gain"),
-    ("sharp_under", "s.least * held", "s.most * held"),
+    ("_measured_distances", "+ loop.law.shift", "- loop.law.shift"),
+    ("input_bound", "(1 - loop.law.e_max) / 2", "(1 - loop.law.e_max) / 3"),
+    ("input_bound", "loop.narrow - 2 * loop.law.shift", "loop.narrow - loop.law.shift"),
+    ("sharp_closing_speed", "(loop.cross * u[..., None, :]).sum(axis=-1)", "0 * loop.closing_speed"),
+    ("sharp_under", "(loop.numbers.share_of_eps(eps_bound) - r)", "loop.numbers.share_of_eps(eps_bound)"),
+    ("sharp_under", "(from_middle + loop.diagonal_max * u) * tau", "(from_middle + loop.diagonal_min * u) * tau"),
+    ("sharp_under", "* loop.diagonal_min - closing_speed)\n    drift", "* loop.diagonal_max - closing_speed)\n    drift"),
+    ("sharp_under", "aging * tau", "aging * tau / 2"),
+    ("sharp_under", "+ loop.diagonal_max * u * loop.law.latency", ""),
+    ("sharp_under", "* loop.law.latency + loop.law.shift", "* loop.law.latency"),
+    ("sharp_under", "(loop.windows.narrow, loop.windows.wide)", "(loop.windows.narrow, loop.windows.narrow)"),
+    ("sharp_under", "loop.law.gain * (1 - r)", "loop.law.gain"),
+    ("sharp_under", "loop.diagonal_min * weakest", "loop.diagonal_max * weakest"),
 ]
 
 

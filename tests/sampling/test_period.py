@@ -24,11 +24,11 @@ from stt_codegen.loop.command import within_bounds
 from stt_codegen.loop.simulate import Loop, Scenario, starts
 from stt_codegen.program.analyse.exact_logarithm import logarithm
 from stt_codegen.record.sketch import loop_times
-from stt_codegen.sampling.gains import FAR, GainRange, Gains
+from stt_codegen.sampling.gains import GAIN_SEARCH_LIMIT, GainRange, Gains
 from stt_codegen.sampling.loops import exact_loop, loop_of
-from stt_codegen.sampling.periods import holds, inputs_where_proved, least, longest
-from stt_codegen.sampling.setting import Setting
-from stt_codegen.sampling.statements import STATEMENTS
+from stt_codegen.sampling.periods import holds, inputs_where_proved, longest_proved_period, prove_for_period
+from stt_codegen.sampling.sampled_loop import SampledLoop
+from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS
 from stt_codegen.task.task import Task
 from tests.support.controllers import ROOT, built, controller_of
 
@@ -48,7 +48,7 @@ def with_period(name: str, control: dict[str, Any], plant: dict[str, Any], perio
 
 
 @cache
-def case(name: str) -> tuple[Setting, Setting, Task]:
+def case(name: str) -> tuple[SampledLoop, SampledLoop, Task]:
     """The loop in fractions and in doubles."""
     task = with_period(*CASES[name])
     made = controller_of(CASES[name][0])
@@ -87,9 +87,9 @@ def test_logarithms_are_enclosed_closely() -> None:
 def test_fractions_prove_what_balls_prove_and_no_more(name: str) -> None:
     """At 0.9999 of the longest period that balls prove, with the same E; and not at 1.001 of it with any."""
     loop, setting, _ = case(name)
-    period = longest("sharp", setting)
+    period = longest_proved_period("sharp", setting)
     assert period is not None
-    rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.reach)
+    rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.eps_bound)
     u = inputs_where_proved(loop, rho, age(0.9999 * period.seconds))
     assert u is not None
     assert all(float(a) == pytest.approx(b, rel=1e-6) for a, b in zip(u, period.u, strict=True))
@@ -101,12 +101,12 @@ def test_fractions_prove_what_balls_prove_and_no_more(name: str) -> None:
 def test_fractions_and_balls_agree_on_any_e(name: str) -> None:
     """Both are the same inequalities: they differ only where a slack is below what either rounds by."""
     loop, setting, _ = case(name)
-    period = longest("sharp", setting)
+    period = longest_proved_period("sharp", setting)
     assert period is not None
     draw, agreed = random.Random(2), {True: 0, False: 0}
     for _ in range(12):
         seconds = period.seconds * draw.uniform(0.2, 1.2)
-        reach = np.array([draw.uniform(2.95, 5.2) for _ in period.reach])
+        reach = np.array([draw.uniform(2.95, 5.2) for _ in period.eps_bound])
         rho = tuple(Fraction(f"{math.exp(v):.15g}") for v in reach)
         balls = holds("sharp", setting, np.array([math.log(v) for v in rho]), float(age(seconds)))
         exact = inputs_where_proved(loop, rho, age(seconds)) is not None
@@ -122,7 +122,7 @@ def test_windows_are_those_of_the_statement(name: str) -> None:
     for exact, doubles in ((loop.windows.narrow, setting.windows.narrow), (loop.windows.wide, setting.windows.wide)):
         assert (exact.astype(float) == doubles).all()
     assert (loop.narrow.astype(float) == setting.narrow).all()
-    assert loop.push.astype(float) == pytest.approx(setting.push, rel=1e-11)  # which is rounded up by 1e-12
+    assert loop.closing_speed.astype(float) == pytest.approx(setting.closing_speed, rel=1e-11)  # which is rounded up by 1e-12
 
 
 @pytest.mark.parametrize("latency", ["0", "0.0002", "0.0005", "0.001"])
@@ -144,7 +144,7 @@ def test_latency_counts_as_in_the_statement(latency: str) -> None:
         return low
 
     exact = last(lambda seconds: inputs_where_proved(loop, rho, age(seconds)) is not None)
-    doubles = last(lambda tau: all((c.values > 0).all() for c in STATEMENTS["sharp"].conditions(setting, reach, tau)))
+    doubles = last(lambda tau: all((c.values > 0).all() for c in SAMPLING_CONDITIONS["sharp"].conditions(setting, reach, tau)))
     assert exact == pytest.approx(doubles, rel=1e-5)
     assert exact > float(latency)
 
@@ -158,9 +158,9 @@ def test_latency_counts_as_in_the_statement(latency: str) -> None:
 )
 def test_what_the_law_sees_wrong_counts(change: dict[str, Any]) -> None:
     loop, setting, _ = case("plain")
-    period = longest("sharp", setting)
+    period = longest_proved_period("sharp", setting)
     assert period is not None
-    rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.reach)
+    rho = tuple(Fraction(f"{math.exp(v) * (1 + 1e-9):.12g}") for v in period.eps_bound)
     early = age(0.9 * period.seconds)
     assert inputs_where_proved(loop, rho, early) is not None
     assert inputs_where_proved(loop.with_law(**change), rho, early) is None
@@ -213,7 +213,7 @@ def test_the_example_sketch_keeps_to_what_is_proved() -> None:
     assert loop_times(late).period <= Fraction(9, 10) * longest
     age = longest + Fraction("0.0004")
     setting = loop_of(late.task, late.design, edge_error(late.design, late.program))
-    assert least("sharp", setting, float(age)) is not None
+    assert prove_for_period("sharp", setting, float(age)) is not None
 
 
 def test_bytes_are_the_same_without_a_period() -> None:
@@ -244,15 +244,15 @@ def test_a_chosen_gain_is_proved_and_no_other_leaves_clearly_more_room() -> None
     assert made.certificate.holds
     assert made.task.digest == task.digest
     setting = loop_of(made.task, made.design, edge_error(made.design, made.program))
-    middle = setting.begun_at(np.full(2, 0.01))
+    middle = setting.with_start(np.full(2, 0.01))
 
     def room(factor: float, i: int) -> float | None:
         gain = setting.law.gain.copy()
         gain[i] *= factor
-        if least("sharp", setting.with_law(gain=gain), 0.005) is None:
+        if prove_for_period("sharp", setting.with_law(gain=gain), 0.005) is None:
             return None
-        inner = least("sharp", middle.with_law(gain=gain), 0.005)
-        return None if inner is None else inner.reach[i]
+        inner = prove_for_period("sharp", middle.with_law(gain=gain), 0.005)
+        return None if inner is None else inner.eps_bound[i]
 
     for i in range(2):
         own = room(1.0, i)
@@ -471,7 +471,7 @@ def gain_range(name: str) -> tuple[Task, Any, Any, GainRange]:
     errors = (edge_error(made.design, made.program), rate_error(made.design, made.program) if task.order == 2 else ())
     setting = loop_of(task, made.design, *errors)
     age = float(task.sampling_period + task.control.latency)
-    found = Gains(setting, setting.law.gain, statements=("sharp",)).range(age)
+    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(age)
     assert found is not None
     return task, made.design, errors, found
 
@@ -486,7 +486,9 @@ def is_certified(task: Task, gain: np.ndarray, design: Any, errors: Any) -> bool
     """As `certify_period` decides, without the advice of its refusals, which takes seconds."""
     changed = task.changed(control={"gain": [Fraction(f"{k:.12g}") for k in gain.tolist()]})
     setting = loop_of(changed, design, *errors)
-    return prove_period(changed, exact_loop(changed, design, *errors), setting, longest("sharp", setting)) is not None
+    return (
+        prove_period(changed, exact_loop(changed, design, *errors), setting, longest_proved_period("sharp", setting)) is not None
+    )
 
 
 @pytest.mark.parametrize("name", RANGES)
@@ -516,7 +518,7 @@ def test_a_limit_that_is_too_large_for_the_period_leaves_an_end() -> None:
     task, design, errors, _ = gain_range("unlimited")
     high = task.changed(control={"u_max": 50})
     setting = loop_of(high, design, *errors)
-    found = Gains(setting, setting.law.gain, statements=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
     assert found is not None
     assert found.last is not None
     assert found.last_is_end
@@ -529,9 +531,9 @@ def test_a_search_that_was_cut_is_no_end(monkeypatch: pytest.MonkeyPatch) -> Non
     from stt_codegen.report.bounds import ProvedGains
 
     _, setting, task = case("plain")
-    monkeypatch.setattr("stt_codegen.sampling.gains.FAR", 1.5)
-    assert FAR == 1e6
-    found = Gains(setting, setting.law.gain, statements=("sharp",)).range(float(task.sampling_period + task.control.latency))
+    monkeypatch.setattr("stt_codegen.sampling.gains.GAIN_SEARCH_LIMIT", 1.5)
+    assert GAIN_SEARCH_LIMIT == 1e6
+    found = Gains(setting, setting.law.gain, kinds=("sharp",)).range(float(task.sampling_period + task.control.latency))
     assert found is not None
     assert found.last is not None
     assert not found.first_is_end

@@ -20,7 +20,7 @@ from stt_codegen.pipeline import build_task
 from stt_codegen.plants import PLANTS, Plant, model, plant_of
 from stt_codegen.report.analysis import Analysis
 from stt_codegen.report.plant_table import propose_bounds, uncovered_bounds
-from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, least_eigenvalue
+from stt_codegen.sampling.plant import Bounds, PlantEnclosure, bounds_of_task, minimum_eigenvalue
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.schema import PlantBounds
 from tests.support.controllers import controller_of
@@ -45,12 +45,12 @@ def test_bounds_over_a_box_hold_at_random_states_in_it(name: str, sign: int) -> 
         for _ in range(100):
             f, g = numbers(plant, [draw.uniform(*side) for side in box])
             g = sign * g
-            assert (np.abs(f) <= b.push).all()
-            assert np.linalg.norm(f) <= b.push_norm
-            assert (b.least <= np.diag(g)).all()
-            assert (np.abs(np.diag(g)) <= b.most).all()
+            assert (np.abs(f) <= b.disturbance).all()
+            assert np.linalg.norm(f) <= b.disturbance_norm
+            assert (b.diagonal_min <= np.diag(g)).all()
+            assert (np.abs(np.diag(g)) <= b.diagonal_max).all()
             assert (np.abs(g - np.diag(np.diag(g))) <= b.cross).all()
-            assert b.definite <= np.linalg.eigvalsh((g + g.T) / 2)[0] + 1e-15  # what NumPy rounds
+            assert b.eigenvalue_min <= np.linalg.eigvalsh((g + g.T) / 2)[0] + 1e-15  # what NumPy rounds
             assert np.linalg.norm(g, 2) <= b.norm + 1e-15
 
 
@@ -60,8 +60,8 @@ def test_bounds_are_near_what_they_bound_on_a_small_box() -> None:
         middle = [0.3, 0.7, -0.4][:n]
         b = PlantEnclosure(PLANTS[name], n, 1).over([(v - 1e-6, v + 1e-6) for v in middle])
         f, g = numbers(PLANTS[name], middle)
-        assert np.abs(b.push - np.abs(f)).max() < 1e-4
-        assert abs(b.definite - np.linalg.eigvalsh((g + g.T) / 2)[0]) < 1e-4
+        assert np.abs(b.disturbance - np.abs(f)).max() < 1e-4
+        assert abs(b.eigenvalue_min - np.linalg.eigvalsh((g + g.T) / 2)[0]) < 1e-4
         assert abs(b.norm - np.linalg.norm(g, 2)) < 1e-4
 
 
@@ -79,8 +79,8 @@ def test_the_disturbance_joins_the_push() -> None:
         1,
     )
     over = windy.over([(0, 1), (0, 1)])
-    assert (over.push >= still.push + 3).all()
-    assert over.push_norm >= 3
+    assert (over.disturbance >= still.disturbance + 3).all()
+    assert over.disturbance_norm >= 3
 
 
 def test_an_eigenvalue_bound_holds_for_every_matrix_in_the_balls() -> None:
@@ -89,7 +89,7 @@ def test_an_eigenvalue_bound_holds_for_every_matrix_in_the_balls() -> None:
         middle, radius = draw.normal(size=(n, n)), draw.uniform(0, 0.1, size=(n, n))
         middle, radius = middle + middle.T, radius + radius.T
         balls = [[arb(float(m), float(r)) for m, r in zip(*rows, strict=True)] for rows in zip(middle, radius, strict=True)]
-        bound = least_eigenvalue(balls)
+        bound = minimum_eigenvalue(balls)
         for _ in range(50):
             share = np.triu(draw.uniform(-1, 1, size=(n, n)))
             inside = middle + radius * (share + np.triu(share, 1).T)
@@ -112,7 +112,7 @@ def test_a_task_states_its_plant_and_gaps_are_filled_without_contradiction(
     exact = {k: Fraction(v) for k, v in bounds.items()}
     task = load_task(ROOT / "tasks" / "omni_s1.toml").model_copy(update={"plant": PlantBounds(**exact)})
     b: Bounds = bounds_of_task(task)
-    assert (b.push.tolist(), b.least.tolist(), b.most.tolist()) == ([push] * 2, [least] * 2, [most] * 2)
+    assert (b.disturbance.tolist(), b.diagonal_min.tolist(), b.diagonal_max.tolist()) == ([push] * 2, [least] * 2, [most] * 2)
     assert not b.cross.any()
 
 

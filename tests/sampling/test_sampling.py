@@ -22,24 +22,24 @@ from stt_codegen.lemmas.lemma import Verdict
 from stt_codegen.pipeline import build
 from stt_codegen.plants import PLANTS, plant_of
 from stt_codegen.report.analysis import Analysis
-from stt_codegen.sampling.gains import most_room
-from stt_codegen.sampling.periods import Period, holds, longest
+from stt_codegen.sampling.gains import choose_proved_gain
+from stt_codegen.sampling.periods import Period, holds, longest_proved_period
 from stt_codegen.sampling.plant import bounds_of_task
-from stt_codegen.sampling.setting import Setting, eps_of_state, law_of, setting_of
-from stt_codegen.sampling.statements import STATEMENTS, input_bound, pull, q
+from stt_codegen.sampling.sampled_loop import SampledLoop, first_order_loop, law_of, start_bound_of_state
+from stt_codegen.sampling.sampling_conditions import SAMPLING_CONDITIONS, input_bound, input_per_gain, q
 from stt_codegen.sampling.windows import refined_windows
 from tests.support.controllers import ROOT, built, controller_of
 
 
-def setting(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> Setting:
+def setting(name: str = "omni_s2", gain: float = 0.5, noise: float = 0.0) -> SampledLoop:
     c = controller_of(name)
     windows = refined_windows(c.design)
     law = replace(law_of(c.task, c.certificate.edge_error, noise), gain=np.full(c.task.dimension, gain))
-    start = eps_of_state(windows, [float(v) for v in c.task.initial_state])
-    return setting_of(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, start)
+    start = start_bound_of_state(windows, [float(v) for v in c.task.initial_state])
+    return first_order_loop(windows, [bounds_of_task(c.task)] * len(windows.narrow), law, start)
 
 
-def scaled(s: Setting, length: float, time: float) -> Setting:
+def scaled(s: SampledLoop, length: float, time: float) -> SampledLoop:
     """The same loop in other units: lengths and times multiplied; then |k| by length^2/time."""
     w, speed = s.windows, length / time
     windows = replace(
@@ -51,17 +51,24 @@ def scaled(s: Setting, length: float, time: float) -> Setting:
         widening=w.widening * speed,
     )
     law = replace(s.law, gain=s.law.gain * length**2 / time, shift=s.law.shift * length)
-    return replace(s, windows=windows, law=law, push=s.push * speed, narrow=s.narrow * length, push_norm=s.push_norm * speed)
+    return replace(
+        s,
+        windows=windows,
+        law=law,
+        closing_speed=s.closing_speed * speed,
+        narrow=s.narrow * length,
+        closing_speed_norm=s.closing_speed_norm * speed,
+    )
 
 
-@pytest.mark.parametrize("statement", STATEMENTS)
+@pytest.mark.parametrize("statement", SAMPLING_CONDITIONS)
 @pytest.mark.parametrize("turn", [False, True])
 def test_no_adversary_reaches_the_proved_bound(statement: str, turn: bool) -> None:
     draw = random.Random(7)
     proved = 0
     for seed in range(8):
         loop, share = drawn(draw, turn), draw.uniform(0, 0.9)
-        period = longest(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
+        period = longest_proved_period(statement, loop.setting(2 * math.atanh(share) * (1 + 1e-9)))
         if period is not None:
             proved += 1
             assert not violations(loop, statement, period, share, seed)
@@ -72,7 +79,7 @@ def test_the_adversaries_can_fail_a_loop() -> None:
     """Else the test above would say nothing: some period does fail."""
     draw = random.Random(7)
     loop = drawn(draw, False)
-    period = longest("sharp", loop.setting(2 * math.atanh(0.5)))
+    period = longest_proved_period("sharp", loop.setting(2 * math.atanh(0.5)))
     assert period is not None
     assert 1 < factor(loop, period, 0.5, 1) < 20
 
@@ -82,47 +89,47 @@ def test_the_adversaries_notice_a_bound_on_u_that_leaves_noise_out() -> None:
     loop = replace(
         drawn(random.Random(7), False), noise=0.02, narrow=0.5, wide=0.5, speed=0.1, push=0.1, latency=0.0, u_max=math.inf
     )
-    period = longest("sharp", loop.setting(2 * math.atanh(0.9)))
+    period = longest_proved_period("sharp", loop.setting(2 * math.atanh(0.9)))
     assert period is not None
-    without = (loop.gain * 4 * q(period.reach[0]) / loop.narrow,)
+    without = (loop.gain * 4 * q(period.eps_bound[0]) / loop.narrow,)
     assert violations(loop, "sharp", replace(period, u=without), 0.9, 1)
     assert not violations(loop, "sharp", period, 0.9, 1)
 
 
-@pytest.mark.parametrize("statement", STATEMENTS)
+@pytest.mark.parametrize("statement", SAMPLING_CONDITIONS)
 def test_units_do_not_matter(statement: str) -> None:
     """Periods scale with time, and nothing else changes, to the search's 2^-20 and what is backed off."""
     s = setting()
-    one = longest(statement, s)
+    one = longest_proved_period(statement, s)
     for length, time in ((8.0, 1.0), (1.0, 4.0), (0.25, 16.0)):
-        other = longest(statement, scaled(s, length, time))
+        other = longest_proved_period(statement, scaled(s, length, time))
         assert one is not None
         assert other is not None
         assert other.seconds / time == pytest.approx(one.seconds, rel=1e-5)
-        assert other.reach == pytest.approx(one.reach, rel=1e-9)
+        assert other.eps_bound == pytest.approx(one.eps_bound, rel=1e-9)
 
 
-@pytest.mark.parametrize("statement", STATEMENTS)
+@pytest.mark.parametrize("statement", SAMPLING_CONDITIONS)
 def test_what_is_proved_for_a_period_is_proved_for_shorter_ones(statement: str) -> None:
     s = setting()
-    period = longest(statement, s)
+    period = longest_proved_period(statement, s)
     assert period is not None
     for share in (1.0, 0.9, 0.5, 0.1, 0.0):
-        assert holds(statement, s, period.reach, period.seconds * share)
-    assert not holds(statement, s, period.reach, period.seconds * 1.01)
+        assert holds(statement, s, period.eps_bound, period.seconds * share)
+    assert not holds(statement, s, period.eps_bound, period.seconds * 1.01)
 
 
 @pytest.mark.parametrize("change", ["push", "noise", "narrower", "faster"])
 def test_a_harder_loop_has_no_longer_period(change: str) -> None:
     s = setting(noise=0.002 if change == "noise" else 0.0)
-    easy, w = longest("sharp", setting()), s.windows
+    easy, w = longest_proved_period("sharp", setting()), s.windows
     if change == "push":
-        s = replace(s, push=s.push + 0.3)
+        s = replace(s, closing_speed=s.closing_speed + 0.3)
     elif change == "narrower":
         s = replace(s, narrow=s.narrow * 0.9, windows=replace(w, narrow=w.narrow * 0.9))
     elif change == "faster":
-        s = replace(s, push=s.push * 1.2)
-    hard = longest("sharp", s)
+        s = replace(s, closing_speed=s.closing_speed * 1.2)
+    hard = longest_proved_period("sharp", s)
     assert easy is not None
     assert hard is None or hard.seconds < easy.seconds
 
@@ -136,7 +143,7 @@ def test_the_least_pull_is_at_the_ends_of_the_widths() -> None:
         shift = draw.uniform(0, 0.5) * narrow * math.tanh(reach / 2)
         far, near = widths / (1 + math.exp(-reach)) - shift, widths / (1 + math.exp(reach)) + shift
         if (far > near).all():
-            values = pull(far, near, np.log, 0.0)
+            values = input_per_gain(far, near, np.log, 0.0)
             assert values.min() >= min(values[0], values[-1]) * (1 - 1e-12)
 
 
@@ -188,7 +195,7 @@ def test_the_robot_with_heading_is_certified_at_a_kilohertz() -> None:
     assert all(h.holds for h in analysis.hypotheses())
     assert analysis.from_initial_state is not None
     assert analysis.from_initial_state.seconds > 0.001
-    assert most_room(analysis.setting, 0.001) is not None
+    assert choose_proved_gain(analysis.setting, 0.001) is not None
 
 
 def test_a_robot_that_may_turn_past_a_right_angle_fails_assumption_2(tmp_path: Path) -> None:
@@ -256,10 +263,10 @@ def test_a_negative_gain_needs_a_negative_plant() -> None:
 
 
 def test_a_period_says_where_it_is_tight() -> None:
-    period = longest("sharp", setting())
+    period = longest_proved_period("sharp", setting())
     assert isinstance(period, Period)
-    assert 0 <= period.tight[0] <= period.tight[1] <= 9
-    assert period.tight[2] in (1, 2)
+    assert 0 <= period.bottleneck[0] <= period.bottleneck[1] <= 9
+    assert period.bottleneck[2] in (1, 2)
 
 
 def test_generate_tells_of_ticks_that_are_too_slow(tmp_path: Path) -> None:
@@ -300,12 +307,12 @@ def test_noise_wider_than_the_tube_proves_nothing(noise: float, latency: float) 
     s = setting(noise=noise)
     s = replace(s, law=replace(s.law, latency=latency))
     for reach in (0.5, 2.0, 5.0):
-        assert not any(holds(statement, s, np.full(2, reach), latency) for statement in STATEMENTS)
+        assert not any(holds(statement, s, np.full(2, reach), latency) for statement in SAMPLING_CONDITIONS)
 
 
 def test_with_latency_a_sample_is_at_most_half_a_window_old() -> None:
     s = setting()
-    late = replace(s, law=replace(s.law, latency=1e-6), push=s.push * 1e-3)
+    late = replace(s, law=replace(s.law, latency=1e-6), closing_speed=s.closing_speed * 1e-3)
     assert not any(holds("sharp", late, np.full(2, reach), 0.6 * s.windows.shortest) for reach in (0.7, 1.0, 2.0, 4.0))
 
 
@@ -322,7 +329,7 @@ def test_every_condition_names_a_lemma_that_is_proved() -> None:
     """And every evaluated statement is compared with the lemmas by one of its own."""
     lemmas = {lemma.name: lemma for _, family in FAMILIES.values() for lemma in family}
     s = Analysis(controller_of("omni_s2")).setting
-    for name, statement in STATEMENTS.items():
+    for name, statement in SAMPLING_CONDITIONS.items():
         for condition in statement.conditions(s, 1.0, 1e-4):
             assert lemmas[condition.lemma].run().verdict is Verdict.PROVED
         assert lemmas[f"sampled.{name}_evaluated"].run().verdict is Verdict.PROVED

@@ -1,6 +1,8 @@
 """P9: sampled at `control.period`, from every start in the task's share of gamma(0), under every plant within the bounds of
-[plant], the state stays in the tube. The sharp statement (sampling/statements.py, lemmas/sampling/sampled.py) in exact fractions,
-with rho = e^E rational (sampling/numbers.py); what to try is searched for in doubles.
+[plant], the state stays in the tube.
+
+The proof evaluates the sharp sampling conditions (sampling/sampling_conditions.py) in exact fractions, with rho = e^E rational
+(sampling/numbers.py). Candidates for rho are searched for in doubles. lemmas/sampling/sampled.py has the mathematics.
 """
 
 from __future__ import annotations
@@ -19,17 +21,17 @@ from stt_codegen.decimals import above, below, by_component, decimal
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.properties import Property
 from stt_codegen.sampling import (
-    MUCH,
+    WORTHWHILE_PERIOD_RATIO,
     Gains,
     Period,
-    Setting,
+    SampledLoop,
+    choose_proved_gain,
     exact_loop,
     inputs_where_proved,
-    least,
-    longest,
+    longest_proved_period,
     loop_of,
-    most_room,
     natural_gain,
+    prove_for_period,
     rounded_gain,
 )
 from stt_codegen.task import Task
@@ -49,7 +51,7 @@ def choose_gain(
     setting = loop_of(task, design, edge_error, rate)
     shape = natural_gain(setting)
     age = float(task.sampling_period + task.control.latency)
-    found = most_room(setting, age, statements=("sharp",)) or Gains(setting, shape, statements=("sharp",)).longest
+    found = choose_proved_gain(setting, age, kinds=("sharp",)) or Gains(setting, shape, kinds=("sharp",)).longest
     gain = rounded_gain(shape) if found is None else found[0]
     return tuple(Fraction(f"{k:.12g}") for k in gain.tolist())
 
@@ -68,7 +70,7 @@ def certify_period(
         text = f"initial_state within {decimal(task.initial_set.share)} of gamma(0)'s half widths"
         return Finding(Property.PERIOD, text, -lack, Fraction(0), (Fraction(0), Fraction(0)), i + 1, None, advice), None
     age = task.sampling_period + task.control.latency
-    most = longest("sharp", setting)
+    most = longest_proved_period("sharp", setting)
     spare = (Fraction(most.seconds) if most is not None else Fraction(0)) - age
     found = prove_period(task, loop, setting, most)
     if found is None:
@@ -98,15 +100,18 @@ def _outside(task: Task, design: RefinedDesign) -> tuple[int, Fraction, float] |
     return (i, lack[i], above(needed, 4)) if lack[i] > 0 else None
 
 
-def prove_period(task: Task, loop: Setting, setting: Setting, longest_period: Period | None) -> PeriodProof | None:
+def prove_period(task: Task, loop: SampledLoop, setting: SampledLoop, longest_period: Period | None) -> PeriodProof | None:
     """What is proved in fractions (`loop`) with the least E that is found for the period in doubles (`setting`); near the longest
     period only with that of the longest."""
     period, latency = task.sampling_period, task.control.latency
     age = period + latency
-    tried = [least("sharp", setting, float(age)), longest_period if longest_period and longest_period.seconds >= age else None]
+    tried = [
+        prove_for_period("sharp", setting, float(age)),
+        longest_period if longest_period and longest_period.seconds >= age else None,
+    ]
     for candidate, more in itertools.product((p for p in tried if p is not None), TRIED):
-        reached = [Fraction(str(above(Fraction(math.exp(v)) * (1 + more), 9))) for v in candidate.reach]
-        rho = tuple(map(min, reached, loop.law.farthest.tolist()))
+        reached = [Fraction(str(above(Fraction(math.exp(v)) * (1 + more), 9))) for v in candidate.eps_bound]
+        rho = tuple(map(min, reached, loop.law.eps_at_clamp.tolist()))
         u = inputs_where_proved(loop, rho, age)
         if u is not None:
             return PeriodProof(period, latency, task.initial_set.share, rho, u, tuple(loop.law.shift.tolist()))
@@ -139,25 +144,27 @@ def _told(task: Task) -> str:
     return f"sampled {at} {decimal(control.period)} {often}, from every start with {starts}, for {', '.join(told)}"
 
 
-def _advice(task: Task, setting: Setting, age: Fraction) -> str:
+def _advice(task: Task, setting: SampledLoop, age: Fraction) -> str:
     """Which gain, period or limit would do, as a task file has them: with the sign of the task's gain."""
     if task.uses_differences:
         why = "the error of a velocity by differences grows with it, what noise adds falls"
         return f"use another control.period ({why}), state less noise, or measure the velocity"
-    gains, latency = Gains(setting, natural_gain(setting), statements=("sharp",)), float(task.control.latency)
+    gains, latency = Gains(setting, natural_gain(setting), kinds=("sharp",)), float(task.control.latency)
     sign = 1 if task.gain[0] > 0 else -1
 
     def shown(gain: Array) -> str:
         return by_component((sign * gain).tolist())
 
-    best = most_room(setting, float(age), statements=("sharp",))
+    best = choose_proved_gain(setting, float(age), kinds=("sharp",))
     if best is not None:
         return f'use control.gain = "auto" (here {shown(best[0])})' if sign > 0 else f"use control.gain = {shown(best[0])}"
     told = []
     if gains.longest is not None and gains.longest[1].seconds > latency:
         told.append(f"control.period = {_below(gains.longest[1].seconds - latency):g} with gain {shown(gains.longest[0])}")
     limited = gains.limited
-    if limited is not None and limited[2].seconds > max(MUCH * (gains.longest[1].seconds if gains.longest else 0.0), latency):
+    if limited is not None and limited[2].seconds > max(
+        WORTHWHILE_PERIOD_RATIO * (gains.longest[1].seconds if gains.longest else 0.0), latency
+    ):
         seconds = min(_below(limited[2].seconds - latency), float(age) - latency)
         u_max = by_component(limited[0].tolist())
         told.append(f"control.u_max = {u_max} and control.period = {seconds:.6g} with gain {shown(limited[1])}")

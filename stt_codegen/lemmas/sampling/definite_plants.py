@@ -15,7 +15,7 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_iden
 from stt_codegen.plants import PLANTS, model
 from stt_codegen.program.convert import lower
 from stt_codegen.program.symbolic import formulas
-from stt_codegen.sampling import PlantEnclosure, least_eigenvalue
+from stt_codegen.sampling import PlantEnclosure, minimum_eigenvalue
 
 HEADING_LIMIT = 1.2  # rad: |x3| in the state space of the example task with heading
 ROBOT, SPACECRAFT, ARM = PLANTS["robot"], PLANTS["spacecraft"], PLANTS["arm"]
@@ -73,7 +73,7 @@ def _refute_robot_anywhere() -> Outcome:
 
 def _prove_eigenvalue_bound(name: str, plant: Any, box: list[tuple[float, float]], bound: float) -> Outcome:
     """Prove that the smallest eigenvalue of g_s, enclosed over the box, is above the bound."""
-    smallest = PlantEnclosure(plant, len(box), 1).over(box).definite
+    smallest = PlantEnclosure(plant, len(box), 1).over(box).eigenvalue_min
     verdict = Verdict.PROVED if smallest > bound else Verdict.OPEN
     return Outcome(
         verdict, "Arb: enclosures and Weyl's inequality", (f"{name}: eigenvalues of g_s >= {smallest:.6g} over {box}",)
@@ -121,7 +121,7 @@ def _prove_weyl() -> Outcome:
     form = (vector.T * matrix * vector)[0]
     square = (p**2 + 2 * q**2 + s**2) * (c**2 + t**2) ** 2 - form**2
     squares = 2 * (p * c * t - q * c**2) ** 2 + (p * t**2 - s * c**2) ** 2 + 2 * (q * t**2 - s * c * t) ** 2
-    computed_bound = least_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
+    computed_bound = minimum_eigenvalue([[arb(2), arb(1)], [arb(1), arb(2)]])
     return all_of(
         prove_identities({"|D|^2 |v|^4 - (v'Dv)^2 - a sum of squares": sp.expand(square - squares)}),
         prove_identities(

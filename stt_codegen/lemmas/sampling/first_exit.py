@@ -15,7 +15,7 @@ import sympy as sp
 
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, Verdict, all_of, prove_identities, prove_positive
-from stt_codegen.sampling import Setting, Windows, back
+from stt_codegen.sampling import SampledLoop, Windows, worst_with_previous_window
 
 E, h, p, y = sp.symbols("E h p y", positive=True)
 
@@ -63,9 +63,9 @@ def _prove_age() -> Outcome:
         windows: Any = SimpleNamespace(times=times)
         shortest = Windows.shortest.fget(windows)  # type: ignore[attr-defined]
         setting: Any = SimpleNamespace(
-            windows=SimpleNamespace(shortest=shortest), law=SimpleNamespace(latency=latency), known_to=np.inf
+            windows=SimpleNamespace(shortest=shortest), law=SimpleNamespace(latency=latency), largest_known_age=np.inf
         )
-        age = Setting.longest_age.fget(setting)  # type: ignore[attr-defined]
+        age = SampledLoop.longest_age.fget(setting)  # type: ignore[attr-defined]
         case_count += 1
         if age * (2 if latency else 1) != min(lengths):
             failures.append(f"{age} for windows of {lengths} s")
@@ -83,13 +83,13 @@ def _prove_age() -> Outcome:
 
 
 def _prove_before() -> Outcome:
-    """Run `back` on symbols: for each window it must give the worse of its value and of the one before, upper bound or lower."""
+    """Run `worst_with_previous_window` on symbols: it must give the worse value of each window and the one before."""
     differences = {}
     for numbers in ((1.0, 2.0, 3.0), (3.0, 2.0, 1.0), (1.0, 3.0, 2.0)):
         symbols = sp.symbols("v0:3", real=True)
         values = np.array([[EvaluatedExpression(s, v)] for s, v in zip(symbols, numbers, strict=True)], dtype=object)
         for word, worse, choose in (("most", np.maximum, max), ("least", np.minimum, min)):
-            for k, v in enumerate(back(values, worse)[:, 0]):
+            for k, v in enumerate(worst_with_previous_window(values, worse)[:, 0]):
                 expected = choose((max(k - 1, 0), k), key=lambda j: numbers[j])
                 differences[f"{word} for {numbers}, window {k}"] = v.expression - symbols[expected]
     return prove_identities(differences, "SymPy: the evaluated code run on symbols, for every order of three windows' neighbours")

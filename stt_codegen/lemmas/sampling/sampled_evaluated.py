@@ -1,4 +1,4 @@
-"""Lemmas about the evaluated sampling conditions: the code of sampling/statements.py computes what sampled.py proves.
+"""Lemmas about the evaluated sampling conditions: the code of sampling/sampling_conditions.py computes what sampled.py proves.
 
 The code itself is run on symbols, so the lemmas include what noise, latency and rounding add. book.py takes LEMMAS as a part of
 the family `sampled`; sampled_exact.py uses the loop of symbols, too.
@@ -18,7 +18,7 @@ import sympy as sp
 
 from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities
-from stt_codegen.sampling import STATEMENTS, Law, Setting, Windows
+from stt_codegen.sampling import SAMPLING_CONDITIONS, SampledLaw, SampledLoop, Windows
 
 NUMBERS = {
     "E": 2.0, "E1": 2.0, "E2": 1.5, "k1": 0.3, "k2": 0.4,
@@ -43,7 +43,7 @@ def _row(*names: str) -> Any:
     return np.array([[symbol(name) for name in names]], dtype=object)
 
 
-def setting(n: int, coupled: bool = False) -> Setting:
+def setting(n: int, coupled: bool = False) -> SampledLoop:
     """Return a loop of one window and n components in which every number is a symbol.
 
     Where inputs are coupled, components have different gains. d is the smallest width of the window, n that of the window and
@@ -57,7 +57,9 @@ def setting(n: int, coupled: bool = False) -> Setting:
         np.array([symbol(f"k{i}" if coupled else "k") for i in numbers], dtype=object),
         _row(*(f"m{i}" for i in numbers))[0],
     )
-    law: Any = Law(gain=gain, e_max=np.full(n, 0.999), shift=np.array(eta, dtype=object), u_max=limits, rounding=0.0, latency=0.0)
+    law: Any = SampledLaw(
+        gain=gain, e_max=np.full(n, 0.999), shift=np.array(eta, dtype=object), u_max=limits, rounding=0.0, latency=0.0
+    )
     law = replace(law, rounding=symbol("r"), latency=symbol("l"))
     zeros = np.zeros((1, n))
     widths, window_pair_widths, rates = (_row(*(f"{name}{i}" for i in numbers)) for name in ("d", "n", "D"))
@@ -74,17 +76,17 @@ def setting(n: int, coupled: bool = False) -> Setting:
     norms: Any = [np.array([symbol(name)], dtype=object) for name in ("lambda", "N", "F")]
     smallest_gain, largest_gain = (_row(*(f"{name}{i}" for i in numbers)) for name in ("g", "G"))
     push = _row(*(f"push{i}" for i in numbers))
-    return Setting(
+    return SampledLoop(
         windows=windows,
         law=law,
-        least=smallest_gain,
-        most=largest_gain,
+        diagonal_min=smallest_gain,
+        diagonal_max=largest_gain,
         cross=np.array([cross], dtype=object),
-        push=push,
+        closing_speed=push,
         narrow=window_pair_widths,
-        definite=norms[0],
+        eigenvalue_min=norms[0],
         norm=norms[1],
-        push_norm=norms[2],
+        closing_speed_norm=norms[2],
         start=zeros[0],
     )
 
@@ -115,7 +117,7 @@ def _prove_sharp_evaluated() -> Outcome:
     """Compare every condition of a coupled loop of three components, each with its E and its gain, with the proved one."""
     components = ("1", "2", "3")
     reach = np.array([symbol(f"E{i}") for i in components], dtype=object)
-    conditions = STATEMENTS["sharp"].conditions(setting(len(components), coupled=True), reach, symbol("tau"))
+    conditions = SAMPLING_CONDITIONS["sharp"].conditions(setting(len(components), coupled=True), reach, symbol("tau"))
     r, tau, latency = V["r"], V["tau"], V["l"]
     U = {}
     for i in components:
@@ -141,7 +143,7 @@ def _prove_sharp_evaluated() -> Outcome:
     return all_of(prove_identities(differences, METHOD, TEST_POINT), _check_windows())
 
 
-def _random_setting(generator: np.random.Generator, n: int) -> Setting:
+def _random_setting(generator: np.random.Generator, n: int) -> SampledLoop:
     """Return a loop of three windows and n components with random numbers."""
 
     def random_array(low: float, high: float, *shape: int) -> Any:
@@ -159,7 +161,7 @@ def _random_setting(generator: np.random.Generator, n: int) -> Setting:
         high=zeros,
         start=zeros,
     )
-    law = Law(
+    law = SampledLaw(
         gain=np.full(n, 0.3),
         e_max=np.full(n, 0.999),
         shift=random_array(0, 1e-3, n),
@@ -168,27 +170,27 @@ def _random_setting(generator: np.random.Generator, n: int) -> Setting:
         latency=3e-4,
     )
     cross = random_array(0, 0.1, 3, n, n) * (1 - np.eye(n))
-    return Setting(
+    return SampledLoop(
         windows=windows,
         law=law,
-        least=random_array(0.8, 1, 3, n),
-        most=random_array(1, 1.2, 3, n),
+        diagonal_min=random_array(0.8, 1, 3, n),
+        diagonal_max=random_array(1, 1.2, 3, n),
         cross=cross,
-        push=random_array(0.1, 0.5, 3, n),
+        closing_speed=random_array(0.1, 0.5, 3, n),
         narrow=narrow - random_array(0, 0.1, 3, n),
-        definite=random_array(0.8, 1, 3),
+        eigenvalue_min=random_array(0.8, 1, 3),
         norm=random_array(1, 1.2, 3),
-        push_norm=random_array(0.2, 0.6, 3),
+        closing_speed_norm=random_array(0.2, 0.6, 3),
         start=np.zeros(n),
     )
 
 
-def _on_one_window(setting: Setting, k: int) -> Setting:
+def _on_one_window(setting: SampledLoop, k: int) -> SampledLoop:
     """Return the loop on window k alone, with the larger widening of that window and the one before."""
     windows, window = setting.windows, slice(k, k + 1)
     widening = np.maximum(windows.widening[window], windows.widening[max(k - 1, 0)])
     window_alone = replace(windows, narrow=windows.narrow[window], wide=windows.wide[window], widening=widening)
-    names = ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm")
+    names = ("diagonal_min", "diagonal_max", "cross", "closing_speed", "narrow", "eigenvalue_min", "norm", "closing_speed_norm")
     return replace(setting, windows=window_alone, **{name: getattr(setting, name)[window] for name in names})
 
 
@@ -200,9 +202,9 @@ def _check_windows() -> Outcome:
     for statement, _ in itertools.product(("sharp", "diagonal", "general"), range(4)):
         setting = _random_setting(generator, 2)
         reach: Any = 1.9 if statement == "general" else np.array([2.0, 1.5])
-        conditions = STATEMENTS[statement].conditions(setting, reach, 1e-3)
+        conditions = SAMPLING_CONDITIONS[statement].conditions(setting, reach, 1e-3)
         for k in range(3):
-            conditions_alone = STATEMENTS[statement].conditions(_on_one_window(setting, k), reach, 1e-3)
+            conditions_alone = SAMPLING_CONDITIONS[statement].conditions(_on_one_window(setting, k), reach, 1e-3)
             for j, (a, b) in enumerate(zip(conditions, conditions_alone, strict=True)):
                 count += 1
                 values, values_alone = np.asarray(a.values, float)[k : k + 1], np.asarray(b.values, float)
@@ -232,13 +234,13 @@ def _held_input_error(
 
 def _prove_diagonal_evaluated() -> Outcome:
     """Compare the diagonal conditions of one component with the proved ones, and check that they refuse coupled inputs."""
-    conditions = STATEMENTS["diagonal"].conditions(setting(1), symbol("E"), symbol("tau"))
+    conditions = SAMPLING_CONDITIONS["diagonal"].conditions(setting(1), symbol("E"), symbol("tau"))
     far, near = _distances(V["n1"], -V["eta1"])
     u, error = _held_input_error(
         reach=V["E"], E_measured=sp.log(far / near), push=V["push1"], g=V["G1"], rate=V["D1"], d=V["n1"], eta=V["eta1"]
     )
     inward = 4 * V["k"] * _q(V["E"]) / V["w1"] - error - V["push1"] / V["g1"]
-    coupled = STATEMENTS["diagonal"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
+    coupled = SAMPLING_CONDITIONS["diagonal"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
     numbers = {
         "u_max": (_smallest_value(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(TEST_POINT)))),
         "g_min": (_smallest_value(conditions, 2), NUMBERS["g1"]),
@@ -271,7 +273,7 @@ def _compare_numbers(values: dict[str, tuple[float, float]]) -> Outcome:
 
 def _prove_general_evaluated() -> Outcome:
     """Compare the general condition for two components of widths n1 < n2 and w1 < w2; sqrt 2 is rounded up as in the code."""
-    conditions = STATEMENTS["general"].conditions(setting(2), symbol("E"), symbol("tau"))
+    conditions = SAMPLING_CONDITIONS["general"].conditions(setting(2), symbol("E"), symbol("tau"))
     root = sp.Rational(Fraction(float(np.sqrt(2.0) * (1 + 1e-12))))
     far, near = _distances(V["n1"], -V["eta2"])
     E_measured = V["E"] + root * (sp.log(far / near) - V["E"])
@@ -280,7 +282,7 @@ def _prove_general_evaluated() -> Outcome:
     )
     q_n = V["E"] * sp.cosh(V["E"] / (2 * root)) ** 2
     inward = V["k"] * V["lambda"] * 4 / V["w2"] * q_n - V["F"] - V["N"] * error
-    coupled = STATEMENTS["general"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
+    coupled = SAMPLING_CONDITIONS["general"].conditions(setting(2, coupled=True), symbol("E"), symbol("tau"))
     numbers = {
         "u_max": (_smallest_value(conditions, 1), NUMBERS["m1"] - float(sp.N(u.subs(TEST_POINT)))),
         "g_s": (_smallest_value(conditions, 2), NUMBERS["lambda"]),

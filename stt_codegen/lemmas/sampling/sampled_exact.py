@@ -22,7 +22,7 @@ from stt_codegen.lemmas.evaluated_expression import EvaluatedExpression
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.lemmas.sampling.sampled_evaluated import METHOD, NUMBERS, TEST_POINT, V, setting, symbol
 from stt_codegen.program.analyse import exact_logarithm
-from stt_codegen.sampling import FRACTIONS, Fractions, Law, Setting, Windows, inputs_where_proved, statements
+from stt_codegen.sampling import FRACTIONS, Fractions, SampledLaw, SampledLoop, Windows, inputs_where_proved, sampling_conditions
 
 COMPONENTS = (1, 2, 3)  # each has two that it is coupled with
 RHO = {f"E{i}": sp.Symbol(f"rho{i}", positive=True) for i in COMPONENTS}
@@ -39,9 +39,9 @@ INPUT_VALUES = {"u1": 1.25, "u2": 1.75, "u3": 1.5, "P1'": 0.4, "P2'": 0.5, "P3'"
 class LoopPair(NamedTuple):
     """One loop of symbols for both kinds of number: for doubles with its E by component, for fractions with its rho."""
 
-    for_doubles: Setting
+    for_doubles: SampledLoop
     E: Any
-    for_fractions: Setting
+    for_fractions: SampledLoop
     rho: Any
 
 
@@ -93,7 +93,7 @@ def _prove_fractions() -> Outcome:
         np.array([[inputs[name] for name in names]], dtype=object) for names in (("u1", "u2", "u3"), ("P1'", "P2'", "P3'"))
     )
     conditions_doubles, conditions_fractions = (
-        list(statements.sharp_under(s, e, symbol("tau"), u, push))
+        list(sampling_conditions.sharp_under(s, e, symbol("tau"), u, push))
         for s, e in ((pair.for_doubles, pair.E), (pair.for_fractions, pair.rho))
     )
     differences: dict[str, Any] = {}
@@ -141,43 +141,58 @@ def refusing_condition(
     pushes: plant bounds at an edge, and for order 2 also while a sample ages and relative to the middle.
     """
     law = _law_of_rows(_row(1)[0], _row(Fraction(999, 1000))[0], _row(u_max)[0])
-    loop = _loop_of_rows(law, _row(narrow), _row(wide), **dict(zip(("push", "drift", "middle"), map(_row, pushes), strict=False)))
+    loop = _loop_of_rows(
+        law,
+        _row(narrow),
+        _row(wide),
+        **dict(zip(("closing_speed", "closing_speed_aging", "closing_speed_middle"), map(_row, pushes), strict=False)),
+    )
     u = _row(min(Fraction(20), u_max))
-    return statements.first_failing(statements.sharp_under(loop, _row(6)[0], Fraction(1, 1000), u, loop.push))
+    return sampling_conditions.first_failing(
+        sampling_conditions.sharp_under(loop, _row(6)[0], Fraction(1, 1000), u, loop.closing_speed)
+    )
 
 
 def _row(*values: Fraction | int) -> Any:
     return np.array([[Fraction(v) for v in values]], dtype=object)
 
 
-def _law_of_rows(gain: Any, e_max: Any, u_max: Any) -> Law:
+def _law_of_rows(gain: Any, e_max: Any, u_max: Any) -> SampledLaw:
     """Return a law in fractions that sees x without an error, without latency."""
-    return Law(
+    return SampledLaw(
         gain=gain, e_max=e_max, shift=0 * gain, u_max=u_max, rounding=Fraction(1, 1 << 19), latency=Fraction(0), numbers=FRACTIONS
     )
 
 
-def _loop_of_rows(law: Law, narrow: Any, wide: Any, *, push: Any, drift: Any = None, middle: Any = None) -> Setting:
+def _loop_of_rows(
+    law: SampledLaw,
+    narrow: Any,
+    wide: Any,
+    *,
+    closing_speed: Any,
+    closing_speed_aging: Any = None,
+    closing_speed_middle: Any = None,
+) -> SampledLoop:
     """Return a loop in fractions whose g is the identity, with windows of 2 s and starts with |e| <= 1/2; rows are by window."""
     count, n = narrow.shape
     zeros, ones = 0 * narrow, 0 * narrow + 1
     ends = np.array([Fraction(2 * k) for k in range(count + 1)])
     windows = Windows(times=ends, narrow=narrow, wide=wide, speed=zeros, widening=zeros, low=zeros, high=zeros, start=zeros)
     start = np.full(n, Fraction(3))
-    return Setting(
+    return SampledLoop(
         windows=windows,
         law=law,
-        least=ones,
-        most=ones,
+        diagonal_min=ones,
+        diagonal_max=ones,
         cross=np.zeros((count, n, n), dtype=int),
-        push=push,
+        closing_speed=closing_speed,
         narrow=narrow,
-        definite=ones[:, 0],
+        eigenvalue_min=ones[:, 0],
         norm=ones[:, 0],
-        push_norm=ones[:, 0],
+        closing_speed_norm=ones[:, 0],
         start=start,
-        drift=drift,
-        middle=middle,
+        closing_speed_aging=closing_speed_aging,
+        closing_speed_middle=closing_speed_middle,
     )
 
 
@@ -212,7 +227,7 @@ def _prove_inputs() -> Outcome:
         limits: Any = np.array([symbol("m1"), symbol("m2"), symbol("m3")], dtype=object) if is_limited else np.full(3, np.inf)
         law = {"e_max": np.array(e_max, dtype=object), "shift": shift, "u_max": limits}
         bounds = [
-            statements.input_bound(s.with_law(**law), e)[0]
+            sampling_conditions.input_bound(s.with_law(**law), e)[0]
             for s, e in ((pair.for_doubles, pair.E), (pair.for_fractions, pair.rho))
         ]
         count += 1
@@ -240,7 +255,7 @@ class LoopCase(NamedTuple):
     """A loop in fractions with rho by component and the age of samples; holds: whether it must be proved."""
 
     name: str
-    loop: Setting
+    loop: SampledLoop
     rho: tuple[Fraction, ...]
     age: Fraction
     holds: bool
@@ -251,7 +266,9 @@ def _loop_cases() -> Iterator[LoopCase]:
     narrow = np.array([[Fraction(1 + k + 2 * i, 2) for i in range(3)] for k in range(3)], dtype=object)
     e_max = (Fraction(4, 5), Fraction(3, 5), Fraction(2, 3))  # rho is at most 9, 4 and 5
     law = _law_of_rows(_row(1, 1, 1)[0], _row(*e_max)[0], np.full(3, np.inf))
-    good, late = (_loop_of_rows(v, narrow, narrow, push=0 * narrow) for v in (law, replace(law, latency=Fraction(1, 2000))))
+    good, late = (
+        _loop_of_rows(v, narrow, narrow, closing_speed=0 * narrow) for v in (law, replace(law, latency=Fraction(1, 2000)))
+    )
     largest_rho, smallest_rho = (Fraction(9), Fraction(4), Fraction(5)), Fraction(3)
     tiny, short_age = Fraction(1, 10**9), Fraction(1, 1000)
     yield LoopCase("all at their most", good, largest_rho, short_age, True)
@@ -261,7 +278,11 @@ def _loop_cases() -> Iterator[LoopCase]:
         thin = narrow.copy()
         thin[k, i] = Fraction(1, 1000)
         yield LoopCase(
-            f"window {k}, component {i}", _loop_of_rows(law, thin, narrow, push=0 * narrow), largest_rho, short_age, False
+            f"window {k}, component {i}",
+            _loop_of_rows(law, thin, narrow, closing_speed=0 * narrow),
+            largest_rho,
+            short_age,
+            False,
         )
     for i in range(3):
         for value, holds in ((largest_rho[i] + tiny, False), (smallest_rho, False), (smallest_rho + tiny, True)):
@@ -269,7 +290,7 @@ def _loop_cases() -> Iterator[LoopCase]:
                 f"rho {value} of component {i}", good, (*largest_rho[:i], value, *largest_rho[i + 1 :]), short_age, holds
             )
     slow = [
-        _loop_of_rows(replace(v.law, gain=_row(*[Fraction(1, 10**4)] * 3)[0]), narrow, narrow, push=0 * narrow)
+        _loop_of_rows(replace(v.law, gain=_row(*[Fraction(1, 10**4)] * 3)[0]), narrow, narrow, closing_speed=0 * narrow)
         for v in (good, late)
     ]
     for loop, age in zip(slow, (Fraction(2), Fraction(1)), strict=True):
@@ -286,7 +307,10 @@ def _prove_all() -> Outcome:
     count = 0
     for name, loop, rho, age, holds in _loop_cases():
         count += 1
-        u, bound = inputs_where_proved(loop, rho, age), statements.input_bound(loop, np.array(rho, dtype=object)).max(axis=0)
+        u, bound = (
+            inputs_where_proved(loop, rho, age),
+            sampling_conditions.input_bound(loop, np.array(rho, dtype=object)).max(axis=0),
+        )
         if (u is not None) != holds or (u is not None and u != tuple(bound)):
             failures.append(f"{name}: |u| <= {u}")
     return outcome_of_cases(count, failures, "holds where every component is kept in every window, and nowhere else")

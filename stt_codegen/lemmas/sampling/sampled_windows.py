@@ -26,15 +26,15 @@ from stt_codegen.sampling import (
     FRACTIONS,
     Bounds,
     Fractions,
-    Law,
-    Setting,
+    SampledLaw,
+    SampledLoop,
     Windows,
     extremes,
+    first_order_loop,
     in_balls,
     law_of,
-    reach_of_starts,
     refined_windows,
-    setting_of,
+    start_bound_of_share,
 )
 
 OUTWARD_ROUNDING = Fraction(1, 10**9) + Fraction(1, 1 << 50)  # relative: of doubles at most, and the rounding of that
@@ -185,15 +185,17 @@ def _prove_exact_windows() -> Outcome:
         n = narrow.shape[1]
         law: Any = SimpleNamespace(numbers=_OnSymbols())
         no_bounds = Bounds(
-            push=zero,
-            least=zero,
-            most=zero,
+            disturbance=zero,
+            diagonal_min=zero,
+            diagonal_max=zero,
             cross=zero,
-            push_norm=Fraction(0),
-            definite=Fraction(0),
+            disturbance_norm=Fraction(0),
+            eigenvalue_min=Fraction(0),
             norm=Fraction(0),
         )
-        setting = setting_of(refined_windows(tube, law.numbers), [no_bounds] * (symbolic_tube.segments + 1), law, np.zeros(n))
+        setting = first_order_loop(
+            refined_windows(tube, law.numbers), [no_bounds] * (symbolic_tube.segments + 1), law, np.zeros(n)
+        )
         ends = [symbolic_tube.prescribed_time * k / symbolic_tube.segments for k in range(symbolic_tube.segments + 1)]
         failures += [] if len(setting.narrow) == len(tube.windows()) else [f"{len(setting.narrow)} windows"]
         failures += [] if setting.windows.times.tolist() == ends else [f"windows end at {setting.windows.times}, not at {ends}"]
@@ -203,7 +205,7 @@ def _prove_exact_windows() -> Outcome:
                 "narrow": (setting.windows.narrow, unit * narrow[k, i].expression),
                 "narrow_seen": (setting.narrow, unit * min(narrow[k, i], narrow[before, i], key=float).expression),
                 "wide": (setting.windows.wide, unit * wide[k, i].expression),
-                "speed": (setting.push, rate * max(step[k, i], step[before, i], key=float).expression),
+                "speed": (setting.closing_speed, rate * max(step[k, i], step[before, i], key=float).expression),
             }
             differences |= {
                 f"{name} {number}.{k}.{i}": getattr(a[k, i], "expression", a[k, i]) - b for name, (a, b) in expected.items()
@@ -249,7 +251,7 @@ def _prove_setting() -> Outcome:
     )
 
 
-def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[Fraction, ...] | None) -> Law:
+def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[Fraction, ...] | None) -> SampledLaw:
     """Compare the law of a task of two components with the task's own numbers, in doubles and in fractions."""
     ends: Any = ((Fraction(-7, 3), Fraction(0)), (Fraction(1), Fraction(2)))
     ends = ends if noise else (tuple(-v for v in ends[1]), tuple(-v for v in ends[0]))  # the largest |x| at either end
@@ -269,9 +271,9 @@ def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[F
     gain = np.array([abs(v) for v in task.gain], dtype=object)
     checks.require_safe("gain", law.gain * (1 + 2.0**-52), gain)  # the nearest double; law.rounding includes that rounding
     checks.require_safe("e_max", law.e_max, [float(v) for v in task.e_max])
-    checks.require_safe("eps at the clamp", law.farthest, [float(_eps(v)) for v in task.e_max])
+    checks.require_safe("eps at the clamp", law.eps_at_clamp, [float(_eps(v)) for v in task.e_max])
     share_eps = np.array([_eps(Fraction(9, 10))] * 2, dtype=object)
-    checks.require_safe("eps of the share", reach_of_starts(Fraction(9, 10), 2), share_eps)
+    checks.require_safe("eps of the share", start_bound_of_share(Fraction(9, 10), 2), share_eps)
     limits = [float(round_down(v, scalar)) for v in limit or ()]
     checks.require_safe("u_max", law.u_max[np.isfinite(law.u_max)], limits, upward=False)
     is_exact = law.latency == 0.25 and law.rounding >= 32 * FORMATS[scalar].roundoff
@@ -279,21 +281,21 @@ def _check_law(checks: SafeSideChecks, scalar: str, noise: float, limit: tuple[F
     return law
 
 
-def _check_bounds(checks: SafeSideChecks, windows: Windows, law: Law, power: int) -> Setting:
+def _check_bounds(checks: SafeSideChecks, windows: Windows, law: SampledLaw, power: int) -> SampledLoop:
     """Compare a setting with the worse of two windows, for plant bounds that grow (power 1) or shrink (-1) with the window."""
     sizes = [(k + 1.0) ** power for k in range(3)]
     bounds = [_scaled_bounds(size) for size in sizes]
-    setting = setting_of(windows, bounds, law, np.zeros(2))
+    setting = first_order_loop(windows, bounds, law, np.zeros(2))
     speed = np.maximum(windows.speed, windows.speed[[0, 0, 1]])
-    checks.require_safe("push", setting.push, speed + [b.push for b in bounds])
+    checks.require_safe("push", setting.closing_speed, speed + [b.disturbance for b in bounds])
     checks.require_safe("narrow", setting.narrow, np.minimum(windows.narrow, windows.narrow[[0, 0, 1]]), upward=False)
-    push_norm = np.sqrt((speed**2).sum(axis=1)) + [b.push_norm for b in bounds]
-    checks.require_safe("push_norm", setting.push_norm, push_norm)
-    checks.require_safe("g_min", setting.least, [b.least for b in bounds], upward=False)
-    checks.require_safe("g_max", setting.most, [b.most for b in bounds])
+    push_norm = np.sqrt((speed**2).sum(axis=1)) + [b.disturbance_norm for b in bounds]
+    checks.require_safe("push_norm", setting.closing_speed_norm, push_norm)
+    checks.require_safe("g_min", setting.diagonal_min, [b.diagonal_min for b in bounds], upward=False)
+    checks.require_safe("g_max", setting.diagonal_max, [b.diagonal_max for b in bounds])
     checks.require_safe("g_ij", setting.cross, [b.cross for b in bounds])
-    norms = [[b.definite for b in bounds], [b.norm for b in bounds]]
-    checks.require_safe("of the whole", [setting.definite, setting.norm], norms)
+    norms = [[b.eigenvalue_min for b in bounds], [b.norm for b in bounds]]
+    checks.require_safe("of the whole", [setting.eigenvalue_min, setting.norm], norms)
     return setting
 
 
@@ -301,13 +303,30 @@ def _scaled_bounds(size: float) -> Bounds:
     """Return plant bounds of two components, those of the disturbance and of g_ij in proportion to the size."""
     push = np.array([0.5, 0.25]) * size
     cross = np.array([[0.0, size], [2 * size, 0.0]])
-    return Bounds(push=push, least=push / 2, most=push * 3, cross=cross, push_norm=0.75 * size, definite=0.5, norm=2.0)
+    return Bounds(
+        disturbance=push,
+        diagonal_min=push / 2,
+        diagonal_max=push * 3,
+        cross=cross,
+        disturbance_norm=0.75 * size,
+        eigenvalue_min=0.5,
+        norm=2.0,
+    )
 
 
-def _check_copies(checks: SafeSideChecks, setting: Setting) -> None:
+def _check_copies(checks: SafeSideChecks, setting: SampledLoop) -> None:
     """Check that the setting in balls and that of its second component have the setting's own numbers."""
     balls, component = in_balls(setting), setting.component(1)
-    for name in ("least", "most", "cross", "push", "narrow", "definite", "norm", "push_norm"):
+    for name in (
+        "diagonal_min",
+        "diagonal_max",
+        "cross",
+        "closing_speed",
+        "narrow",
+        "eigenvalue_min",
+        "norm",
+        "closing_speed_norm",
+    ):
         in_doubles = [float(v) for v in np.ravel(getattr(balls, name))]
         checks.require_safe(f"{name} in balls", in_doubles, np.ravel(getattr(setting, name)))
     for name in ("narrow", "wide", "speed", "widening"):
@@ -315,17 +334,17 @@ def _check_copies(checks: SafeSideChecks, setting: Setting) -> None:
         in_doubles = [float(v) for v in np.ravel(getattr(balls.windows, name))]
         checks.require_safe(f"{name} in balls", in_doubles, values.ravel())
         checks.require_safe(f"{name} of one component", getattr(component.windows, name)[:, 0], values[:, 1])
-    for name in ("least", "most", "push", "narrow"):
+    for name in ("diagonal_min", "diagonal_max", "closing_speed", "narrow"):
         checks.require_safe(f"{name} of one component", getattr(component, name)[:, 0], getattr(setting, name)[:, 1])
     checks.require_safe("gain in balls", [float(v) for v in balls.law.gain], setting.law.gain)
 
 
-def _differences_in_fractions(task: Any, law: Law, shift: list[Fraction]) -> list[str]:
+def _differences_in_fractions(task: Any, law: SampledLaw, shift: list[Fraction]) -> list[str]:
     """Return where the law in fractions differs from the task."""
     u_max = [math.inf] * task.dimension if task.u_max is None else [round_down(v, task.emit.scalar) for v in task.u_max]
     rho_max = [(1 + v) / (1 - v) for v in task.e_max]
     expected = [shift, [abs(v) for v in task.gain], list(task.e_max), u_max, rho_max, [Fraction(1, 4)]]
-    computed = [v.tolist() for v in (law.shift, law.gain, law.e_max, law.u_max, law.farthest)] + [[law.latency]]
+    computed = [v.tolist() for v in (law.shift, law.gain, law.e_max, law.u_max, law.eps_at_clamp)] + [[law.latency]]
     return [f"in fractions {a}, not {b}" for a, b in zip(computed, expected, strict=True) if a != b]
 
 

@@ -16,7 +16,7 @@ import sympy as sp
 from stt_codegen.designs import LOWER, UPPER, RefinedDesign, demanded_accelerations, filtered_edges
 from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, prove_identities, prove_positive
 from stt_codegen.lemmas.sampling import refusing_condition
-from stt_codegen.sampling import FRACTIONS, extent, inertial_motion
+from stt_codegen.sampling import FRACTIONS, filtered_extremes, inertial_motion
 
 t, s = sp.symbols("t s", positive=True)
 lam, F = sp.symbols("lambda F", positive=True)
@@ -173,7 +173,7 @@ def _prove_windows() -> Outcome:
     for _ in range(DESIGNS):
         design = _random_design(draw)
         per, unit = design.segments / float(design.prescribed_time), float(design.unit)
-        every = inertial_motion(extent(design, FRACTIONS), design.filter, FRACTIONS)
+        every = inertial_motion(filtered_extremes(design, FRACTIONS), design.filter, FRACTIONS)
         for k in range(design.segments + 1):
             for i, lambda_ in enumerate(design.filter):
                 value, here = float(lambda_), []
@@ -191,7 +191,7 @@ def _prove_windows() -> Outcome:
                     turned = abs(bend_l + bend_r) / 2 + value * (z + value * w) / 2
                     most = float(every.wide[k, i]) if own else np.inf  # of its own window; the last stands
                     told = (float(v[k, i]) for v in (every.at_edge, every.aging, every.from_middle))
-                    lengths = float(every.seen[k, i]) - 1e-9 * abs(z) <= z <= most + 1e-9 * abs(z)
+                    lengths = float(every.narrow[k, i]) - 1e-9 * abs(z) <= z <= most + 1e-9 * abs(z)
                     good = lengths and all(m >= d - 1e-9 * abs(d) for m, d in zip(told, (at_edge, aged, turned), strict=True))
                     wrong += [] if good else [f"{design} window {k}"]
     return outcome_of_cases(DESIGNS, wrong, "width and pushes of every window bound what is there")
