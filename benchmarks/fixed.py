@@ -49,7 +49,7 @@ def cost(controller: EmittedController, name: str, board: Emulated) -> list[str]
     """Least, median and most of `control`; bytes of code, of tables in memory, and of stack."""
     seen = board.counts["control"].summary()
     code, tables, _ = sizes(controller, BOARDS[name])
-    return [f"{seen.least:,.0f} / {seen.median:,.0f} / {seen.most:,.0f}", f"{code:,}", f"{tables:,}", str(seen.stack)]
+    return [f"{seen.minimum:,.0f} / {seen.median:,.0f} / {seen.maximum:,.0f}", f"{code:,}", f"{tables:,}", str(seen.stack)]
 
 
 def rows_of(name: str, boards: list[str], points: int) -> tuple[list[list[str]], bool]:

@@ -185,7 +185,7 @@ def counted(controller: EmittedController, count: int) -> int:
         lower, upper = GeneratedPython(controller).call("tube", t.astype(float))
         x = (lower + (upper - lower) * dice.uniform(-0.1, 1.1, lower.shape)).astype(np.float32)
         board.call("control", t, x, *([dice.uniform(-0.1, 0.1, x.shape).astype(np.float32)] * (task.order == 2)))
-    return board.counts["control"].summary().most
+    return board.counts["control"].summary().maximum
 
 
 def main() -> int:

@@ -91,8 +91,8 @@ def line_of(
 ) -> Line:
     seen = counts.summary()
     code, tables, ram = sizes(controller, board, rust=rust)
-    place = seen.place([p.name for p in controller.program.function("control").inputs])
-    steps = (seen.least, seen.median, seen.most)
+    place = seen.describe_worst([p.name for p in controller.program.function("control").inputs])
+    steps = (seen.minimum, seen.median, seen.maximum)
     return Line(board.name, label, board.unit, *steps, place, code, tables, ram, seen.stack, within)
 
 
@@ -109,7 +109,7 @@ def sizes(controller: EmittedController, board: Board, function: str = "control"
         split = ("-ffunction-sections", "-fdata-sections", "-w")
         base = [board.compiler, *board.flags]
         headers = [v for v in board.libraries if v.startswith("--specs=")]
-        objects = board_objects(controller, board.rust, Path(folder)) if rust else ["all.o"]
+        objects = board_objects(controller, board.rust_target, Path(folder)) if rust else ["all.o"]
         if not rust:
             subprocess.run([*base, *headers, *CFLAGS, *split, "-c", f"{p}.c", "-o", "all.o"], cwd=folder, check=True)
         keep = f"-Wl,-r,--gc-sections,-e,{p}_{function}"
@@ -167,7 +167,7 @@ def beside(board: Board, points: int, said: Callable[[str], None]) -> Iterator[L
 
 def in_rust(board: Board, points: int, said: Callable[[str], None]) -> Iterator[Line]:
     """The same two controllers as Rust, called as C is; left out where the board or the machine has none."""
-    if not board.rust:
+    if not board.rust_target:
         return
     for label, math in (("emitted as Rust, refined", "libm"), ("emitted as Rust, refined, inline", "inline")):
         said(f"{board.name}: {label}")
@@ -180,7 +180,7 @@ def in_rust(board: Board, points: int, said: Callable[[str], None]) -> Iterator[
 def rival(controller: EmittedController, board: Board, label: str, text: str, counts: Counts) -> Line:
     """Another C text for the same function, on the same points."""
     other = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
-    backend = Emulated(other, board, extra=("-w",))
+    backend = Emulated(other, board, extra_flags=("-w",))
     backend.call("control", *counts.inputs)
     return line_of(other, board, label, backend.counts["control"], None)
 

@@ -1,4 +1,4 @@
-"""Emulated boards: emitted C and Rust run under QEMU and simavr."""
+"""Emulated boards, which run emitted C and Rust under QEMU and simavr; `pil` and `report --board` use them."""
 
 from stt_codegen.board.boards import BOARDS
 

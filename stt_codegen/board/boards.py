@@ -9,8 +9,7 @@ from pathlib import Path
 
 @dataclass(frozen=True, kw_only=True)
 class Board:
-    """A board and how it is emulated. `ticks`: of its counter for one `unit`; room: bytes for points in one image;
-    lacks: what its C library does not have."""
+    """A board, its compiler and its emulator."""
 
     name: str
     title: str
@@ -21,22 +20,23 @@ class Board:
     libraries: tuple[str, ...]
     command: tuple[str, ...]  # the image is appended
     packages: str
-    ticks: float
+    ticks_per_unit: float  # of the board's counter
     unit: str = "instructions"
-    room: int = 1 << 20
+    point_bytes: int = 1 << 20  # for the points of one image
     scalars: tuple[str, ...] = ("float", "double")
-    lacks: tuple[str, ...] = ()
-    paint: int = 4096  # bytes of stack that board.h paints
-    rust: str = ""  # Rust's name of such a target, with the same calling convention
+    missing_functions: tuple[str, ...] = ()  # of its C library
+    painted_stack: int = 4096  # bytes that board.h paints, to see how far the stack reaches
+    rust_target: str = ""  # Rust's name of a target with the same calling convention
 
 
-def _arm(name: str, title: str, cpu: str, machine: str, rust: str, fpu: str = "") -> Board:
-    hard = ("-mfloat-abi=hard", f"-mfpu={fpu}") if fpu else ("-mfloat-abi=soft",)
+def _arm(name: str, title: str, cpu: str, machine: str, *, rust_target: str, fpu: str = "") -> Board:
+    """Return a Cortex-M board that QEMU emulates. fpu: GCC's name of its floating-point unit; machine: QEMU's of the board."""
+    float_abi = ("-mfloat-abi=hard", f"-mfpu={fpu}") if fpu else ("-mfloat-abi=soft",)
     return Board(
         name=name,
         title=title,
         compiler="arm-none-eabi-gcc",
-        flags=(f"-mcpu={cpu}", "-mthumb", *hard),
+        flags=(f"-mcpu={cpu}", "-mthumb", *float_abi),
         sources=("arm.c",),
         header="arm.h",
         libraries=("-nostartfiles", "-T", "arm.ld", "--specs=nosys.specs", "-lm"),
@@ -45,18 +45,25 @@ def _arm(name: str, title: str, cpu: str, machine: str, rust: str, fpu: str = ""
             *("-semihosting-config", "enable=on,target=native", "-icount", "shift=10,align=off,sleep=off", "-kernel"),
         ),
         packages="gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm",
-        ticks=25.6,
-        rust=rust,
+        ticks_per_unit=25.6,
+        rust_target=rust_target,
     )
 
 
 BOARDS = {
     b.name: b
     for b in (
-        _arm("m0", "Cortex-M0 code on a Cortex-M3", "cortex-m0", "mps2-an385", "thumbv6m-none-eabi"),
-        _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385", "thumbv7m-none-eabi"),
-        _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", "thumbv7em-none-eabihf", "fpv4-sp-d16"),
-        _arm("m7", "Cortex-M7, single-precision FPU", "cortex-m7", "mps2-an500", "thumbv7em-none-eabihf", "fpv5-sp-d16"),
+        _arm("m0", "Cortex-M0 code on a Cortex-M3", "cortex-m0", "mps2-an385", rust_target="thumbv6m-none-eabi"),
+        _arm("m3", "Cortex-M3, no FPU", "cortex-m3", "mps2-an385", rust_target="thumbv7m-none-eabi"),
+        _arm("m4f", "Cortex-M4F", "cortex-m4", "mps2-an386", rust_target="thumbv7em-none-eabihf", fpu="fpv4-sp-d16"),
+        _arm(
+            "m7",
+            "Cortex-M7, single-precision FPU",
+            "cortex-m7",
+            "mps2-an500",
+            rust_target="thumbv7em-none-eabihf",
+            fpu="fpv5-sp-d16",
+        ),
         Board(
             name="rv32",
             title="RISC-V RV32IMAC, no FPU",
@@ -83,7 +90,7 @@ BOARDS = {
                 "-kernel",
             ),
             packages="gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-misc",
-            ticks=1.0,
+            ticks_per_unit=1.0,
         ),
         Board(
             name="avr",
@@ -95,24 +102,24 @@ BOARDS = {
             libraries=("-lm",),
             command=("simavr", "-m", "atmega328p", "-f", "16000000"),
             packages="gcc-avr avr-libc simavr",
-            ticks=1.0,
+            ticks_per_unit=1.0,
             unit="cycles",
-            room=12_000,
+            point_bytes=12_000,
             scalars=("float",),
-            lacks=("log1pf",),
-            paint=300,
+            missing_functions=("log1pf",),
+            painted_stack=300,
         ),
     )
 }
 
 
 def rust_boards() -> list[str]:
-    """The boards whose images take the Rust in place of the C."""
-    return [b.name for b in BOARDS.values() if b.rust]
+    """Return the names of the boards that can run the Rust as well as the C."""
+    return [b.name for b in BOARDS.values() if b.rust_target]
 
 
 def copy_board(board: Board, folder: Path) -> tuple[list[str], list[str]]:
-    """Copies what the board starts with, and its header as board.h, to `folder`: the sources, and what to link with."""
+    """Copy start-up code and header (as board.h) to `folder`; return the paths of the sources, and the linker's arguments."""
     from stt_codegen.program.targets.template_files import template_folder
 
     templates = template_folder() / "board"

@@ -1,4 +1,4 @@
-"""The emitted Rust linked into a board's image in place of the C, with Rust's core library for that board."""
+"""The objects that put the emitted Rust into a board's image in place of the C, with Rust's core library for that board."""
 
 from __future__ import annotations
 
@@ -16,73 +16,95 @@ from stt_codegen.program.targets.rust.runner import EDITION, OPTIMIZED, compiler
 
 @cache
 def core_library(target: str) -> tuple[str, str]:
-    """A rustc that can compile for the target, and its core library: the one that is installed, or made from its source (about
-    half a minute, once a process). Raises `MissingTool`."""
+    """Return a rustc that can compile for the target, and the path of its core library.
+
+    The library is the installed one, or compiled from its source (about half a minute, once a process). Raises `MissingTool`
+    where there is neither.
+    """
     for rustc in compilers():
-        said = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
-        root = Path(said.stdout.strip()) / "lib" / "rustlib"
+        sysroot = subprocess.run([rustc, "--print", "sysroot"], capture_output=True, text=True, check=False)
+        root = Path(sysroot.stdout.strip()) / "lib" / "rustlib"
         installed = sorted((root / target / "lib").glob("libcore-*.rlib"))
         if installed:
             return rustc, str(installed[0])
         source = root / "src" / "rust" / "library" / "core" / "src" / "lib.rs"
         if source.is_file():
-            return rustc, _made_core(rustc, target, source)
+            return rustc, _compile_core(rustc, target, source)
     raise MissingTool(
         f"{' and '.join(compilers())}: no core library for {target}; rustup target add {target}, or its source "
         "(Debian: apt-get install rustc rust-src)"
     )
 
 
-def _made_core(rustc: str, target: str, source: Path) -> str:
-    made = f"{_kept().name}/{target}/libcore.rlib"
-    Path(made).parent.mkdir()
-    own = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED, str(source), "-o", made)
-    run_compiler([rustc, *EDITION, *own], RUSTC_BOOTSTRAP="1")
-    _no_builtins(rustc, target, Path(made).parent)
-    return made
+def _compile_core(rustc: str, target: str, source: Path) -> str:
+    """Compile Rust's core library for the target; return its path."""
+    library = f"{_process_folder().name}/{target}/libcore.rlib"
+    Path(library).parent.mkdir()
+    crate = ("--crate-type", "rlib", "--crate-name", "core", "--target", target, *OPTIMIZED)
+    run_compiler([rustc, *EDITION, *crate, str(source), "-o", library], RUSTC_BOOTSTRAP="1")
+    _compile_empty_builtins(rustc, target, Path(library).parent)
+    return library
 
 
-def _no_builtins(rustc: str, target: str, folder: Path) -> None:
-    """The crate that every other asks for. What would be in it (copying, division) is in the C compiler's own library."""
+def _compile_empty_builtins(rustc: str, target: str, folder: Path) -> None:
+    """Compile an empty crate `compiler_builtins`, which every other needs; the C compiler's library has its functions."""
     Path(folder, "builtins.rs").write_text("#![feature(compiler_builtins)]\n#![compiler_builtins]\n#![no_std]\n")
-    own = ("--crate-type", "rlib", "--crate-name", "compiler_builtins", "--target", target, "-L", str(folder))
-    made = f"{folder}/libcompiler_builtins.rlib"
-    run_compiler([rustc, *EDITION, *own, f"{folder}/builtins.rs", "-o", made], RUSTC_BOOTSTRAP="1")
+    crate = ("--crate-type", "rlib", "--crate-name", "compiler_builtins", "--target", target, "-L", str(folder))
+    library = f"{folder}/libcompiler_builtins.rlib"
+    run_compiler([rustc, *EDITION, *crate, f"{folder}/builtins.rs", "-o", library], RUSTC_BOOTSTRAP="1")
 
 
 @cache
-def _kept() -> tempfile.TemporaryDirectory[str]:
-    """A folder for as long as this process runs."""
+def _process_folder() -> tempfile.TemporaryDirectory[str]:
+    """Return a folder that exists as long as this process."""
     return tempfile.TemporaryDirectory()
 
 
 MATH = """#![no_std]
-extern "C" {{ {declared} }}
-{defined}
+extern "C" {{ {declarations} }}
+{definitions}
 """
 
 
 def board_objects(controller: EmittedController, target: str, folder: Path) -> list[str]:
-    """What is linked in place of the emitted C: objects of the emitted Rust and of C's interface to it, and the core library.
-    The crate `libm` stands here for the board's C library, so that both languages compute with the same functions."""
+    """Compile what is linked in place of the emitted C: the emitted Rust, C's interface to it, and the core library.
+
+    A crate `libm` calls the board's C library, so that both languages compute with the same functions. Returns the paths.
+    """
     rustc, core = core_library(target)
     program, where = controller.program, str(folder)
-    to = ("--target", target, "-L", str(Path(core).parent))
+    for_target = ("--target", target, "-L", str(Path(core).parent))
     suffix, real = ("f", "f32") if program.scalar == "float" else ("", "f64")
     names = [name + suffix for name in RustPrinter(program).library()]
-    given = {n: ("x", "y") if n.removesuffix(suffix) == "pow" else ("x",) for n in names}
-    typed = {n: ", ".join(f"{v}: {real}" for v in values) for n, values in given.items()}
-    declared = " ".join(f'#[link_name = "{n}"] fn c_{n}({typed[n]}) -> {real};' for n in names)
-    defined = "\n".join(
-        f"#[inline]\npub fn {n}({typed[n]}) -> {real} {{ unsafe {{ c_{n}({', '.join(given[n])}) }} }}" for n in names
+    arguments = {n: ("x", "y") if n.removesuffix(suffix) == "pow" else ("x",) for n in names}
+    parameters = {n: ", ".join(f"{v}: {real}" for v in values) for n, values in arguments.items()}
+    declarations = " ".join(f'#[link_name = "{n}"] fn c_{n}({parameters[n]}) -> {real};' for n in names)
+    definitions = "\n".join(
+        f"#[inline]\npub fn {n}({parameters[n]}) -> {real} {{ unsafe {{ c_{n}({', '.join(arguments[n])}) }} }}" for n in names
     )
-    Path(folder, "libm.rs").write_text(MATH.format(declared=declared, defined=defined))
+    Path(folder, "libm.rs").write_text(MATH.format(declarations=declarations, definitions=definitions))
     mathematics = f"{where}/liblibm.rlib"
     run_compiler(
-        [rustc, *EDITION, *OPTIMIZED, "--crate-type", "rlib", "--crate-name", "libm", *to, f"{where}/libm.rs", "-o", mathematics]
+        [
+            rustc,
+            *EDITION,
+            *OPTIMIZED,
+            "--crate-type",
+            "rlib",
+            "--crate-name",
+            "libm",
+            *for_target,
+            f"{where}/libm.rs",
+            "-o",
+            mathematics,
+        ]
     )
-    rlib = controller_library(controller, rustc, where, (*to, "--extern", f"libm={mathematics}", "--cfg", 'feature="libm"'))
-    abi, made = interface(program, where, board=True), f"{where}/abi.o"
+    rlib = controller_library(
+        controller, rustc, where, (*for_target, "--extern", f"libm={mathematics}", "--cfg", 'feature="libm"')
+    )
+    abi, abi_object = interface(program, where, board=True), f"{where}/abi.o"
     linked = ("--extern", f"{program.prefix}={rlib}", "-L", where)
-    run_compiler([rustc, *EDITION, *OPTIMIZED, "--crate-type", "lib", "--emit", "obj", *to, *linked, abi, "-o", made])
-    return [made, rlib, mathematics, core]
+    run_compiler(
+        [rustc, *EDITION, *OPTIMIZED, "--crate-type", "lib", "--emit", "obj", *for_target, *linked, abi, "-o", abi_object]
+    )
+    return [abi_object, rlib, mathematics, core]

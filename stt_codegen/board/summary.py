@@ -1,4 +1,4 @@
-"""What came of a board, in a line: for the report."""
+"""One line about a run on an emulated board, for the report's evidence."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ POINTS = 500  # random points, beside the edges
 
 
 def require_board(name: str) -> None:
-    """Raises `BadInput` for an unknown board."""
+    """Raise `BadInput` for an unknown board."""
     if name not in BOARDS:
         raise BadInput(f"--board {name}: is none of {', '.join(BOARDS)}")
 
@@ -22,7 +22,7 @@ def on_board(controller: EmittedController, name: str) -> Check:
     require_board(name)
     board = BOARDS[name]
     rows, costs = run_on_board(controller, board, POINTS)
-    told = [f"{f}: {c.least} to {c.most} {board.unit}, {c.stack} B of stack" for f, c in costs.items()]
+    lines = [f"{f}: {c.minimum} to {c.maximum} {board.unit}, {c.stack} B of stack" for f, c in costs.items()]
     worst = max(rows, key=lambda r: r.share)
-    told.append(f"{sum(r.points for r in rows):,} values, nearest to its bound: {worst.quantity}, at {worst.share:.0%} of it")
-    return Check(f"{board.title}, emulated", all(r.holds for r in rows), "; ".join(told))
+    lines.append(f"{sum(r.points for r in rows):,} values, nearest to its bound: {worst.quantity}, at {worst.share:.0%} of it")
+    return Check(f"{board.title}, emulated", all(r.holds for r in rows), "; ".join(lines))

@@ -33,7 +33,7 @@ def test_a_cortex_m_agrees_with_the_reference_within_the_bounds(design: str, boa
     assert all(r.holds for r in rows), [r for r in rows if not r.holds]
     assert all(r.points >= 2000 for r in rows)
     if board == "m4f":
-        assert costs["control"].most <= LIMITS[design]
+        assert costs["control"].maximum <= LIMITS[design]
 
 
 def test_double_precision_runs_on_a_board_too(tool) -> None:
@@ -50,7 +50,7 @@ def test_integers_have_the_bits_of_the_python_and_few_instructions_on_a_cortex_m
         rows, costs = run_on_board(made("refined", "fixed", name), BOARDS["m0"], 1000)
         assert {r.quantity for r in rows} >= {"tube", "u", "status", "margin", "bits as Python's"}
         assert all(r.holds for r in rows), [r for r in rows if not r.holds]
-        assert costs["control"].most <= most
+        assert costs["control"].maximum <= most
 
 
 def test_counts_are_the_same_in_every_run_and_do_not_depend_on_the_other_points(tool) -> None:
@@ -61,7 +61,7 @@ def test_counts_are_the_same_in_every_run_and_do_not_depend_on_the_other_points(
     for order in (slice(None), slice(None), slice(None, None, -1)):
         board = Emulated(made("refined"), BOARDS["m4f"])
         board.tube(t[order])
-        counts.append(np.rint(board.counts["tube"].taken)[order])
+        counts.append(np.rint(board.counts["tube"].costs)[order])
     assert np.array_equal(counts[0], counts[1])
     assert np.array_equal(counts[0], counts[2])
 

@@ -44,7 +44,7 @@ def test_casadis_own_c_is_the_same_law(design: str, single: bool, board: Any) ->
     ours = CompiledC(controller).control(*points(controller))[1]
     text = rivals.casadi_text(controller, single)
     other = replace(controller, files={**controller.files, f"{controller.task.name}.c": text.encode()})
-    theirs = Emulated(other, board, extra=("-w",)).call("control", *points(controller))[1]
+    theirs = Emulated(other, board, extra_flags=("-w",)).call("control", *points(controller))[1]
     assert np.max(np.abs(ours - theirs) / (1 + np.abs(ours))) < 1e-3
 
 
@@ -55,7 +55,7 @@ def test_the_hand_written_c_is_the_same_law_and_tells_the_same_statuses(board: A
     x[1, 0] = np.nan
     status, ours = CompiledC(controller).control(t, x)
     other = replace(controller, files={**controller.files, "arena.c": rivals.hand_text(controller).encode()})
-    got, theirs = Emulated(other, board, extra=("-w",)).call("control", t, x)
+    got, theirs = Emulated(other, board, extra_flags=("-w",)).call("control", t, x)
     assert np.array_equal(got, status)
     assert set(status) == {0, 1, 2}
     assert np.max(np.abs(ours - theirs) / (1 + np.abs(ours))) < 1e-3

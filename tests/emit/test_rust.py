@@ -356,7 +356,7 @@ def test_the_rust_on_a_board_is_within_the_bounds(name: str, tool) -> None:
         except MissingTool as error:
             absent(str(error))
         assert all(r.holds for r in rows)
-        costs[rust] = max(b.counts["control"].summary().most for b in backends if "control" in b.counts)
+        costs[rust] = max(b.counts["control"].summary().maximum for b in backends if "control" in b.counts)
     assert costs[True] <= 1.5 * costs[False]
 
 

@@ -37,7 +37,7 @@ def pil(
                 "board": board,
                 "within_bounds": good,
                 "rows": compared,
-                "calls": {k: asdict(c) for k, c in costs.items()},
+                "calls": {name: cost.document() for name, cost in costs.items()},
             }
         )
     else:
@@ -45,9 +45,9 @@ def pil(
 
         show_rows(f"{controller.task.name}, {controller.design.kind}", rows)
         unit = BOARDS[board].unit
-        for name, c in costs.items():
-            taken = f"{c.least} to {c.most} {unit}, median {c.median}"
-            place = c.place([p.name for p in controller.program.function(name).inputs])
-            print(f"  {name}: {taken}; {c.stack} B of stack; most at {place}")
+        for name, cost in costs.items():
+            span = f"{cost.minimum} to {cost.maximum} {unit}, median {cost.median}"
+            worst = cost.describe_worst([p.name for p in controller.program.function(name).inputs])
+            print(f"  {name}: {span}; {cost.stack} B of stack; worst case at {worst}")
     if not good:
         raise typer.Exit(1)
