@@ -1,4 +1,7 @@
-"""The keys of a task file, from the tables that read them: the one list that everybody else's is made of, or held against."""
+"""The keys of a task file, read from the tables of schema.py.
+
+The messages for unknown keys are made of this list, and tests compare the lists of the checker and of docs/task.md with it.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +25,9 @@ def tables_in(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def task_keys() -> dict[str, tuple[str, ...]]:
-    """Return the keys of each table of a task file, by the table's name; those outside of all tables by "".
+    """Return the keys of each table of a task file by the table's name; keys outside of all tables have the name "".
 
-    A table that is read in several ways, as that of a set, has the keys of all."""
+    A table that has several kinds, as that of a set, has the keys of all kinds."""
     keys = {"": tuple(TaskTables.model_fields)}
     for name, field in TaskTables.model_fields.items():
         inner = dict.fromkeys(key for table in tables_in(field.annotation) for key in table.model_fields)

@@ -1,5 +1,7 @@
-"""From the text of a task file to a `Task`. All refusals are `BadInput` with one message: file, field, what is wrong, what would
-be right.
+"""Read a task file: from its text to a `Task`.
+
+Every refusal is a `BadInput` with one message: the file, the field, what is wrong and what would be right. The command line and
+api.py call it.
 """
 
 from __future__ import annotations
@@ -15,7 +17,7 @@ from stt_codegen.task.values import FILE
 
 
 def load_task(path: str | Path) -> Task:
-    """Read and check a task file. Raises `BadInput`; never returns a task that section 7 of the contract refuses."""
+    """Read and check a task file. Raises `BadInput` where the file cannot be read or the task is refused."""
     path = Path(path)
     try:
         text = path.read_bytes().decode("utf-8-sig")
@@ -27,14 +29,16 @@ def load_task(path: str | Path) -> Task:
 
 
 def parse_task(text: str, source: str = "task", folder: Path | None = None) -> Task:
-    """As `load_task`, from the text of a task file; `source` names it in messages, a map is looked for in `folder`."""
-    # TOML allows CRLF; a lone carriage return or a byte-order mark it does not, and tomllib says so.
+    """Read and check the text of a task file, as `load_task` does.
+
+    source: the name of the text in messages; folder: where the files of maps are, the current folder if absent.
+    """
     try:
         document = tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
-        last = text.count("\n") + 1
-        where = str(error).replace("at end of document", f"at line {last}, the end of the file")
-        raise BadInput(f"{source}: not valid TOML: {where}") from None
+        last_line = text.count("\n") + 1
+        reason = str(error).replace("at end of document", f"at line {last_line}, the end of the file")
+        raise BadInput(f"{source}: not valid TOML: {reason}") from None
     except (ValueError, ArithmeticError, RecursionError):
         raise BadInput(f"{source}: not valid TOML: a number is too long or the nesting is too deep") from None
     with about(source):
@@ -42,19 +46,19 @@ def parse_task(text: str, source: str = "task", folder: Path | None = None) -> T
             return Task.model_validate(document, context={FILE: True})
         from stt_codegen.task.map import expand_maps, to_toml
 
-        bare = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
-        expansion = expand_maps(document, bare, folder or Path())
+        without_map = Task.model_validate({k: v for k, v in document.items() if k != "map"}, context={FILE: True})
+        expansion = expand_maps(document, without_map, folder or Path())
         with noted(expansion.notes):
             task = Task.model_validate(expansion.document, context={FILE: True})
-        task._notes = expansion.notes
-        if task.floor_plan is None:  # else it was to_toml with the sets of the outline
-            task._written = to_toml(expansion.document)
-        task._spelled_from = ("map", *task.expanded_keys)
+        task._map_notes = expansion.notes
+        if task.floor_plan is None:  # else the text already has the sets of the outline and of the map
+            task._expanded_text = to_toml(expansion.document)
+        task._expanded_keys = ("map", *task.expanded_keys)
         return task
 
 
 def json_schema() -> str:
-    """The JSON Schema of a task file, for editors that complete and check TOML."""
+    """Return the JSON Schema of a task file, for editors that complete and check TOML."""
     schema = Task.model_json_schema()
     texts = {"type": "array", "items": {"type": "string"}}
     schema["properties"]["map"] = {

@@ -1,4 +1,8 @@
-"""`Task`: the tables of a task, checked, wherever they come from."""
+"""`Task`: the checked tables of a task, from a file or from Python.
+
+An outline becomes unsafe sets (map/floor_plans.py) and the turns of closed axes become images of sets (closed_axes.py); every
+later stage reads the result. load.py and users of the Python interface make tasks.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +18,7 @@ from pydantic import BaseModel, ModelWrapValidatorHandler, PrivateAttr, Validati
 from stt_codegen.decimals import exact_decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.task.checks import explain, first_problem, structure_problem
-from stt_codegen.task.closed_axes import ClosedAxis, Image, turns_problem
-from stt_codegen.task.closed_axes import spelled_out as with_turns_spelled_out
+from stt_codegen.task.closed_axes import ClosedAxis, SetImage, expand_turns, turns_problem
 from stt_codegen.task.map import FloorPlan, expand_outline, name_walls
 from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.values import ADD_IT
@@ -24,76 +27,78 @@ from stt_codegen.task.values import ADD_IT
 class Task(TaskTables):
     """A reach-avoid-stay task with prescribed time (Definition 2.1), and the options of its controller.
 
-    Made from a file by `load_task`, or in Python from the same names: numbers may be floats (each means its shortest decimal),
-    ints, fractions that are decimals, decimals as text, NumPy numbers; vectors lists, tuples or arrays of one axis; tables
-    dictionaries. docs/task.md says what each means, `Task.model_json_schema()` its range. Raises `BadInput`, with the field and
-    what would be right, for whatever a file would be refused for.
+    `load_task` makes it from a file. In Python, use the same names: numbers may be floats (each means its shortest decimal),
+    ints, fractions that are decimals, decimals as text, or NumPy numbers; vectors are lists, tuples or arrays of one axis; tables
+    are dictionaries. docs/task.md explains each key, `Task.model_json_schema()` gives its range. Raises `BadInput` for whatever
+    a file would be refused for, with the field and the remedy.
     """
 
     _digest: str = PrivateAttr(default="")
-    _written: str | None = PrivateAttr(default=None)
-    _notes: tuple[str, ...] = PrivateAttr(default=())
-    _spelled_from: tuple[str, ...] = PrivateAttr(default=())
-    _room: FloorPlan | None = PrivateAttr(default=None)
+    _expanded_text: str | None = PrivateAttr(default=None)
+    _map_notes: tuple[str, ...] = PrivateAttr(default=())
+    _expanded_keys: tuple[str, ...] = PrivateAttr(default=())
+    _floor_plan: FloorPlan | None = PrivateAttr(default=None)
     _with_outline: TaskTables | None = PrivateAttr(default=None)
-    _stated: Task | None = PrivateAttr(default=None)
-    _closed: tuple[ClosedAxis, ...] = PrivateAttr(default=())
-    _images: tuple[Image, ...] = PrivateAttr(default=())
+    _as_stated: Task | None = PrivateAttr(default=None)
+    _closed_axes: tuple[ClosedAxis, ...] = PrivateAttr(default=())
+    _images: tuple[SetImage, ...] = PrivateAttr(default=())
 
     @model_validator(mode="wrap")
     @classmethod
-    def _checked(cls, data: Any, handler: ModelWrapValidatorHandler[Task]) -> Task:
-        """`BadInput` is no ValueError, so pydantic lets it through."""
-        stated = data._stated if isinstance(data, Task) else None
+    def _validated(cls, data: Any, handler: ModelWrapValidatorHandler[Task]) -> Task:
+        """Return the checked task. `BadInput` is no `ValueError`, so it passes through pydantic."""
+        stated = data._as_stated if isinstance(data, Task) else None
         try:
             task = handler(data if stated is None else stated)
         except ValidationError as error:
             raise BadInput(explain(error, TaskTables)) from None
         if isinstance(data, Task) and data.floor_plan is not None:
-            task._written, task._spelled_from = data._written, data._spelled_from
-            task._room, task._with_outline = data._room, data._with_outline
+            task._expanded_text, task._expanded_keys = data._expanded_text, data._expanded_keys
+            task._floor_plan, task._with_outline = data._floor_plan, data._with_outline
         space = task.state_space
         if space.outline is not None or space.holes is not None:
-            task.__setstate__(cls._of_room(task.model_copy()).__getstate__())  # pydantic wants the same object from a validator
+            task.__setstate__(
+                cls._with_walls(task.model_copy()).__getstate__()
+            )  # pydantic wants the same object from a validator
             return task
         missing = next((field for field, vector in space.vectors() if not vector), None)
         if missing is not None:
             raise BadInput(f"state_space.{missing}: is missing; {ADD_IT}")
         task._digest = document_digest(task)
-        task._settle()
+        task._expand_and_check()
         return task
 
-    def _settle(self) -> None:
-        """Spell out turns where axes close, in this object, and refuse what no schema can see."""
+    def _expand_and_check(self) -> None:
+        """Expand the turns of closed axes, in this object. Raise `BadInput` where its fields do not fit together."""
         problem = structure_problem(self) if self.periodic else None
         problem = problem or (turns_problem(self) if self.periodic else None)
         if self.periodic and not problem:
             stated = self.model_copy()
-            changes, self._closed, self._images = with_turns_spelled_out(stated)
-            self._stated = stated
+            changes, self._closed_axes, self._images = expand_turns(stated)
+            self._as_stated = stated
             self.__dict__.update(changes)
         problem = problem or first_problem(self)
         if problem:
             raise BadInput(problem)
 
     @classmethod
-    def _of_room(cls, task: TaskTables) -> Task:
-        """The task with the sets that its outline leaves of a box spelled out."""
+    def _with_walls(cls, task: TaskTables) -> Task:
+        """Return the task with a box and unsafe sets in place of its outline."""
         from stt_codegen.task.map import to_toml
 
-        fields, room = expand_outline(task)
+        fields, floor_plan = expand_outline(task)
         try:
-            spelled = cls(**fields)
+            expanded = cls(**fields)
         except BadInput as error:
-            raise BadInput(name_walls(str(error), len(task.unsafe), room)) from None
-        spelled._room, spelled._with_outline = room, task
-        spelled._written, spelled._spelled_from = to_toml(document_of(spelled.as_stated)), ("outline",)
-        return spelled
+            raise BadInput(name_walls(str(error), len(task.unsafe), floor_plan)) from None
+        expanded._floor_plan, expanded._with_outline = floor_plan, task
+        expanded._expanded_text, expanded._expanded_keys = to_toml(document_of(expanded.as_stated)), ("outline",)
+        return expanded
 
     @property
     def floor_plan(self) -> FloorPlan | None:
-        """The outline, the holes and the names of the unsafe sets that it was turned into; None of a task without an outline."""
-        return self._room
+        """The outline, its holes, and the names of the unsafe sets in their place; None for a task without an outline."""
+        return self._floor_plan
 
     @property
     def digest(self) -> str:
@@ -102,77 +107,84 @@ class Task(TaskTables):
 
     @property
     def expanded_text(self) -> str | None:
-        """The task as the text of a file with the sets of its map or outline spelled out; None for a task without these."""
-        return self._written
+        """The text of a task file that has the sets of the map or outline in its place; None for a task without these."""
+        return self._expanded_text
 
     @property
     def map_notes(self) -> tuple[str, ...]:
-        """What you should know of the task's maps: cells whose grey only the thresholds make free."""
-        return self._notes
+        """Notes on the task's maps: which cells have a grey that only the thresholds make free."""
+        return self._map_notes
 
     @property
     def expanded_keys(self) -> tuple[str, ...]:
-        """What was turned into unsafe sets there: "map", "outline", both or neither."""
-        return self._spelled_from
+        """The keys in whose place the expanded text has unsafe sets: "map", "outline", both or neither."""
+        return self._expanded_keys
 
     @property
     def as_stated(self) -> Task:
-        """The task as the file states it, before turns of axes that close were spelled out; without such axes this one."""
-        return self if self._stated is None else self._stated
+        """The task before the turns of closed axes were expanded; without such axes this task."""
+        return self if self._as_stated is None else self._as_stated
 
     @property
     def closed_axes(self) -> tuple[ClosedAxis, ...]:
-        """The axes that close, and what was chosen in them."""
-        return self._closed
+        """The axes that close, each with the turns chosen in it."""
+        return self._closed_axes
 
     def unsafe_field(self, j: int) -> str:
-        """Where the file has unsafe set j, or the set that it is an image of."""
+        """Return the field of the file that has unsafe set j, or the set whose image it is."""
         return super().unsafe_field(self._images[j].source if j < len(self._images) else j)
 
     def with_options(self, design: str | None = None, scalar: str | None = None, language: str | None = None) -> Task:
-        """The same task with the options that the command line may override; language: one that it is printed in too.
-        Raises `BadInput` where its other options are not for that design."""
+        """Return the task with the options that the command line may override. language: one more language to print.
+
+        Raises `BadInput` where the other options do not fit to that design."""
         stated = self.as_stated
         tube = stated.tube.model_copy(update={"design": design}) if design else stated.tube
-        chosen = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
-        emit = stated.emit.model_copy(update=chosen) if chosen else stated.emit
+        overrides = ({"scalar": scalar} if scalar else {}) | ({language: True} if language else {})
+        emit = stated.emit.model_copy(update=overrides) if overrides else stated.emit
         changed = stated.model_copy(update={"tube": tube, "emit": emit})
-        if self.periodic:  # the scalar decides what unwrapping is wrong by
-            changed._written, changed._notes, changed._spelled_from = self._written, self._notes, self._spelled_from
-            changed._room, changed._with_outline = self._room, self._with_outline
-            changed._settle()
+        if self.periodic:  # the error of unwrapping depends on the scalar
+            changed._expanded_text, changed._map_notes, changed._expanded_keys = (
+                self._expanded_text,
+                self._map_notes,
+                self._expanded_keys,
+            )
+            changed._floor_plan, changed._with_outline = self._floor_plan, self._with_outline
+            changed._expand_and_check()
             return changed
         problem = first_problem(changed) if design or language or scalar == "fixed" else None
-        if problem and self._room is not None:
-            problem = name_walls(problem, len(stated.unsafe) - len(self._room.walls), self._room)
+        if problem and self._floor_plan is not None:
+            problem = name_walls(problem, len(stated.unsafe) - len(self._floor_plan.walls), self._floor_plan)
         if problem:
             raise BadInput(problem)
         return changed
 
     def with_gain(self, gain: Sequence[Fraction]) -> Task:
-        """The same task, of the same digest, with a gain that was chosen for it: by component, or one number where all agree."""
-        given = gain[0] if len(set(gain)) == 1 else tuple(gain)
-        return self.model_copy(update={"control": self.control.model_copy(update={"gain": given})})
+        """Return the task, with the same digest, with this gain by component in place of its own."""
+        value = gain[0] if len(set(gain)) == 1 else tuple(gain)
+        return self.model_copy(update={"control": self.control.model_copy(update={"gain": value})})
 
     def changed(self, **values: Any) -> Task:
-        """The same task with other values for some fields, checked like a new one. A dictionary changes those fields of a table
-        that it names and leaves the others; None takes a field away."""
+        """Return the task with other values for some fields, checked like a new task.
+
+        A dictionary changes the fields of a table that it names and leaves the others; None removes a field."""
         source = self._with_outline or self.as_stated
-        given = {name: getattr(source, name) for name in source.model_fields_set}
+        fields = {name: getattr(source, name) for name in source.model_fields_set}
         for name, value in values.items():
-            table = given.get(name)
+            table = fields.get(name)
             if isinstance(value, dict) and isinstance(table, BaseModel):
-                fields = {**{field: getattr(table, field) for field in table.model_fields_set}, **value}
-                given[name] = {field: v for field, v in fields.items() if v is not None}
+                merged = {**{field: getattr(table, field) for field in table.model_fields_set}, **value}
+                fields[name] = {field: v for field, v in merged.items() if v is not None}
             else:
-                given[name] = value
-        return Task(**{name: value for name, value in given.items() if value is not None})
+                fields[name] = value
+        return Task(**{name: value for name, value in fields.items() if value is not None})
 
 
 def document_of(task: TaskTables) -> dict[str, Any]:
-    """The data of a file that says the same as the tables, in the order of the schema. Only what was given counts."""
+    """Return the data of a task file with these tables, in the order of the schema; fields that were not set are left out."""
 
     def plain(value: Any) -> Any:
+        """Return a value as TOML has it."""
         if isinstance(value, BaseModel):
             fields = [name for name in type(value).model_fields if name in value.model_fields_set]
             return {name: plain(getattr(value, name)) for name in fields if getattr(value, name) is not None}
@@ -187,13 +199,17 @@ def document_of(task: TaskTables) -> dict[str, Any]:
 
 
 def document_digest(document: object) -> str:
-    """SHA-256 of a task's data, of a parsed file or of the tables made of it: JSON with sorted keys, every number as a reduced
-    fraction "p/q". Only what was given counts, so a task made in Python has the digest of a file that says the same."""
+    """Return the SHA-256 of a task's data: of JSON with sorted keys and every number as a reduced fraction "p/q".
+
+    document: a parsed file, or the tables made of it. Fields that were not set are left out, so a task made in Python has the
+    digest of a file with the same fields.
+    """
 
     def plain(value: object) -> object:
+        """Return a value as JSON has it."""
         if isinstance(value, BaseModel):
-            given = {name: getattr(value, name) for name in value.model_fields_set}
-            return plain({name: v for name, v in given.items() if v is not None})
+            fields = {name: getattr(value, name) for name in value.model_fields_set}
+            return plain({name: v for name, v in fields.items() if v is not None})
         if isinstance(value, dict):
             return {k: plain(v) for k, v in value.items()}
         if isinstance(value, list | tuple):

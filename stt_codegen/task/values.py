@@ -1,4 +1,8 @@
-"""The kinds of numbers that a task is made of: read exactly, with one message for what is none."""
+"""The values of a task file: exact numbers, vectors, labels, points and windows, with one message for each error.
+
+The tables of schema.py and sets/shapes.py are made of these types; pydantic calls the functions, and a `ValueError` of theirs
+becomes the message of a refused field (checks/schema_messages.py).
+"""
 
 from __future__ import annotations
 
@@ -17,17 +21,17 @@ MAX_DIMENSION = 64
 MAX_NAME = 20
 ADD_IT = "add it (docs/task.md has an example of every field)"
 MAX_LABEL = 40
-MAX_POINTS = 64  # of a polytope in up to three dimensions,
-MAX_POINTS_BEYOND = 16  # in more; their faces are found exactly, which takes time
+MAX_POINTS = 64  # of a polytope in up to three dimensions
+MAX_POINTS_BEYOND = 16  # in more dimensions, where computing faces exactly takes longer
 MAX_NORMALS = 32  # half-spaces of a set
 MAX_TURNS = 200  # entries of a motion
 MAX_IMAGES = 64  # of an unsafe set, where axes close
 MAX_DIGITS = 40
-FILE = "file"  # in the context of a validation: the values are those of a file
+FILE = "file"  # key of pydantic's validation context, true where the values are from a file
 
 
 def kind_of(value: object) -> str:
-    """What a value of a TOML file is, in words, at most 40 characters of it."""
+    """Return in words what a value of a TOML file is, with at most 40 characters of the value."""
     if isinstance(value, bool):
         return f"the boolean {str(value).lower()}"
     if isinstance(value, str):
@@ -44,9 +48,11 @@ def kind_of(value: object) -> str:
 
 
 def _number(value: object, info: ValidationInfo, power: int = 9) -> Fraction:
-    """A number as an exact fraction, 0 or from 10^-power to 10^power in size; raises ValueError with the reason when it cannot be
-    one. In a file only numbers of TOML will do; from Python also floats (each means its shortest decimal), NumPy's numbers,
-    fractions that are decimals, and decimals as text."""
+    """Return a number as an exact fraction, 0 or from 10^-power to 10^power in size.
+
+    A file may have numbers of TOML only. From Python floats (each means its shortest decimal), NumPy's numbers, fractions that
+    are decimals, and decimals as text are taken too. Raises `ValueError` with the reason.
+    """
     if isinstance(value, bool) or type(value).__name__ == "bool":
         raise ValueError(f"is the boolean {str(value).lower()}; a number is needed, for example 1.0")
     if not (info.context and info.context.get(FILE)):
@@ -68,17 +74,17 @@ def _number(value: object, info: ValidationInfo, power: int = 9) -> Fraction:
 
 
 def _gain(value: object, info: ValidationInfo) -> Fraction:
-    """A gain goes with the square of the unit of length: its range is that of a length squared."""
+    """Return a gain as an exact fraction; its unit has a length squared, so its range is that of a number squared."""
     return _number(value, info, 18)
 
 
 def _from_python(value: object) -> object:
-    """What a file could hold: an int or a decimal, where the value is one."""
+    """Return a value from Python as a file would hold it, an int or a decimal; other values unchanged."""
     if is_array(value) and not isinstance(value, str):
         array = real_array(value)
         if array.shape:
             raise ValueError(f"is an array of shape {array.shape}; a number is needed, for example 1.0")
-        value = str(array)  # of a NumPy number too the shortest decimal
+        value = str(array)  # a NumPy number also means its shortest decimal
     elif isinstance(value, float):
         value = str(value)
     if isinstance(value, str):
@@ -87,11 +93,11 @@ def _from_python(value: object) -> object:
         except ArithmeticError:
             return value
     if isinstance(value, Fraction):
-        rest = value.denominator
+        cofactor = value.denominator
         for prime in (2, 5):
-            while rest % prime == 0:
-                rest //= prime
-        if rest != 1:
+            while cofactor % prime == 0:
+                cofactor //= prime
+        if cofactor != 1:
             raise ValueError(f"is {value}, which is no decimal; round it, for example to {float(value):.9g}")
         with localcontext() as context:
             context.prec = 2 * (MAX_DIGITS + value.denominator.bit_length())
@@ -112,17 +118,18 @@ def _not_negative(value: Fraction) -> Fraction:
 
 
 def below_one(value: Fraction) -> Fraction:
+    """Return the value, or raise `ValueError` where it is not less than 1."""
     if value >= 1:
         raise ValueError(f"is {decimal(value)}; it must be less than 1")
     return value
 
 
 def _number_or_list(value: object) -> str:
-    """Which of the two a value is to be read as."""
-    if isinstance(value, str) and value == "auto":  # an array compares with a text entry by entry
+    """Return the tag of the type as which a value is read: a number, a list, or "auto"."""
+    if isinstance(value, str) and value == "auto":  # an array would compare with a text entry by entry
         return "<auto>"
-    several = isinstance(value, list | tuple) or (is_array(value) and getattr(value, "ndim", 1) != 0)
-    return "<list>" if several else "<number>"
+    is_list = isinstance(value, list | tuple) or (is_array(value) and getattr(value, "ndim", 1) != 0)
+    return "<list>" if is_list else "<number>"
 
 
 Number = Annotated[
@@ -136,6 +143,7 @@ NotNegative = Annotated[Number, AfterValidator(_not_negative), WithJsonSchema({"
 
 
 def _vector(value: object) -> object:
+    """Return the rows of a vector for validation of each entry; raise `ValueError` where it is no list of a valid length."""
     if is_array(value) and real_array(value).ndim == 1:
         value = rows_of(value)
     if not isinstance(value, list | tuple):
@@ -148,10 +156,10 @@ def _vector(value: object) -> object:
 
 
 Vector = Annotated[tuple[Number, ...], BeforeValidator(_vector)]
-Each = Annotated[  # one number for all components, or one for each
+PerComponent = Annotated[  # one number for all components, or a list with one number per component
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")], Discriminator(_number_or_list)
 ]
-EachOrAuto = Annotated[
+PerComponentOrAuto = Annotated[
     Annotated[Number, Tag("<number>")] | Annotated[Vector, Tag("<list>")] | Annotated[Literal["auto"], Tag("<auto>")],
     Discriminator(_number_or_list),
 ]
@@ -159,6 +167,7 @@ Gain = Annotated[Fraction, BeforeValidator(_gain), PlainSerializer(float, return
 
 
 def labels(value: object) -> object:
+    """Return a list of labels; raise `ValueError` where an entry is no text, too long, or has a sign that no label has."""
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {kind_of(value)}; a list of texts is needed")
     for v in value:
@@ -173,13 +182,14 @@ def labels(value: object) -> object:
 
 
 class Periods(dict[str, Fraction]):
-    """Periods by the names of axes; it has a hash, as all of a task has."""
+    """Periods by the names of axes. It has a hash, as every value of a task."""
 
     def __hash__(self) -> int:  # type: ignore[override]
         return hash(frozenset(self.items()))
 
 
 def periods(value: object) -> object:
+    """Return a table of periods as a dictionary; raise `ValueError` where it is no table or empty."""
     if not isinstance(value, Mapping) or not value:
         kind = "an empty table" if isinstance(value, Mapping) else kind_of(value)
         raise ValueError(f"is {kind}; a table of periods by axis is needed, {{ yaw = 6.283185307179586 }}")
@@ -187,31 +197,35 @@ def periods(value: object) -> object:
 
 
 def points(value: object) -> object:
-    given = rows_of(value)
-    if not isinstance(given, list | tuple) or not given:
-        told = "an empty list" if isinstance(given, list | tuple) else kind_of(value)
-        raise ValueError(f"is {told}; a list of points is needed, [[x, y], ..]")
-    return given
+    """Return a list of points; raise `ValueError` where it is no list or empty."""
+    rows = rows_of(value)
+    if not isinstance(rows, list | tuple) or not rows:
+        kind = "an empty list" if isinstance(rows, list | tuple) else kind_of(value)
+        raise ValueError(f"is {kind}; a list of points is needed, [[x, y], ..]")
+    return rows
 
 
 def polygons(value: object) -> object:
+    """Return a list of polygons; raise `ValueError` where it is no list."""
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {kind_of(value)}; a list of lists of points is needed, [[[x, y], ..], ..]")
     return value
 
 
 def waypoints(value: object) -> object:
+    """Return a list of waypoints; raise `ValueError` where it is no list or empty."""
     if not isinstance(value, list | tuple) or not value:
-        told = "an empty list" if isinstance(value, list | tuple) else kind_of(value)
-        raise ValueError(f"is {told}; a list of {{ at, by }} is needed, seconds and displacement")
+        kind = "an empty list" if isinstance(value, list | tuple) else kind_of(value)
+        raise ValueError(f"is {kind}; a list of {{ at, by }} is needed, seconds and displacement")
     return value
 
 
 def window(value: object) -> object:
+    """Return the two ends of a window; raise `ValueError` where it is no list of two."""
     value = rows_of(value)
     if not isinstance(value, list | tuple) or len(value) != 2:
-        told = f"has {len(value)} entries" if isinstance(value, list | tuple) else f"is {kind_of(value)}"
-        raise ValueError(f"{told}; two are needed, [from, to] in seconds")
+        problem = f"has {len(value)} entries" if isinstance(value, list | tuple) else f"is {kind_of(value)}"
+        raise ValueError(f"{problem}; two are needed, [from, to] in seconds")
     return value
 
 
@@ -225,7 +239,8 @@ GainOrAuto = Annotated[
 ]
 
 
-def whole(value: object) -> object:
+def read_integer(value: object) -> object:
+    """Return an integer; raise `ValueError` where the value is none, or 2^63 or more in size."""
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"is {kind_of(value)}; a whole number is needed")
     if value.bit_length() > 63:

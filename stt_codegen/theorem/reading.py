@@ -132,7 +132,7 @@ def beyond(task: checker.Task) -> str:
     """What the theorems about the loop are not yet about; that about the emitted tube is, for it goes by no law."""
     kinds = {
         "plant.order 2": task.order != 1,
-        'saturate = "scale"': task.scales_input,
+        'saturate = "scale"': task.scales,
         "negative gains": task.gain is not None and min(task.gain) < 0,
     }
     return next((what for what, there in kinds.items() if there), "")

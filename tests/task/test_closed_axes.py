@@ -341,7 +341,7 @@ def test_what_the_period_differs_is_kept_at_every_turn() -> None:
     whole periods, exactly. With a period that is no part of 2 pi nothing is added."""
     task = parse_task(TURNER)
     (axis,) = task.closed_axes
-    assert axis.most_turns == 3
+    assert axis.image_turns == 3
     assert task.tube.clearance - Fraction("0.03") >= 3 * abs(axis.period - TWO_PI) - Fraction(1, 10**40)
     for image in task.unsafe[2:]:
         k = int(image.name[-2:])
@@ -700,7 +700,7 @@ def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_p
     task, proof, design = controller.task, controller.certificate.proved_period, controller.design
     (axis,) = task.closed_axes
     task = task.with_gain(task.gain)
-    task._closed = (dataclasses.replace(axis, largest_step=Fraction(1, 1000)),)
+    task._closed_axes = (dataclasses.replace(axis, largest_step=Fraction(1, 1000)),)
     lost = lost_turn(task, design, proof)  # type: ignore[arg-type]
     assert lost is not None
     run = Loop(controller, plant_of("integrator", 2)).run(Scenario(rate=100.0, disturbance="nearest", strength=0.1), trace=True)
@@ -712,7 +712,7 @@ def test_a_period_in_which_a_turn_may_be_lost_is_refused(monkeypatch: Any, tmp_p
     assert found is None
     assert not finding.holds
     assert "tells turns of axis yaw apart; lower control.period" in finding.advice
-    task._closed = (dataclasses.replace(axis, largest_step=lost.moves + Fraction(1, 10**9)),)
+    task._closed_axes = (dataclasses.replace(axis, largest_step=lost.moves + Fraction(1, 10**9)),)
     assert lost_turn(task, design, proof) is None  # type: ignore[arg-type]
     noise = checker.Turns.noise
 

@@ -66,7 +66,7 @@ def page(controller: EmittedController, report: DesignReport, shown: Evidence, m
             dimension=task.dimension,
             body=any(task.half_extents),
             hours=any(c is not None and c.active_interval for c in task.courses),
-            doubtful=any(c is not None and (c.early or c.late or c.spread) for c in task.courses),
+            doubtful=any(c is not None and (c.clock_lag or c.clock_lead or c.spread) for c in task.courses),
             regions=data["regions"],
             target=data["target"],
             meets=data["meets"],

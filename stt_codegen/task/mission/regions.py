@@ -160,7 +160,7 @@ def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
         case And(parts):
             return And(tuple(with_states(p, boxes) for p in parts))
         case Or(parts):
-            if _is_made_of(formula, boxes):
+            if _has_only(formula, boxes):
                 return State(formula)
             return Or(tuple(with_states(p, boxes) for p in parts))
         case Always(over, part):
@@ -172,11 +172,11 @@ def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
     raise TypeError(formula)
 
 
-def _is_made_of(formula: Formula, boxes: frozenset[str]) -> bool:
+def _has_only(formula: Formula, boxes: frozenset[str]) -> bool:
     """Whether the formula is without time and about these regions only."""
     if isinstance(formula, InRegion):
         return formula.region in boxes
-    return isinstance(formula, And | Or) and all(_is_made_of(p, boxes) for p in formula.parts)
+    return isinstance(formula, And | Or) and all(_has_only(p, boxes) for p in formula.parts)
 
 
 def states_of(formula: Formula) -> Iterator[State]:

@@ -164,8 +164,8 @@ class Polytope(ConvexSet):
     def __init__(self, points: Sequence[Vector], name: str = "") -> None:
         self.points, self.name = tuple(points), name
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Polytope) and (self.vertices, self.name) == (other.vertices, other.name)
+    def __eq__(self, value: object) -> bool:
+        return isinstance(value, Polytope) and (self.vertices, self.name) == (value.vertices, value.name)
 
     __hash__ = None  # type: ignore[assignment]
 

@@ -136,7 +136,7 @@ class StateSpace(Region):
     upper: EdgesOrNone = ()
     outline: Points | None = Field(default=None, description="corners of a room in the plane, in order; it may be concave")
     holes: Annotated[tuple[Points, ...], BeforeValidator(polygons)] | None = Field(
-        default=None, description="what is not free inside the outline, each by its corners in order"
+        default=None, description="areas inside the outline that are not free, each by its corners in order"
     )
 
     @property
@@ -153,7 +153,7 @@ class Target(Region):
     upper: EdgesOrNone = ()
     centre: Vector | None = Field(default=None, description="of a ball, in place of vertices or normals; no box is needed then")
     radius: Positive | None = Field(default=None, description="of the ball")
-    motion: Motion | None = Field(default=None, description="displacements; what counts is where the target is at t_c")
+    motion: Motion | None = Field(default=None, description="displacements by time; the target counts where it is at t_c")
 
     @property
     def points(self) -> tuple[str, tuple[Vector, ...]]:
@@ -208,9 +208,13 @@ class Unsafe(Table):
     )
 
     motion: Motion | None = Field(default=None, description="displacements, linear between times, constant before and after")
-    during: Window | None = Field(default=None, description="[from, to], seconds: unsafe only then; absent: always")
-    timing: NotNegative | None = Field(default=None, description="seconds by which its times may be wrong; absent: 0")
-    spread: NotNegative | None = Field(default=None, description="it grows by so much a second on every side; absent: 0")
+    during: Window | None = Field(
+        default=None, description="active interval [from, to], seconds: unsafe only then; absent: always"
+    )
+    timing: NotNegative | None = Field(
+        default=None, description="timing uncertainty: seconds by which its times may be wrong; absent: 0"
+    )
+    spread: NotNegative | None = Field(default=None, description="growth on every side, a second; absent: 0")
 
     @property
     def is_timed(self) -> bool:
@@ -355,7 +359,7 @@ class UnsafeCapsule(Unsafe):
     """All points within a radius of a segment."""
 
     point_fields = ("segment",)
-    segment: Points = Field(description="its two ends")
+    segment: Points = Field(description="the two ends of the segment")
     radius: Positive
 
     def vectors(self) -> list[tuple[str, Vector]]:
