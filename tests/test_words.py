@@ -70,7 +70,6 @@ PENDING = """
     stt_codegen/lemmas/emitted
     stt_codegen/lemmas/paper/conflict.py
     stt_codegen/lemmas/sampling/sampled_windows.py
-    stt_codegen/lemmas/tube
     stt_codegen/loop
     stt_codegen/paper
     stt_codegen/plants.py

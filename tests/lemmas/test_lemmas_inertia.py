@@ -49,12 +49,12 @@ def by_component(v: Any, factor: Any) -> Any:
     return -saturated.k * factor * sp.Matrix([(i + 1) * value for i, value in enumerate(v)])
 
 
-def stamps_wrong_by_half(speed: Any, noise: Any, late: Any, measured: Any, true: Any) -> Any:
-    return inertia.A * true**2 / (2 * measured) + speed * late / measured + 2 * noise / measured
+def stamps_wrong_by_half(speed: Any, noise: Any, stamp_error: Any, measured_period: Any, true_period: Any) -> Any:
+    return inertia.A * true_period**2 / (2 * measured_period) + (speed * stamp_error + 2 * noise) / measured_period
 
 
-def time_as_measured(speed: Any, noise: Any, late: Any, measured: Any, true: Any) -> Any:
-    return inertia.A * measured / 2 + 2 * speed * late / measured + 2 * noise / measured
+def time_as_measured(speed: Any, noise: Any, stamp_error: Any, measured_period: Any, true_period: Any) -> Any:
+    return inertia.A * measured_period / 2 + 2 * (speed * stamp_error + noise) / measured_period
 
 
 @pytest.mark.parametrize(
@@ -70,18 +70,18 @@ def time_as_measured(speed: Any, noise: Any, late: Any, measured: Any, true: Any
         (saturated, "nominal_error", lambda inverse, m, nominal: inverse * (nominal - m), "limits.near_nominal"),
         (inertia, "REST", inertia.REST - 2 * inertia.lam * inertia.v, "filtered.vdot"),
         (inertia, "REST", inertia.REST.subs(inertia.L, inertia.R), "filtered.vdot"),
-        (inertia, "FASTEST", sp.diff(inertia.R, inertia.t), "filtered.bounded"),
-        (inertia, "SLOWEST", sp.diff(inertia.L, inertia.t), "filtered.bounded"),
-        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e) ** 2 / width, "filtered.saturated"),
-        (inertia, "asked_at", lambda e, width: 4 * e * sp.cosh(e / 2) ** 2 * width, "filtered.saturated"),
-        (inertia, "PULL", 2 * inertia.PULL, "filtered.gain"),
-        (inertia, "STAYS", inertia.STAYS / 2, "filtered.forever"),
+        (inertia, "V_MAX", sp.diff(inertia.R, inertia.t), "filtered.bounded"),
+        (inertia, "V_MIN", sp.diff(inertia.L, inertia.t), "filtered.bounded"),
+        (inertia, "input_over_gain_at", lambda e, width: 4 * e * sp.cosh(e) ** 2 / width, "filtered.saturated"),
+        (inertia, "input_over_gain_at", lambda e, width: 4 * e * sp.cosh(e / 2) ** 2 * width, "filtered.saturated"),
+        (inertia, "XI_MIN", 2 * inertia.XI_MIN, "filtered.gain"),
+        (inertia, "EPSILON_BOUND", inertia.EPSILON_BOUND / 2, "filtered.forever"),
         (inertia, "WEIGHT", inertia.t - inertia.s, "filtered.differences"),
         (inertia, "WEIGHT", 2 * inertia.WEIGHT, "filtered.differences"),
         (inertia, "stamped_bound", stamps_wrong_by_half, "filtered.stamped"),
         (inertia, "stamped_bound", time_as_measured, "filtered.stamped"),
-        (inertia, "FORWARD", -inertia.FORWARD, "filtered.forward"),
-        (inertia, "FORWARD", sp.diff(inertia.C, inertia.t, 2), "filtered.forward"),
+        (inertia, "FEED_FORWARD", -inertia.FEED_FORWARD, "filtered.forward"),
+        (inertia, "FEED_FORWARD", sp.diff(inertia.C, inertia.t, 2), "filtered.forward"),
     ],
 )
 def test_a_wrong_law_leaves_its_lemma_open(module: Any, name: str, wrong: Any, falls: str, monkeypatch: Any) -> None:
@@ -108,9 +108,9 @@ ONE, HALF = sp.Integer(1), sp.Rational(1, 2)
         (saturated, "NOMINAL", saturated.INERTIA, "limits.nominal"),
         (saturated, "INERTIA", saturated.NOMINAL, "limits.nominal"),
         (inertia, "PERIODS", (Fraction(1, 100), Fraction(1, 100)), "filtered.nominal_period"),
-        (inertia, "LATE", Fraction(0), "filtered.stamps_alone"),
+        (inertia, "STAMP_ERROR", Fraction(0), "filtered.stamps_alone"),
         (inertia, "JERK", sp.Integer(0), "filtered.forward_held"),
-        (inertia, "SPAN", sp.Rational(1, 1000), "filtered.forward_held"),
+        (inertia, "PERIOD", sp.Rational(1, 1000), "filtered.forward_held"),
     ],
 )
 def test_what_is_refuted_is_so_by_its_example(module: Any, name: str, harmless: Any, stands: str, monkeypatch: Any) -> None:

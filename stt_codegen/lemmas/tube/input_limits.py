@@ -1,4 +1,6 @@
-"""Limits on u: the exit inequality, and that what P8 asks for is needed and, with a law that asks for enough, enough.
+"""Lemmas about limits on u: the exit inequality, and that P8 is necessary and, with a sufficient gain, sufficient.
+
+book.py takes LEMMAS as a part of the family `limits`; the other part is sampling/saturated.py.
 
 xdot = f + g u + w in one component, between edges L < R; a = x - L, b = R - x. What the other inputs push is in F.
 """
@@ -16,71 +18,77 @@ from stt_codegen.lemmas.lemma import Lemma, Outcome, all_of, outcome_of_cases, p
 from stt_codegen.program import round_down
 from stt_codegen.task import Task
 
-a, b, g, u, F, room = sp.symbols("a b g u F room", positive=True)
-rise_L, rise_R, x_rate = sp.symbols("Ldot Rdot xdot", real=True)
-TASKS = 60  # random ones
+a, b, g, u, F, margin = sp.symbols("a b g u F room", positive=True)
+lower_rate, upper_rate, x_rate = sp.symbols("Ldot Rdot xdot", real=True)
+TASK_COUNT = 60  # random tasks
 
 
 def _prove_exit() -> Outcome:
-    """d eps/dt = adot/a - bdot/b with adot = xdot - Ldot, bdot = Rdot - xdot."""
-    epsilon_rate = (x_rate - rise_L) / a - (rise_R - x_rate) / b
+    """Prove the exit inequality from d eps/dt = adot/a - bdot/b with adot = xdot - Ldot and bdot = Rdot - xdot."""
+    epsilon_rate = (x_rate - lower_rate) / a - (upper_rate - x_rate) / b
     return prove_identities(
         {"epsdot a b/(a + b) - (xdot - (b Ldot + a Rdot)/(a + b))": epsilon_rate * a * b / (a + b)
-         - (x_rate - (b * rise_L + a * rise_R) / (a + b))}
+         - (x_rate - (b * lower_rate + a * upper_rate) / (a + b))}
     )  # fmt: skip
 
 
 def _prove_saturated() -> Outcome:
-    """At eps = E the input is -v with v the lesser of u_max and the law's, and g v = P + room, P = F + p with p at least -Ldot
-    and -Rdot: xdot <= F - g v, so epsdot < 0, against eps < E before. By symmetry the lower edge."""
-    p_L, p_R, p = sp.symbols("s_L s_R p", nonnegative=True)  # Ldot = s_L - p, Rdot = s_R - p
-    pushed = F - (F + p + room)
-    exit_rate = pushed - (b * (p_L - p) + a * (p_R - p)) / (a + b)
+    """Prove that epsdot < 0 at eps = E, which contradicts eps < E before.
+
+    There the input is -v with v the smaller of u_max and the law's. g v = P + room and P = F + p, with p at least -Ldot and
+    -Rdot, so xdot <= F - g v. The lower edge is the same by symmetry.
+    """
+    lower_slack, upper_slack, edge_rate = sp.symbols("s_L s_R p", nonnegative=True)  # Ldot = s_L - p, Rdot = s_R - p
+    velocity = F - (F + edge_rate + margin)
+    exit_rate = velocity - (b * (lower_slack - edge_rate) + a * (upper_slack - edge_rate)) / (a + b)
     return all_of(
-        prove_identities({"left": exit_rate + room + (b * p_L + a * p_R) / (a + b)}),
-        prove_positive({"what is left below 0": room + (b * p_L + a * p_R) / (a + b)}),
+        prove_identities({"left": exit_rate + margin + (b * lower_slack + a * upper_slack) / (a + b)}),
+        prove_positive({"what is left below 0": margin + (b * lower_slack + a * upper_slack) / (a + b)}),
     )
 
 
 def _prove_needed() -> Outcome:
-    """At x = R under f + w = F and the least g, R - x falls at F - g v - Rdot for the input -v: at `room` for the largest v, of
-    which g u_max = F - Rdot - room, and faster by g less for each that v is less."""
-    falls, less = (F - g * u) - rise_R, sp.Symbol("less", positive=True)
-    most = (F - rise_R - room) / g
+    """Prove that R - x falls at x = R for every input within the limit, under f + w = F and the smallest g.
+
+    For the input -v it falls at F - g v - Rdot. That is `room` for v = u_max, where g u_max = F - Rdot - room, and more for any
+    smaller v.
+    """
+    fall, reduction = (F - g * u) - upper_rate, sp.Symbol("less", positive=True)
+    u_max = (F - upper_rate - margin) / g
     return all_of(
-        prove_identities({"at the limit": sp.expand(falls.subs(u, most) - room)}),
-        prove_positive({"at the limit": room, "at less": sp.expand(falls.subs(u, most - less)) - room}),
+        prove_identities({"at the limit": sp.expand(fall.subs(u, u_max) - margin)}),
+        prove_positive({"at the limit": margin, "at less": sp.expand(fall.subs(u, u_max - reduction)) - margin}),
     )
 
 
 def _prove_rows() -> Outcome:
-    """Of random tasks: rows by hand, in fractions."""
-    draw, wrong = random.Random(20), []
+    """Compare the constraints of P8 of random tasks with the inequality of the statement, in fractions."""
+    draw, failures = random.Random(20), []
 
-    def number(low: int, high: int) -> Fraction:
+    def random_number(low: int, high: int) -> Fraction:
         return Fraction(draw.randint(low, high), 1000)
 
-    for _ in range(TASKS):
+    for _ in range(TASK_COUNT):
         n = draw.randint(1, 3)
-        plant = {k: number(1, 900) for k in ("f_max", "w_max", "g_min", "g_cross") if draw.random() < 0.7}
+        plant = {key: random_number(1, 900) for key in ("f_max", "w_max", "g_min", "g_cross") if draw.random() < 0.7}
         plant = plant or {"w_max": Fraction(1)}
-        u_max, scalar = [number(1, 5000) for _ in range(n)], draw.choice(("float", "double"))
+        u_max, scalar = [random_number(1, 5000) for _ in range(n)], draw.choice(("float", "double"))
         box = {"lower": [0] * n, "upper": [1] * n}
         task = Task(
             name="t", prescribed_time=1, initial_state=["0.5"] * n, state_space=box, initial_set=box, target_set=box,
             control={"u_max": u_max}, plant=plant, emit={"scalar": scalar},
         )  # fmt: skip
-        held = [round_down(v, scalar) for v in u_max]
-        for i, v in enumerate(held):
-            others = plant.get("g_cross", 0) * sum(held[:i] + held[i + 1 :])
-            most = plant.get("g_min", 1) * v - plant.get("f_max", 0) - plant.get("w_max", 0) - others
-            here = [row for row in constraints.limit_constraints(task) if row.dimension == i]
-            wanted = [
-                constraints.Constraint(((i, LOWER, -1),), -most, order=1),
-                constraints.Constraint(((i, UPPER, 1),), -most, order=1),
+        emitted_limits = [round_down(v, scalar) for v in u_max]
+        for i, v in enumerate(emitted_limits):
+            coupling = plant.get("g_cross", 0) * sum(emitted_limits[:i] + emitted_limits[i + 1 :])
+            authority = plant.get("g_min", 1) * v - plant.get("f_max", 0) - plant.get("w_max", 0) - coupling
+            computed = [constraint for constraint in constraints.limit_constraints(task) if constraint.dimension == i]
+            expected = [
+                constraints.Constraint(((i, LOWER, -1),), -authority, order=1),
+                constraints.Constraint(((i, UPPER, 1),), -authority, order=1),
             ]
-            wrong += [] if here == wanted else [f"{plant}, u_max {u_max}: {here}"]
-    return outcome_of_cases(TASKS, wrong, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
+            failures += [] if computed == expected else [f"{plant}, u_max {u_max}: {computed}"]
+    return outcome_of_cases(TASK_COUNT, failures, "L' and -R' below g_min u_max - f_max - w_max - g_cross (sum of the others)")
 
 
 LEMMAS = (

@@ -1,4 +1,7 @@
-"""The refined tube: its weights, its smoothness, the Bezier form that the certificate reads, and its hull."""
+"""Lemmas about the refined tube: its weights, its smoothness, the Bezier form that the certificate reads, and its hull.
+
+book.py takes LEMMAS as the family `refined`.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,7 @@ import numpy as np
 import sympy as sp
 
 from stt_codegen.certify import slack
-from stt_codegen.controller import edge_errors as arithmetic
+from stt_codegen.controller import edge_errors
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.lemmas.lemma import (
     Lemma,
@@ -38,50 +41,54 @@ WEIGHTS: tuple[Any, ...] = (
 )
 
 
-def _weights() -> tuple[sp.Expr, ...]:
+def _emitted_weights() -> tuple[sp.Expr, ...]:
     return formulas(lower(refined_tube.basis()), {"s": s})
 
 
 def _prove_weights_shipped() -> Outcome:
-    found = {f"w{j} less 6 times the cubic B-spline": w - f(s) for j, (w, f) in enumerate(zip(_weights(), WEIGHTS, strict=True))}
-    return prove_identities(found | {"sum - 6": sum(_weights()) - 6})
+    differences = {
+        f"w{j} less 6 times the cubic B-spline": w - f(s)
+        for j, (w, f) in enumerate(zip(_emitted_weights(), WEIGHTS, strict=True))
+    }
+    return prove_identities(differences | {"sum - 6": sum(_emitted_weights()) - 6})
 
 
 def _prove_rates_shipped() -> Outcome:
     rates = formulas(lower(refined_tube.basis_rate()), {"s": s})
     return prove_identities(
-        {f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_weights(), rates, strict=True))}
+        {f"dw{j} - d w{j}/ds": r - sp.diff(w, s) for j, (w, r) in enumerate(zip(_emitted_weights(), rates, strict=True))}
     )
 
 
 def _prove_convex() -> Outcome:
-    """The middle two are at least 1 on [0, 1]; the outer two are cubes of numbers that are not negative."""
+    """Prove that the middle two weights are above 0.99 on [0, 1] and that the outer two are cubes of 1 - s and s."""
     return all_of(
         prove_above("w1", WEIGHTS[1], [(0.0, 1.0)], 0.99),
         prove_above("w2", WEIGHTS[2], [(0.0, 1.0)], 0.99),
-        prove_identities({"w0 - (1 - s)^3": _weights()[0] - (1 - s) ** 3, "w3 - s^3": _weights()[3] - s**3}),
+        prove_identities({"w0 - (1 - s)^3": _emitted_weights()[0] - (1 - s) ** 3, "w3 - s^3": _emitted_weights()[3] - s**3}),
     )
 
 
 def _prove_smooth() -> Outcome:
-    found: dict[str, sp.Expr] = {}
+    differences: dict[str, sp.Expr] = {}
     for order in range(3):
-        end = [sp.diff(w, s, order).subs(s, 1) for w in _weights()]
-        start = [sp.diff(w, s, order).subs(s, 0) for w in _weights()]
-        found |= {f"derivative {order}: w{j + 1}(1) - w{j}(0)": end[j + 1] - start[j] for j in range(3)}
-        found |= {f"derivative {order}: w0(1)": end[0], f"derivative {order}: w3(0)": start[3]}
-    return prove_identities(found)
+        end = [sp.diff(w, s, order).subs(s, 1) for w in _emitted_weights()]
+        start = [sp.diff(w, s, order).subs(s, 0) for w in _emitted_weights()]
+        differences |= {f"derivative {order}: w{j + 1}(1) - w{j}(0)": end[j + 1] - start[j] for j in range(3)}
+        differences |= {f"derivative {order}: w0(1)": end[0], f"derivative {order}: w3(0)": start[3]}
+    return prove_identities(differences)
 
 
 def _prove_bezier() -> Outcome:
-    """The map that `certify.exact` uses, times 6 in the divided control points."""
+    """Prove that the weighted sum of control points is the cubic with the Bezier coefficients that the certificate computes."""
     points = (q[0] + 4 * q[1] + q[2], 4 * q[1] + 2 * q[2], 2 * q[1] + 4 * q[2], q[1] + 4 * q[2] + q[3])
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
-    curve = sum(w * v for w, v in zip(_weights(), q, strict=True))
+    curve = sum(w * v for w, v in zip(_emitted_weights(), q, strict=True))
     return prove_identities({"curve - Bezier form": curve - sum(c * f for c, f in zip(points, bernstein, strict=True))})
 
 
 def _prove_hull() -> Outcome:
+    """Prove that the Bernstein polynomials sum to 1, are positive inside (0, 1) and not negative at its ends."""
     z = sp.Symbol("z", positive=True)
     inside = z / (1 + z)  # any number from 0 to 1
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
@@ -109,64 +116,71 @@ def _prove_blend_shipped() -> Outcome:
 
 
 def _prove_bezier_shipped() -> Outcome:
-    """`RefinedDesign.bezier` run on tables with a single 1, which by linearity is all of it, against the weights."""
+    """Compare `RefinedDesign.bezier` with the weights on tables with a single 1; the map is linear, so these are enough."""
     bernstein = [sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) for j in range(4)]
-    found = {}
+    differences = {}
     for k in range(4):
-        rows = tuple((((1 if j == k else 0), 0),) for j in range(4))
-        coefficients = RefinedDesign(Fraction(1), 1, 0, rows).bezier()[0, 0, 0]
-        found[f"table entry {k}"] = _weights()[k] - sum(int(c) * f for c, f in zip(coefficients, bernstein, strict=True))
-    return prove_identities(found, "SymPy: the certificate's own map, by linearity")
+        table = tuple((((1 if j == k else 0), 0),) for j in range(4))
+        coefficients = RefinedDesign(Fraction(1), 1, 0, table).bezier()[0, 0, 0]
+        differences[f"table entry {k}"] = _emitted_weights()[k] - sum(
+            int(c) * f for c, f in zip(coefficients, bernstein, strict=True)
+        )
+    return prove_identities(differences, "SymPy: the certificate's own map, by linearity")
 
 
 def _prove_halves() -> Outcome:
-    """`slack.halves` run on symbols: each half, at s, is the whole curve at s/2 or (1 + s)/2."""
+    """Run `slack.halves` on symbols and prove that each half, at s, is the curve at s/2 or (1 + s)/2."""
     piece = np.array(q, dtype=object)
     curves = [
         sum(sp.binomial(3, j) * s**j * (1 - s) ** (3 - j) * c for j, c in enumerate(p)) for p in (piece, *slack.halves(piece))
     ]
-    whole, early, late = curves
+    curve, early_half, late_half = curves
     return prove_identities(
         {
-            "early half less the curve at s/2": early - whole.subs(s, s / 2),
-            "late half less that at (1 + s)/2": late - whole.subs(s, (1 + s) / 2),
+            "early half less the curve at s/2": early_half - curve.subs(s, s / 2),
+            "late half less that at (1 + s)/2": late_half - curve.subs(s, (1 + s) / 2),
         },
         "SymPy: the certificate's own code run on symbols",
     )
 
 
 def _prove_integers() -> Outcome:
-    """A bound v = (m + r) units, 0 <= r < 1, m whole: n >= v is n >= m + 1 where r > 0, and n >= m where r = 0. The shipped
-    function is run on every such pattern: n, m over a range, r on a grid."""
-    wrong, comparison_count = [], 0
+    """Run `units_above` on bounds v = (m + r) units with integers m and n over a range and r on a grid of [0, 1).
+
+    n >= v must be n >= m + 1 where r > 0, and n >= m where r = 0.
+    """
+    failures, comparison_count = [], 0
     for m, r, unit in product(range(-3, 4), [Fraction(k, 7) for k in range(7)], (Fraction(1), Fraction(1, 1 << 18), Fraction(4))):
         value = (m + r) * unit
         for n in range(-5, 6):
             comparison_count += 1
             if (n >= slack.units_above(value, unit)) != (n * unit >= value):
-                wrong.append((m, r, unit, n))
-    verdict = Verdict.PROVED if not wrong else Verdict.OPEN
+                failures.append((m, r, unit, n))
+    verdict = Verdict.OPEN if failures else Verdict.PROVED
     method = "by cases: sign, whole part and rest of the bound; the certificate's own function, in exact numbers"
-    return Outcome(
-        verdict,
-        method,
-        (f"{comparison_count} comparisons of integers agree with those of numbers, {len(wrong)} do not", *map(str, wrong[:2])),
-    )
+    result = f"{comparison_count} comparisons of integers agree with those of numbers, {len(failures)} do not"
+    return Outcome(verdict, method, (result, *map(str, failures[:2])))
 
 
 def _prove_late() -> Outcome:
-    """u = t r (1 + a)(1 + b): a of the constant K/t_c, b of the product, c of a t that was rounded itself; |a|, |b|, |c| <= eps
-    below 1, and t K/t_c <= K. At the end u is held at the last number below K, at most 2 eps K below it."""
+    """Prove that `late` bounds the error of the emitted spline time u = (K/t_c) t (1 + a)(1 + b)(1 + c).
+
+    The relative errors are a of the constant K/t_c, b of the product, c of a t that was rounded itself, each at most eps < 1;
+    and t K/t_c <= K. At the end u is the last number below K, at most 2 eps K below it.
+    """
     a, b, c = sp.symbols("a b c", real=True)
     k, z = sp.symbols("K z", positive=True)
     eps = z / (1 + z)  # any number from 0 to 1
-    given = arithmetic.late(k, eps)
-    forms = [(scalar, FORMATS[scalar], segments) for scalar in ("float", "double") for segments in (1, 48, 8192)]
-    wrong = []
-    for scalar, form, segments in forms:
+    bound = edge_errors.late(k, eps)
+    formats = [(scalar, FORMATS[scalar], segments) for scalar in ("float", "double") for segments in (1, 48, 8192)]
+    failures = []
+    for scalar, number_format, segments in formats:
         design: Any = SimpleNamespace(segments=segments)
-        if arithmetic.time_error(design, scalar) != arithmetic.late(Fraction(segments), form.roundoff) + form.tiny:
-            wrong.append(f"{scalar}, {segments} segments")
+        if (
+            edge_errors.time_error(design, scalar)
+            != edge_errors.late(Fraction(segments), number_format.roundoff) + number_format.tiny
+        ):
+            failures.append(f"{scalar}, {segments} segments")
     return all_of(
         prove_identities(
             {
@@ -174,16 +188,16 @@ def _prove_late() -> Outcome:
                 "(1 + a)(1 + b)(1 + c) - 1 less its seven terms": (1 + a) * (1 + b) * (1 + c)
                 - 1
                 - (a + b + c + a * b + a * c + b * c + a * b * c),
-                "given - 2 K (2 eps + eps^2) - 2 K eps^2": given - 2 * k * (2 * eps + eps**2) - 2 * k * eps**2,
+                "given - 2 K (2 eps + eps^2) - 2 K eps^2": bound - 2 * k * (2 * eps + eps**2) - 2 * k * eps**2,
             }
         ),
         prove_positive(
             {
-                "given - K (3 eps + 3 eps^2 + eps^3)": sp.factor(sp.together(given - k * (3 * eps + 3 * eps**2 + eps**3))),
-                "given - 2 eps K": sp.factor(sp.together(given - 2 * eps * k)),
+                "given - K (3 eps + 3 eps^2 + eps^3)": sp.factor(sp.together(bound - k * (3 * eps + 3 * eps**2 + eps**3))),
+                "given - 2 eps K": sp.factor(sp.together(bound - 2 * eps * k)),
             }
         ),
-        outcome_of_cases(len(forms), wrong, "what P7 takes is this bound and the least subnormal"),
+        outcome_of_cases(len(formats), failures, "what P7 takes is this bound and the least subnormal"),
     )
 
 
