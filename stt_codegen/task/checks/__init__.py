@@ -1,4 +1,4 @@
-"""What is wrong with a task, as one message each: fields that do not fit together, sets, missions, reserved words."""
+"""Checks of a task, each with one message: fields that do not fit together, sets, missions, reserved words."""
 
 from stt_codegen.task.checks.field_checks import first_problem, structure_problem
 from stt_codegen.task.checks.schema_messages import explain

@@ -1,10 +1,13 @@
-"""What no schema can see: how the fields of a task must fit together. Each check returns the message, or None.
+"""Checks that no schema can make: how the fields of a task must fit together.
+
+Each check returns the message of the first field that is wrong, or None. `Task` calls `first_problem` when it is made.
 
 Long because every message stands where its check is.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sized
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
@@ -18,6 +21,7 @@ from stt_codegen.task.sets import (
     Course,
     Normal,
     Region,
+    Table,
     UnsafeSet,
     affine_dimension,
     corners_of_cut_box,
@@ -27,7 +31,7 @@ from stt_codegen.task.values import ADD_IT
 
 
 def first_problem(task: TaskTables) -> str | None:
-    """The first thing that no schema can see, in the words of the message; None when there is none."""
+    """Return the message of the first check that fails, or None."""
     n = task.dimension
     return (
         structure_problem(task)
@@ -39,66 +43,70 @@ def first_problem(task: TaskTables) -> str | None:
 
 
 def structure_problem(task: TaskTables) -> str | None:
-    """What makes names or numbers of entries wrong, whatever they say."""
+    """Return a message where a name is reserved or a list has a wrong number of entries, else None."""
     return _name_problem(task) or _shape_problem(task, task.dimension)
 
 
 def _name_problem(task: TaskTables) -> str | None:
     name = task.name
     for target in targets_of(task.emit):
-        asked = f" (emit.{target.key})" if target.option else ""
+        option = f" (emit.{target.key})" if target.option else ""
         if name in target.words:
-            return f"name: {name!r} is {target.words_are}{asked}; choose another"
+            return f"name: {name!r} is {target.words_are}{option}; choose another"
         if name.lower() in target.library:
-            return f"name: {name!r} would shadow a part of the standard library of {target.title}{asked}; choose another"
+            return f"name: {name!r} would shadow a part of the standard library of {target.title}{option}; choose another"
     return None
 
 
+def _boxes_of(task: TaskTables) -> list[tuple[str, Box]]:
+    """Return the tables that have a box, by field name."""
+    boxes: list[tuple[str, Box]] = [("state_space", task.state_space), ("initial_set", task.initial_set)]
+    return boxes if task.target_set is None else [*boxes, ("target_set", task.target_set)]
+
+
+def _full_length_fields(task: TaskTables) -> list[tuple[str, Sized]]:
+    """Return every list of the task that must have one entry for each dimension, by field name."""
+    fields: list[tuple[str, Sized]] = [("initial_state", task.initial_state)]
+    fields += [(f"{field}.{name}", vector) for field, table in _boxes_of(task) for name, vector in table.vectors()]
+    if task.body is not None:
+        fields.append(("body", task.body))
+    options: tuple[tuple[str, Table, tuple[str, ...]], ...] = (
+        ("control", task.control, ("gain", "e_max", "u_max")),
+        ("tube", task.tube, ("max_speed", "max_acceleration", "filter")),
+        ("plant", task.plant, PLANT_BOUNDS),
+        ("initial_set", task.initial_set, ("speed",)),
+    )
+    for title, table, names in options:
+        fields += [(f"{title}.{name}", value) for name in names if isinstance(value := getattr(table, name), tuple)]
+    return [*fields, *((name, value) for name in ("axes", "units") if (value := getattr(task, name)) is not None)]
+
+
 def _shape_problem(task: TaskTables, n: int) -> str | None:
+    """Return a message where a vector has another number of entries than its set or the task, or a table is no set, else None."""
     target = task.target_set
     if target is None and not task.mission:
         return f"target_set: is missing; {ADD_IT}"
-    tables: list[tuple[str, Box]] = [("state_space", task.state_space), ("initial_set", task.initial_set)]
-    regions: list[tuple[str, Region]] = [("state_space", task.state_space)]
-    if target is not None:
-        tables.append(("target_set", target))
-        regions.append(("target_set", target))
-    vectors = [("initial_state", task.initial_state)]
-    vectors += [(f"{field}.{name}", vector) for field, table in tables for name, vector in table.vectors()]
-    if task.body is not None:
-        vectors.append(("body", task.body))
-    for name in ("gain", "e_max", "u_max"):
-        given = getattr(task.control, name)
-        if isinstance(given, tuple):
-            vectors.append((f"control.{name}", given))
-    for name in ("max_speed", "max_acceleration", "filter"):
-        given = getattr(task.tube, name)
-        if isinstance(given, tuple):
-            vectors.append((f"tube.{name}", given))
-    for name in PLANT_BOUNDS:
-        given = getattr(task.plant, name)
-        if isinstance(given, tuple):
-            vectors.append((f"plant.{name}", given))
-    if isinstance(task.initial_set.speed, tuple):
-        vectors.append(("initial_set.speed", task.initial_set.speed))
-    vectors += [(name, given) for name in ("axes", "units") if (given := getattr(task, name)) is not None]
-    for field, vector in vectors:
+    for field, vector in _full_length_fields(task):
         if len(vector) != n:
             return f"{field}: has {len(vector)} entries; state_space.lower has {n}, and all must agree"
+    regions: list[tuple[str, Region]] = [("state_space", task.state_space)]
+    if target is not None:
+        regions.append(("target_set", target))
     for field, region in regions:
         problem = axes_problem(task, region.axes) or entries_problem(task, region.axes, *region.points)
         if problem:
             return f"{field}.{problem}"
     if target is not None and (problem := motion_problem(task, target)):
         return f"target_set.{problem}"
-    found = (table.problem() for _, table in tables)
-    told = ((field, problem) for (field, _), problem in zip(tables, found, strict=True) if problem)
-    return next((f"{field}{'.' if _of_a_field(problem) else ': '}{problem}" for field, problem in told), None) or next(
+    for field, table in _boxes_of(task):
+        if problem := table.problem():
+            return f"{field}{'.' if _names_a_field(problem) else ': '}{problem}"
+    return next(
         (f"unsafe[{j}].{problem}" for j, unsafe in enumerate(task.unsafe) if (problem := set_problem(task, unsafe))), None
     )
 
 
-def _of_a_field(problem: str) -> bool:
+def _names_a_field(problem: str) -> bool:
     """Whether a message about a table begins with one of its fields."""
     return problem.partition(" ")[0].endswith(":")
 
@@ -114,6 +122,7 @@ def _labels_problem(task: TaskTables) -> str | None:
 
 
 def _options_problem(task: TaskTables) -> str | None:
+    """Return a message where an option is out of range or does not fit to the others, else None."""
     if problem := _labels_problem(task):
         return problem
     for i, half in enumerate(task.body or ()):
@@ -130,7 +139,7 @@ def _options_problem(task: TaskTables) -> str | None:
 
 
 def _integers_problem(task: TaskTables) -> str | None:
-    """What a controller in integers needs, and what it has no form of."""
+    """Return a message where a controller in integers lacks a field or has no form of an option, else None."""
     emit, control = task.emit, task.control
     if emit.scalar != "fixed":
         return None
@@ -141,10 +150,10 @@ def _integers_problem(task: TaskTables) -> str | None:
     if control.u_max is None:
         return 'control.u_max: is missing; with emit.scalar = "fixed" u counts parts of it, so say how large it may be'
     if control.period is not None and (control.period / emit.tick_period).denominator != 1:
-        whole = max(1, control.period // emit.tick_period)
-        told = f"is {decimal(control.period)}, no whole number of ticks of {decimal(emit.tick_period)}"
-        return f"control.period: {told}, at which alone integers see the time; use {decimal(whole * emit.tick_period)}"
-    unknown = {
+        ticks = max(1, control.period // emit.tick_period)
+        problem = f"is {decimal(control.period)}, no whole number of ticks of {decimal(emit.tick_period)}"
+        return f"control.period: {problem}, at which alone integers see the time; use {decimal(ticks * emit.tick_period)}"
+    unsupported = {
         **{f"emit.{t.key} (--package {t.key})": not t.integers for t in targets_of(emit) if t.option},
         'emit.math = "inline"': emit.math == "inline",
         'control.saturate = "scale"': task.scales_input,
@@ -153,12 +162,12 @@ def _integers_problem(task: TaskTables) -> str | None:
         "repeat": task.repeat,
         'control.velocity = "differences"': task.uses_differences,
     }
-    field = next((name for name, given in unknown.items() if given), None)
+    field = next((name for name, is_set in unsupported.items() if is_set), None)
     return None if field is None else f'{field}: is for floating point; leave it out with emit.scalar = "fixed"'
 
 
 def _plant_problem(task: TaskTables) -> str | None:
-    """Bounds of a sign that bounds nothing, or that contradict each other."""
+    """Return a message where a plant bound has a wrong sign or contradicts another, else None."""
     for name in PLANT_BOUNDS:
         value = getattr(task.plant, name)
         positive = name in ("g_min", "g_max")
@@ -169,48 +178,50 @@ def _plant_problem(task: TaskTables) -> str | None:
     if task.plant.g_min is not None and task.plant.g_max is not None:
         for i, b in enumerate(task.plant_bounds):
             if b.g_min > b.g_max:
-                told = [f"[{i}]" if isinstance(v, tuple) else "" for v in (task.plant.g_min, task.plant.g_max)]
-                return f"plant.g_min{told[0]}: is {decimal(b.g_min)}, above plant.g_max{told[1]} = {decimal(b.g_max)}"
+                low, high = (f"[{i}]" if isinstance(v, tuple) else "" for v in (task.plant.g_min, task.plant.g_max))
+                return f"plant.g_min{low}: is {decimal(b.g_min)}, above plant.g_max{high} = {decimal(b.g_max)}"
     return None
 
 
 def _order_problem(task: TaskTables) -> str | None:
-    """What is for plants of order 2 alone, and what is not for them."""
+    """Return a message where an option does not fit to the order of the plant, else None."""
     filter_, speed = task.tube.filter, task.initial_set.speed
     if task.order == 1:
-        given: dict[str, object] = {"tube.filter": filter_, "initial_set.speed": speed, "plant.noise_v": task.plant.noise_v}
-        given |= {
+        for_order_two: dict[str, object] = {
+            "tube.filter": filter_,
+            "initial_set.speed": speed,
+            "plant.noise_v": task.plant.noise_v,
             "control.velocity": "differences" if task.uses_differences else None,
             "control.period_min": task.control.period_min,
         }
-        field = next((name for name, value in given.items() if value is not None), None)
+        field = next((name for name, value in for_order_two.items() if value is not None), None)
         return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
     if not task.tube.capabilities.drives_order_two:
         return f"plant.order: is 2, which the {task.tube.design} design does not know; use the refined design"
-    for name, value, least in (("tube.filter", filter_, "greater than 0"), ("initial_set.speed", speed, "0 or greater")):
+    for name, value, allowed in (("tube.filter", filter_, "greater than 0"), ("initial_set.speed", speed, "0 or greater")):
         entries = () if value is None or isinstance(value, str) else value if isinstance(value, tuple) else (value,)
         for i, entry in enumerate(entries):
             if entry < 0 or (not entry and name == "tube.filter"):
-                return f"{name}{f'[{i}]' if isinstance(value, tuple) else ''}: is {decimal(entry)}; it must be {least}"
+                return f"{name}{f'[{i}]' if isinstance(value, tuple) else ''}: is {decimal(entry)}; it must be {allowed}"
     return _velocity_problem(task)
 
 
 def _velocity_problem(task: TaskTables) -> str | None:
-    """What differences of x need to be a velocity with a known error."""
+    """Return a message where a velocity by differences of x would have no known error, else None."""
     control = task.control
     if not task.uses_differences:
-        told = "is for a velocity by differences; leave it out, or set control.velocity"
-        return f"control.period_min: {told}" if control.period_min is not None else None
+        problem = "is for a velocity by differences; leave it out, or set control.velocity"
+        return f"control.period_min: {problem}" if control.period_min is not None else None
     for name, why in (("period", "over what time a difference is taken"), ("u_max", "how far the velocity turns in it")):
         if getattr(control, name) is None:
             return f'control.{name}: is missing; with control.velocity = "differences" it must be known {why}'
     if control.period_min is not None and control.period_min > task.sampling_period:
-        told = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
-        return f"control.period_min: {told}; use that or less"
+        problem = f"is {decimal(control.period_min)}, above control.period = {decimal(task.sampling_period)}"
+        return f"control.period_min: {problem}; use that or less"
     tick = task.emit.tick_period
     if tick is not None and tick < task.shortest_period:
-        told = f"is {decimal(tick)}, below control.period_min = {decimal(task.shortest_period)}"
-        return f"emit.tick_period: {told}, which a velocity by differences needs between samples; raise it, or lower that"
+        problem = f"is {decimal(tick)}, below control.period_min = {decimal(task.shortest_period)}"
+        return f"emit.tick_period: {problem}, which a velocity by differences needs between samples; raise it, or lower that"
     if task.plant.noise_v is not None:
         return "plant.noise_v: is of a velocity that is measured, and here it is of differences; leave it out"
     if any(task.start_speed):
@@ -219,7 +230,7 @@ def _velocity_problem(task: TaskTables) -> str | None:
 
 
 def _scale_problem(task: TaskTables) -> str | None:
-    """Why u cannot be limited by one factor; what is shown of that is about norms, in continuous time."""
+    """Return why one factor cannot limit u, or None. The proof for such a factor is about norms, in continuous time."""
     control = task.control
     if control.u_max is None:
         return "which limits u by control.u_max; give it, or leave saturate out"
@@ -235,7 +246,7 @@ def _scale_problem(task: TaskTables) -> str | None:
 
 
 def _outside_problem(task: TaskTables) -> str | None:
-    """Why the tube cannot do that once it is left."""
+    """Return why control.outside cannot be carried out once x is outside the tube, or None."""
     kind = task.control.outside
     if kind == "return":
         return None
@@ -255,21 +266,22 @@ def _outside_problem(task: TaskTables) -> str | None:
 
 
 def _limits_problem(task: TaskTables) -> str | None:
+    """Return a message where a bound on the edges is not positive, or the kind of tube does not offer what is set, else None."""
     tube, offered = task.tube, task.tube.capabilities
     for name in ("max_speed", "max_acceleration"):
-        given = getattr(tube, name)
-        for i, bound in enumerate(given if isinstance(given, tuple) else () if given is None else (given,)):
+        value = getattr(tube, name)
+        for i, bound in enumerate(value if isinstance(value, tuple) else () if value is None else (value,)):
             if bound <= 0:
-                field = f"tube.{name}[{i}]" if isinstance(given, tuple) else f"tube.{name}"
+                field = f"tube.{name}[{i}]" if isinstance(value, tuple) else f"tube.{name}"
                 return f"{field}: is {decimal(bound)}; it must be greater than 0, or left out for no bound"
     if not offered.bounds_acceleration and tube.max_acceleration is not None:
         return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; use the refined design, or leave it out"
-    shaped = next((j for j, s in enumerate(task.unsafe) if not isinstance(s, UnsafeSet)), None)
+    not_a_box = next((j for j, s in enumerate(task.unsafe) if not isinstance(s, UnsafeSet)), None)
     if not offered.avoids_any_shape and (task.space_cuts or task.target_cuts):
         field = "state_space" if task.space_cuts else "target_set"
         return f"{field}: is no box; the {tube.design} design knows boxes alone, use the refined design"
-    if not offered.avoids_any_shape and shaped is not None:
-        return f"unsafe[{shaped}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
+    if not offered.avoids_any_shape and not_a_box is not None:
+        return f"unsafe[{not_a_box}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
     timed = next((j for j, s in enumerate(task.unsafe) if s.is_timed), None)
     if not offered.follows_moving_sets and (timed is not None or task.has_moving_target):
         field = "target_set" if timed is None else f"unsafe[{timed}]"
@@ -280,26 +292,27 @@ def _limits_problem(task: TaskTables) -> str | None:
 
 
 def _control_problem(task: TaskTables) -> str | None:
+    """Return a message where an option of the control law is out of range or does not fit to the others, else None."""
     control = task.control
 
-    def named(field: str, i: int) -> str:
+    def entry(field: str, i: int) -> str:
         return f"control.{field}[{i}]" if isinstance(getattr(control, field), tuple) else f"control.{field}"
 
     for i, k in enumerate(task.gain):
         if k == 0:
-            return f"{named('gain', i)}: is 0; use a positive gain, or a negative one where g_s is negative definite"
+            return f"{entry('gain', i)}: is 0; use a positive gain, or a negative one where g_s is negative definite"
         if (k > 0) != (task.gain[0] > 0):
-            return f"{named('gain', i)}: is {decimal(k)}; all gains must have one sign, that of g_s"
+            return f"{entry('gain', i)}: is {decimal(k)}; all gains must have one sign, that of g_s"
     for i, clamp in enumerate(task.e_max):
         if not 0 < clamp < 1:
-            return f"{named('e_max', i)}: is {decimal(clamp)}; it must lie strictly between 0 and 1, for example 0.99"
+            return f"{entry('e_max', i)}: is {decimal(clamp)}; it must lie strictly between 0 and 1, for example 0.99"
     for i, bound in enumerate(task.u_max or ()):
         if bound <= 0:
-            return f"{named('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
-    share, most, tick = task.initial_set.share, min(task.e_max), task.emit.tick_period
-    if control.period is not None and share >= most:
-        told = f"not below control.e_max = {decimal(most)}, where the law is clamped"
-        return f"initial_set.share: is {decimal(share)}, {told}; lower the share or raise e_max"
+            return f"{entry('u_max', i)}: is {decimal(bound)}; it must be greater than 0"
+    share, clamp, tick = task.initial_set.share, min(task.e_max), task.emit.tick_period
+    if control.period is not None and share >= clamp:
+        problem = f"not below control.e_max = {decimal(clamp)}, where the law is clamped"
+        return f"initial_set.share: is {decimal(share)}, {problem}; lower the share or raise e_max"
     if control.period is not None and tick is not None and tick > control.period:
         return f"emit.tick_period: is {decimal(tick)}, above control.period = {decimal(control.period)}; use that or less"
     if control.saturate == "scale" and (problem := _scale_problem(task)):
@@ -312,39 +325,21 @@ def _control_problem(task: TaskTables) -> str | None:
 
 
 def _containment_problem(task: TaskTables, n: int) -> str | None:
-    space, body = task.free_space, " less the body" if task.body and any(task.body) else ""
+    """Return a message where the body, the start, the target or the initial state lies outside of its set, else None."""
+    space, less_body = task.free_space, " less the body" if task.body and any(task.body) else ""
     for i in range(n):
         if space.lower[i] >= space.upper[i]:
             return f"body[{i}]: the body does not fit into the state space; make it smaller"
-    target = task.target_set
-    boxes: list[tuple[str, Region, BoxSet]] = [("state_space", task.state_space, task.state_space.convex())]
-    if target is not None:
-        boxes.append(("target_set", target, task.target_at_rest))
-    for field, region, box in boxes:
-        own, cuts = task.axis_indices(region), tuple(region.half_spaces())
-        left = corners_of_cut_box(*(tuple(edges[i] for i in own) for edges in (box.lower, box.upper)), cuts) if cuts else None
-        if left is not None and (not left or affine_dimension(left) < len(own)):
-            told = region.points[0]
-            if told == "centre":
-                return f"{field}: the ball about its centre leaves nothing of the box with an interior; move one of them"
-            return f"{field}: its {told} leave nothing of the box with an interior; turn the signs or move them"
+    if problem := _empty_cut_problem(task):
+        return problem
     for field, box in (("initial_set", task.start), ("target_set", task.target)):
         for i in range(n):
-            for edge, sign, most in (("lower", -1, "at least"), ("upper", 1, "at most")):
-                end, limit = getattr(box, edge)[i], getattr(space, edge)[i]
-                if sign * end > sign * limit:
-                    round_ = field == "target_set" and target is not None and target.centre is not None and not target.lower
-                    what = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if round_ else f"{edge}[{i}] = {decimal(end)}"
-                    if field == "target_set" and task.has_moving_target:
-                        by = task.target_course.displacement(task.prescribed_time)[i]
-                        told = (
-                            f"use {most} {decimal(limit - by)} here, or a motion that ends by {most} {decimal(limit - end + by)}"
-                        )
-                        return f"{field}: displaced by {decimal(by)} at t_c, {what} lies outside the state space{body}; {told}"
-                    return f"{field}: {what} lies outside the state space{body}; use {most} {decimal(limit)}"
+            for edge in ("lower", "upper"):
+                if problem := _outside_space_problem(task, field, box, i, edge):
+                    return problem
     for normal, offset in task.space_cuts:
         if task.start.support(normal) > offset:
-            return f"initial_set: lies outside the state space{body}, where {_half_space(task, normal, offset)}"
+            return f"initial_set: lies outside the state space{less_body}, where {_half_space(task, normal, offset)}"
     for i, x in enumerate(task.initial_state):
         a, b = task.initial_set.lower[i], task.initial_set.upper[i]
         if not a < x < b:
@@ -355,17 +350,50 @@ def _containment_problem(task: TaskTables, n: int) -> str | None:
     return None
 
 
-def _may(course: Course) -> str:
-    """How sure it is where a set is."""
-    doubt = [
+def _empty_cut_problem(task: TaskTables) -> str | None:
+    """Return a message where the cuts of the state space or target leave no interior of their box, else None."""
+    boxes: list[tuple[str, Region, BoxSet]] = [("state_space", task.state_space, task.state_space.convex())]
+    if task.target_set is not None:
+        boxes.append(("target_set", task.target_set, task.target_at_rest))
+    for field, region, box in boxes:
+        axes, cuts = task.axis_indices(region), tuple(region.half_spaces())
+        edges = (tuple(edge[i] for i in axes) for edge in (box.lower, box.upper))
+        corners = corners_of_cut_box(*edges, cuts) if cuts else None
+        if corners is not None and (not corners or affine_dimension(corners) < len(axes)):
+            cut_field = region.points[0]
+            if cut_field == "centre":
+                return f"{field}: the ball about its centre leaves nothing of the box with an interior; move one of them"
+            return f"{field}: its {cut_field} leave nothing of the box with an interior; turn the signs or move them"
+    return None
+
+
+def _outside_space_problem(task: TaskTables, field: str, box: BoxSet, i: int, edge: str) -> str | None:
+    """Return a message where an edge ("lower" or "upper") of a field's box lies outside the state space, else None."""
+    sign, bound = (-1, "at least") if edge == "lower" else (1, "at most")
+    end, limit, target = getattr(box, edge)[i], getattr(task.free_space, edge)[i], task.target_set
+    if sign * end <= sign * limit:
+        return None
+    space = f"the state space{' less the body' if task.body and any(task.body) else ''}"
+    is_ball = field == "target_set" and target is not None and target.centre is not None and not target.lower
+    part = f"its ball, to {decimal(end)} in {task.axis_words[i]}," if is_ball else f"{edge}[{i}] = {decimal(end)}"
+    if field == "target_set" and task.has_moving_target:
+        by = task.target_course.displacement(task.prescribed_time)[i]
+        remedy = f"use {bound} {decimal(limit - by)} here, or a motion that ends by {bound} {decimal(limit - end + by)}"
+        return f"{field}: displaced by {decimal(by)} at t_c, {part} lies outside {space}; {remedy}"
+    return f"{field}: {part} lies outside {space}; use {bound} {decimal(limit)}"
+
+
+def _is_or_may_be(course: Course) -> str:
+    """Return "is", or "may be" with the fields that make the place of a set uncertain."""
+    fields = [
         name for name, value in (("timing", course.clock_lag), ("start_delay", course.clock_lead - course.clock_lag)) if value
     ]
-    doubt += ["spread"] if course.spread else []
-    return f"may be (with its {' and '.join(doubt)})" if doubt else "is"
+    fields += ["spread"] if course.spread else []
+    return f"may be (with its {' and '.join(fields)})" if fields else "is"
 
 
 def _half_space(task: TaskTables, normal: Normal, offset: Fraction) -> str:
-    """As a formula."""
+    """Return a half-space as an inequality in the names of the axes."""
     text = ""
     for c, name in zip(normal, task.axis_names, strict=True):
         if c:
@@ -375,13 +403,13 @@ def _half_space(task: TaskTables, normal: Normal, offset: Fraction) -> str:
 
 
 def unsafe_problem(task: TaskTables) -> str | None:
-    """Names that are taken, and unsafe sets where the start or the target is."""
-    seen: dict[str, int] = {}
+    """Return a message where two sets have one name, or a set is empty, meets the start or holds the target, else None."""
+    indices: dict[str, int] = {}
     for j, unsafe in enumerate(task.unsafe):
         name = unsafe.name or f"U{j + 1}"
-        if name in seen:
-            return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{seen[name]}]; names must differ"
-        seen[name] = j
+        if name in indices:
+            return f"unsafe[{j}].name: {name!r} is already the name of unsafe[{indices[name]}]; names must differ"
+        indices[name] = j
         try:
             unsafe.to_set_in(task.state_space, task.axis_indices(unsafe))
         except ValueError as error:
@@ -390,17 +418,17 @@ def unsafe_problem(task: TaskTables) -> str | None:
     for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         label = task.unsafe_field(j) + (f" ({grown.name})" if grown.name else "") + (" grown by the body" if body else "")
         first, last = (possible_sets(grown, course, at) for at in (Fraction(0), task.prescribed_time))
-        if any(not place.is_apart_from(start.lower, start.upper) for place in first):
-            when = "" if course is None or not course.is_moving else f" where it {_may(course)} at t = 0"
+        if any(not convex.is_apart_from(start.lower, start.upper) for convex in first):
+            when = "" if course is None or not course.is_moving else f" where it {_is_or_may_be(course)} at t = 0"
             return f"initial_set: meets {label}{when}; move or shrink one of them"
-        if task.target_set is not None and any(place.covers(target.lower, target.upper) for place in last):
+        if task.target_set is not None and any(convex.covers(target.lower, target.upper) for convex in last):
             closes = course is not None and course.active_interval is not None and course.active_interval[1] < course.t_c
             when = (
                 ""
                 if course is None
-                else f", which {_may(course)} unsafe at t_c"
+                else f", which {_is_or_may_be(course)} unsafe at t_c"
                 if closes
-                else f" where it {_may(course)} at t_c"
+                else f" where it {_is_or_may_be(course)} at t_c"
             )
             return f"target_set: lies inside {label}{when}; move or shrink one of them"
     return None

@@ -1,4 +1,7 @@
-"""How regions and the entries of a mission must fit together. Each check returns the message, or None."""
+"""Checks of the regions and the mission of a task.
+
+Each check returns the message of the first field that is wrong, or None. `first_problem` of field_checks.py calls them.
+"""
 
 from __future__ import annotations
 
@@ -13,18 +16,18 @@ from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import Unsafe, UnsafePolytope, concave_problem
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-# Of a time: by how much a sum of it may be wrong.
-ROUNDED = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53), "fixed": Fraction(0)}
-LOST = 1000  # times that: of a period that is no longer the clock would be wrong by more than a thousandth
-MOST_REGIONS, MOST_ENTRIES = 400, 40
+# By scalar: the relative rounding error of a sum of times.
+ROUNDOFF = {"float": Fraction(1, 1 << 24), "double": Fraction(1, 1 << 53), "fixed": Fraction(0)}
+PERIOD_PER_ROUNDING = 1000  # a shorter period would be wrong by more than a thousandth when it is added to the time
+REGION_COUNT_LIMIT, ENTRY_COUNT_LIMIT = 400, 40
 CONVEX_PARTS = "give its convex parts as regions, and a region that is any_of of them"
 
 
 def mission_problem(task: TaskTables) -> str | None:
-    """The first thing wrong with the regions and the mission of a task."""
-    if len(task.region) > MOST_REGIONS or len(task.mission) > MOST_ENTRIES:
-        field, most = ("region", MOST_REGIONS) if len(task.region) > MOST_REGIONS else ("mission", MOST_ENTRIES)
-        return f"{field}: has {len(getattr(task, field))} entries; at most {most} are taken"
+    """Return the message of the first check of regions and mission that fails, or None."""
+    for field, limit in (("region", REGION_COUNT_LIMIT), ("mission", ENTRY_COUNT_LIMIT)):
+        if len(getattr(task, field)) > limit:
+            return f"{field}: has {len(getattr(task, field))} entries; at most {limit} are taken"
     if task.region and not task.mission:
         return "region: is only read by a mission; add [[mission]], or leave the regions out"
     if task.repeat and (problem := _repeat_problem(task)):
@@ -32,65 +35,66 @@ def mission_problem(task: TaskTables) -> str | None:
     if task.mission and not task.tube.capabilities.carries_out_missions:
         return f"mission: is for the refined design; the {task.tube.design} one knows one target alone, leave the mission out"
     known: dict[str, Unsafe | RegionUnion] = {}
-    for j, one in enumerate(task.region):
-        if problem := _region_problem(task, one, known):
+    for j, region in enumerate(task.region):
+        if problem := _region_problem(task, region, known):
             return f"region[{j}].{problem}"
-        known[one.name] = one
+        known[region.name] = region
     return next((f"mission[{k}]{p}" for k, e in enumerate(task.mission) if (p := _entry_problem(task, e, known))), None)
 
 
 def _repeat_problem(task: TaskTables) -> str | None:
-    """What does not go with a tube that never ends."""
+    """Return a message where a field does not fit to a tube that never ends, else None."""
     if not task.mission:
         return "repeat: is for missions; say by [[mission]] what is done for ever, as a patrol, or leave repeat out"
     if task.target_set is not None:
         return "target_set: is where a tube ends, and with repeat = true it does not; leave it out, or visit it as a region"
-    period, step = task.control.period, task.prescribed_time * ROUNDED[task.emit.scalar]
-    if period is not None and task.emit.tick_period is None and step * LOST > period:
-        told = (
+    period, step = task.control.period, task.prescribed_time * ROUNDOFF[task.emit.scalar]
+    if period is not None and task.emit.tick_period is None and step * PERIOD_PER_ROUNDING > period:
+        problem = (
             f"{decimal(period)} s is lost where a {task.emit.scalar} adds it to a time of up to {decimal(task.prescribed_time)} s"
         )
-        return f"control.period: {told}, for ever; count in ticks: give emit.tick_period"
-    for j, one in enumerate(task.unsafe):
+        return f"control.period: {problem}, for ever; count in ticks: give emit.tick_period"
+    for j, unsafe in enumerate(task.unsafe):
         for field in ("motion", "during", "timing", "spread"):
-            if getattr(one, field) is not None:
+            if getattr(unsafe, field) is not None:
                 return f"unsafe[{j}].{field}: with repeat = true unsafe sets stand still and are always there; leave it out"
     return None
 
 
-def _region_problem(task: TaskTables, one: Unsafe | RegionUnion, known: dict[str, Unsafe | RegionUnion]) -> str | None:
-    if "name" not in one.model_fields_set or not NAME.fullmatch(one.name) or one.name in (*KEYWORDS, "inf"):
-        given = f"{one.name!r} is no name of a region" if one.name else "is missing"
-        return f"name: {given}; use a letter, then letters, digits or _, and none of {', '.join(KEYWORDS)}, inf"
-    if one.name in known:
-        return f"name: {one.name!r} is already the name of region[{list(known).index(one.name)}]; names must differ"
-    if isinstance(one, RegionUnion):
-        unknown = next((name for name in one.any_of if name not in known), None)
-        if unknown is not None or not one.any_of:
-            told = f"{unknown!r} is no region before this one" if one.any_of else "is empty"
-            return f"any_of: {told}; name some of {', '.join(known) or 'those that you add before it'}"
+def _region_problem(task: TaskTables, region: Unsafe | RegionUnion, known: dict[str, Unsafe | RegionUnion]) -> str | None:
+    """Return a message about a region without "region[j].", or None. known: the regions before it, by name."""
+    if "name" not in region.model_fields_set or not NAME.fullmatch(region.name) or region.name in (*KEYWORDS, "inf"):
+        problem = f"{region.name!r} is no name of a region" if region.name else "is missing"
+        return f"name: {problem}; use a letter, then letters, digits or _, and none of {', '.join(KEYWORDS)}, inf"
+    if region.name in known:
+        return f"name: {region.name!r} is already the name of region[{list(known).index(region.name)}]; names must differ"
+    if isinstance(region, RegionUnion):
+        unknown = next((name for name in region.any_of if name not in known), None)
+        if unknown is not None or not region.any_of:
+            problem = f"{unknown!r} is no region before this one" if region.any_of else "is empty"
+            return f"any_of: {problem}; name some of {', '.join(known) or 'those that you add before it'}"
         return None
     for field in ("motion", "during", "timing", "spread"):
-        if getattr(one, field) is not None:
+        if getattr(region, field) is not None:
             return f"{field}: is for unsafe sets; regions stand still and are always there, leave it out"
-    if problem := set_problem(task, one):
+    if problem := set_problem(task, region):
         return problem
     try:
-        one.to_set_in(task.state_space, task.axis_indices(one))
+        region.to_set_in(task.state_space, task.axis_indices(region))
     except ValueError as error:
         return str(error)
     return None
 
 
 def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsafe | RegionUnion]) -> str | None:
-    """A message that begins with ": " or with ".field: "."""
-    given = [name for name in MissionEntry.model_fields if getattr(entry, name) is not None]
+    """Return a message about an entry that begins with ": " or with ".field: ", or None."""
+    fields = [name for name in MissionEntry.model_fields if getattr(entry, name) is not None]
     form = entry.form
     if form is None:
-        forms = [name for name in FORMS if name in given]
-        told = f"has {' and '.join(forms)}" if forms else "says nothing"
-        return f": {told}; one of {', '.join(FORMS)} is needed"
-    extra = next((name for name in given if name != form and name not in FORMS[form]), None)
+        forms = [name for name in FORMS if name in fields]
+        problem = f"has {' and '.join(forms)}" if forms else "says nothing"
+        return f": {problem}; one of {', '.join(FORMS)} is needed"
+    extra = next((name for name in fields if name != form and name not in FORMS[form]), None)
     if extra is not None:
         return f".{extra}: is not for {form}; leave it out" + (
             f", beside it stand {', '.join(FORMS[form])}" if FORMS[form] else ""
@@ -101,28 +105,29 @@ def _entry_problem(task: TaskTables, entry: MissionEntry, known: dict[str, Unsaf
         meaning = entry.meaning(task.prescribed_time, task.repeat)
     except ValueError as error:
         return f".formula: {error}"
-    for one in regions_of(meaning):
-        if one.region not in known:
-            field = next((n for n in ("visit", "then", "never", "before") if getattr(entry, n) == one.region), form)
-            return f".{field}: {one.region!r} is no region; known are {', '.join(known) or 'none, add [[region]]'}"
-        if not one.is_negated and (member := _without_half_spaces(known, one.region)):
+    for leaf in regions_of(meaning):
+        if leaf.region not in known:
+            field = next((n for n in ("visit", "then", "never", "before") if getattr(entry, n) == leaf.region), form)
+            return f".{field}: {leaf.region!r} is no region; known are {', '.join(known) or 'none, add [[region]]'}"
+        if not leaf.is_negated and (member := _member_without_half_spaces(known, leaf.region)):
             return f".{form}: {member} can only be avoided, as every capsule; to be in, give any_of of balls, or vertices"
-        if not one.is_negated and (concave := _concave(known, one.region)):
+        if not leaf.is_negated and (concave := _concave_member_problem(known, leaf.region)):
             return f".{form}: {concave}"
     t_c = task.prescribed_time
     windows = () if task.repeat or not entry.formula else intervals_of(meaning)
     late = next((w for w in windows if w.end is not None and w.end > t_c), None)
     if late is not None:
-        told = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
-        return f".formula: {told}, from when on the tube stands; use at most that, or inf"
+        problem = f"the window {late} ends after prescribed_time = {decimal(t_c)}"
+        return f".formula: {problem}, from when on the tube stands; use at most that, or inf"
     return None
 
 
 def _times_problem(task: TaskTables, entry: MissionEntry) -> str | None:
+    """Return a message where a time of an entry is missing, out of order or after the prescribed time, else None."""
     t_c, window = task.prescribed_time, entry.between
     if window is not None and not 0 <= window[0] <= window[1] <= t_c:
-        told = f"is [{decimal(window[0])}, {decimal(window[1])}]"
-        return f".between: {told}; from must not be after to, and both between 0 and prescribed_time = {decimal(t_c)}"
+        ends = f"[{decimal(window[0])}, {decimal(window[1])}]"
+        return f".between: is {ends}; from must not be after to, and both between 0 and prescribed_time = {decimal(t_c)}"
     if entry.within is not None and entry.then is None:
         return ".within: is about `then`; give it, or leave within out"
     end = (window[0] if window else Fraction(0)) + (entry.stay or 0)
@@ -135,8 +140,8 @@ def _times_problem(task: TaskTables, entry: MissionEntry) -> str | None:
             return ".every: is missing; give the seconds between two visits of one region, at most"
         until = entry.until or t_c
         if task.repeat and entry.every > t_c and entry.until is None:
-            told = f"is {decimal(entry.every)}, longer than prescribed_time = {decimal(t_c)}, by when the first cycle ends"
-            return f".every: {told}; use that or less"
+            problem = f"is {decimal(entry.every)}, longer than prescribed_time = {decimal(t_c)}, by when the first cycle ends"
+            return f".every: {problem}; use that or less"
         if until > t_c:
             return f".until: is {decimal(until)}, after prescribed_time = {decimal(t_c)}; use that or less"
         if entry.every > until:
@@ -145,7 +150,7 @@ def _times_problem(task: TaskTables, entry: MissionEntry) -> str | None:
 
 
 def _members(known: dict[str, Unsafe | RegionUnion], name: str) -> Iterator[Unsafe]:
-    """The region, or those that it is a choice of."""
+    """Yield the region, or all members of a union, also of nested ones."""
     region = known[name]
     if isinstance(region, RegionUnion):
         for member in region.any_of:
@@ -154,13 +159,13 @@ def _members(known: dict[str, Unsafe | RegionUnion], name: str) -> Iterator[Unsa
         yield region
 
 
-def _without_half_spaces(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
-    """The name of the region, or of one of its members, whose table tells no half-spaces within it to be in, as of a capsule."""
+def _member_without_half_spaces(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
+    """Return the name of the first member of a region that has no half-spaces inside it, as a capsule, or None."""
     return next((member.name for member in _members(known, name) if not member.half_spaces()), None)
 
 
-def _concave(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
-    """What makes the region, or one of its members, none to be in: its hull may hold more than was meant."""
+def _concave_member_problem(known: dict[str, Unsafe | RegionUnion], name: str) -> str | None:
+    """Return a message where the points of a region's member are not convex, so that their hull may hold too much, else None."""
     for member in _members(known, name):
         if isinstance(member, UnsafePolytope) and (problem := concave_problem(member.vertices, CONVEX_PARTS)):
             return f"region {member.name}, {problem}"
