@@ -1,8 +1,9 @@
-"""Which lambda a tube for a plant of order 2 is filtered with, where the task leaves it open.
+"""The choice of lambda, the rate of the filter v + lambda x of a plant of order 2, where the task leaves it open.
 
-The filtered tube is lambda times as wide as the tube where that keeps its width, and u must outdo lambda^2 times the width: a
-small lambda leaves no room, a large one asks for much. What is weighed is the time in which all that pushes may take v + lambda x
-across half of the filtered tube.
+The filtered tube is lambda times as wide as the tube where the tube keeps its width, and u must exceed lambda^2 times the width.
+So a small lambda makes the filtered tube narrow, and a large one needs large inputs. The choice maximizes the time that the plant
+bounds need to take v + lambda x across half of the filtered tube. docs/certificate.md states the conditions that a lambda must
+satisfy; refine.py and user_tubes.py call `with_filter` for every tube.
 """
 
 from __future__ import annotations
@@ -21,94 +22,112 @@ from stt_codegen.program import round_to
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
 
-BITS = 10  # of a lambda that is chosen, after the leading one
-TRIED = np.geomspace(2.0**-6, 2.0**6, 97)  # times the lambda that presses as much as the edges' acceleration
+FRACTION_BITS = 10  # of a lambda that is chosen, after the leading bit
+CANDIDATES = np.geomspace(2.0**-6, 2.0**6, 97)  # times the lambda that needs as much input as the accelerations of the edges
+LIMIT_MARGIN = 1e-6  # of the acceleration within u_max that a lambda must leave
+LIMIT_INCREASE = Fraction(101, 100)  # times the smallest limit of u that would do is the one that a refusal proposes
+FIXED_FILTER_BITS = 14  # after the point: in integers lambda has 16 bits and is below 4
 
 
 def with_filter(task: Task, design: RefinedDesign) -> RefinedDesign:
-    """The tube with the task's lambda, as the scalar holds it, or one that is chosen for it. Raises `NotCertified` where none
-    leaves room, or asks for no more than u_max."""
+    """Return the tube with the task's lambda, as the scalar holds it, or with one that is chosen for the tube.
+
+    Raises `NotCertified` where every lambda makes the filtered tube too narrow or needs more than u_max.
+    """
     if task.order == 1:
         return design
     if task.filter is not None:
-        if task.emit.scalar == "fixed":  # of 16 bits, and below 4
-            return replace(design, filter=tuple(Fraction(round(v * 2**14), 2**14) for v in task.filter))
+        if task.emit.scalar == "fixed":
+            unit = 2**FIXED_FILTER_BITS
+            return replace(design, filter=tuple(Fraction(round(v * unit), unit) for v in task.filter))
         return replace(design, filter=tuple(round_to(v, task.emit.scalar) for v in task.filter))
-    chosen = [_chosen(task, design, i) for i in range(task.dimension)]
-    return replace(design, filter=tuple(chosen))
+    return replace(design, filter=tuple(_choose_rate(task, design, i) for i in range(task.dimension)))
 
 
-def _chosen(task: Task, design: RefinedDesign, i: int) -> Fraction:
-    """lambda of one component: of those that leave room, and ask for no more than u_max, that with the longest time to cross."""
-    edges, push = _Edges.of(design, i), float(task.plant_bounds[i].force)
-    bend = max(float(np.abs(v).max()) for v in edges.bend)
-    balanced = float(np.sqrt(max(bend + push, 1e-9) / edges.width.max()))
-    tried = [short(float(v)) for v in TRIED * balanced]
-    wide = [(edges.room(float(v)), edges.asked(float(v)), v) for v in tried if edges.room(float(v)) > 4 * float(MINIMUM_WIDTH)]
-    if not wide:
+def _choose_rate(task: Task, design: RefinedDesign, i: int) -> Fraction:
+    """Return the lambda of axis i that leaves the longest time to cross half of the filtered tube, within u_max."""
+    tube, force = _AxisTube.of(design, i), float(task.plant_bounds[i].force)
+    acceleration = max(float(np.abs(v).max()) for v in tube.accelerations)
+    balanced = float(np.sqrt(max(acceleration + force, 1e-9) / tube.width.max()))
+    rates = [_round_to_few_bits(float(v)) for v in CANDIDATES * balanced]
+    candidates = [
+        (tube.minimum_filtered_width(float(rate)), tube.required_acceleration(float(rate)), rate)
+        for rate in rates
+        if tube.minimum_filtered_width(float(rate)) > 4 * float(MINIMUM_WIDTH)
+    ]
+    if not candidates:
         raise NotCertified(
-            f"{Property.WIDTH.label}: no tube.filter up to {float(max(tried)):g} leaves v + lambda x room in "
+            f"{Property.WIDTH.label}: no tube.filter up to {float(max(rates)):g} leaves v + lambda x room in "
             f"{task.axis_words[i]}, for the tube narrows too quickly there; raise prescribed_time, or make "
             "the initial set narrower"
         )
-    most = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
-    good = [(room / (asked + push), v) for room, asked, v in wide if asked < most * (1 - 1e-6)]
-    if not good:
-        raise NotCertified(_too_much(task, i, min(asked for _, asked, _ in wide)))
-    return max(good)[1]
+    available = float(control_authority(task)[i]) if task.requires_input_limits else np.inf
+    crossing_times = [
+        (width / (required + force), rate) for width, required, rate in candidates if required < available * (1 - LIMIT_MARGIN)
+    ]
+    if not crossing_times:
+        raise NotCertified(_limit_refusal(task, i, min(required for _, required, _ in candidates)))
+    return max(crossing_times)[1]
 
 
-def _too_much(task: Task, i: int, asked: float) -> str:
-    """The refusal where every lambda asks for more than u_max leaves."""
+def _limit_refusal(task: Task, i: int, required: float) -> str:
+    """Return the message for an axis on which every lambda requires a larger acceleration than u_max leaves.
+
+    It proposes a limit of u: LIMIT_INCREASE times the smallest one that leaves the required acceleration.
+    """
     assert task.u_max is not None
-    lack = Fraction(asked) - control_authority(task)[i]
+    shortfall = Fraction(required) - control_authority(task)[i]
     bounds = task.plant_bounds[i]
-    enough = task.u_max[i] + lack / bounds.g_min
-    if bounds.cross:  # the others' inputs grow too: one limit for all
-        own = bounds.g_min - (task.dimension - 1) * bounds.cross
-        if own <= 0:
+    limit = task.u_max[i] + shortfall / bounds.g_min
+    if bounds.cross:  # the inputs of the other axes grow too, for there is one limit for all
+        net_gain = bounds.g_min - (task.dimension - 1) * bounds.cross
+        if net_gain <= 0:
             return (
                 f"{Property.LIMITS.label}: in {task.axis_words[i]} the others push by g_cross as much as u holds by g_min, "
                 "whatever the limit; state a milder plant.g_cross"
             )
-        enough = (Fraction(asked) + bounds.force) / own
-    enough *= Fraction(101, 100)
+        limit = (Fraction(required) + bounds.force) / net_gain
+    limit *= LIMIT_INCREASE
     return (
-        f"{Property.LIMITS.label}: in {task.axis_words[i]} the tube asks for accelerations of {above(Fraction(asked), 3):g}, "
-        f"{above(lack, 3):g} more than u within control.u_max leaves; raise control.u_max to {above(enough, 3):g}, raise "
+        f"{Property.LIMITS.label}: in {task.axis_words[i]} the tube asks for accelerations of {above(Fraction(required), 3):g}, "
+        f"{above(shortfall, 3):g} more than u within control.u_max leaves; raise control.u_max to {above(limit, 3):g}, raise "
         "prescribed_time, or state a milder plant"
     )
 
 
-def short(value: float) -> Fraction:
-    """The nearest number of few bits, which any scalar holds."""
-    exponent = int(np.floor(np.log2(value))) - BITS
+def _round_to_few_bits(value: float) -> Fraction:
+    """Return the nearest number of FRACTION_BITS + 1 bits, which any scalar holds."""
+    exponent = int(np.floor(np.log2(value))) - FRACTION_BITS
     return Fraction(round(value / 2.0**exponent)) * Fraction(2) ** exponent
 
 
 @dataclass(frozen=True)
-class _Edges:
-    """Of one dimension, as doubles: the width, its rate, and both edges' accelerations, Bezier coefficients by segment (K, 4)."""
+class _AxisTube:
+    """The tube on one axis as doubles, in Bezier coefficients by segment, (K, 4) each.
+
+    width_rate: the derivative of the width. accelerations: L'' of the lower edge and R'' of the upper edge.
+    """
 
     width: Array
-    rate: Array
-    bend: tuple[Array, Array]
+    width_rate: Array
+    accelerations: tuple[Array, Array]
 
     @classmethod
-    def of(cls, design: RefinedDesign, i: int) -> _Edges:
-        still = tuple(Fraction(1) for _ in range(design.dimension))
-        both = replace(design, filter=still)
+    def of(cls, design: RefinedDesign, i: int) -> _AxisTube:
+        """Return axis i of a design; with lambda = 1 the filtered tube is v + x, so the width is subtracted again."""
+        unfiltered = replace(design, filter=(Fraction(1),) * design.dimension)
         edges = design.bezier()[:, i].astype(float) * float(design.unit)
         width = edges[:, UPPER] - edges[:, LOWER]
-        room = filtered_edges(both).floats()[:, i]
-        press = demanded_accelerations(both).floats()[:, i]
-        return cls(width, room[:, UPPER] - room[:, LOWER] - width, (press[:, LOWER] - width, press[:, UPPER] + width))
+        v_edges = filtered_edges(unfiltered).floats()[:, i]
+        inputs = demanded_accelerations(unfiltered).floats()[:, i]
+        width_rate = v_edges[:, UPPER] - v_edges[:, LOWER] - width
+        return cls(width, width_rate, (inputs[:, LOWER] - width, inputs[:, UPPER] + width))
 
-    def room(self, value: float) -> float:
-        """The least width of the filtered tube."""
-        return float((self.rate + value * self.width).min())
+    def minimum_filtered_width(self, rate: float) -> float:
+        """Return the smallest width of the tube that is filtered at this rate."""
+        return float((self.width_rate + rate * self.width).min())
 
-    def asked(self, value: float) -> float:
-        """What is asked of u besides f and w."""
-        press = value * value * self.width
-        return float(max((press + self.bend[0]).max(), (press - self.bend[1]).max()))
+    def required_acceleration(self, rate: float) -> float:
+        """Return the largest acceleration that the input must give at an edge, besides what f and w take."""
+        press = rate * rate * self.width
+        return float(max((press + self.accelerations[0]).max(), (press - self.accelerations[1]).max()))

@@ -1,9 +1,11 @@
-"""The search for a tube that carries out a mission: an order of its events and a way, their times, then the tube.
+"""The search for a tube that carries out a mission: an order of its events and a path, their times, then the tube.
 
-    skeletons -> order and way (orders.py) -> times of the events, at the least speed (a linear program) -> knots of the spline
-              -> what each state asks, from knot to knot, like sets that move -> the slowest tube (shape.py)
+    skeletons -> order and path (missions/orders.py) -> times of the events, at the smallest speed (a linear program)
+              -> knots of the spline -> what each state requires between the knots, as sets that move
+              -> the slowest tube (spline_tubes/shape.py)
 
-Times are chosen before the tube, so a share that is not found may be there all the same; what is found is certified.
+Times are chosen before the tube, so a tube may exist although none is found; a tube that is found is certified later. refine.py
+and the refusals call `search_of`.
 """
 
 from __future__ import annotations
@@ -17,159 +19,193 @@ from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.missions import (
     START,
-    TINY,
+    TOLERANCE,
     Mission,
-    Order,
-    Places,
+    OrderSearch,
     Plan,
     Skeleton,
-    centre_of,
-    demands_of,
-    knots_of,
-    plan_of,
-    timed_plan,
-    way_with_events,
+    Waypoints,
+    centre_along,
+    choose_knots,
+    mission_obstacles,
+    plan_of_stops,
+    route_with_events,
+    slowest_plan,
 )
 from stt_codegen.design.moving_search import TimedSearch
 from stt_codegen.design.routes import limits_in_time
 from stt_codegen.design.spacetime import way_in_time
 from stt_codegen.design.spline_tubes import QUICK, Search, Shape, slowest_shape
 
-SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target, before the least width
-ORDERS = 4  # skeletons whose way is made a tube
-CLOSE_TO_PLAN = 1.3  # times the speed of its plan a tube is slow enough to try no others
-DEAR = 1.03  # times the speed is not too much for visits that last
-UNHURRIED = 1.15  # times its way in t_c is a speed that more events would hardly lower
-CALM = (0, 1, 2, 4)  # segments that every leg gets at least
+WIDTH_SHARES = (1.0, 0.6, 0.3)  # of the narrower of start and target: the widths that are tried before the minimum width
+PLAN_LIMIT = 4  # plans that are made a tube
+CLOSE_TO_PLAN = 1.3  # a tube at most so many times as fast as its plan is slow enough to try no other
+WIDENED_SPEED = 1.03  # states may hold for longer than a moment where the tube is at most so many times as fast for it
+UNHURRIED_SPEED = 1.15  # times its length in t_c is a speed that more events would hardly lower
+MINIMUM_SEGMENTS = (0, 1, 2, 4)  # that every leg gets, in this order
+
+
+@dataclass(frozen=True)
+class Timing:
+    """The knots of a plan's events, the start's first, and the route of the centre (K + 1, n) where one is known."""
+
+    knots: list[int]
+    route: Array | None = None
 
 
 @dataclass(frozen=True)
 class MissionSearch(TimedSearch):
-    """A search whose arena has a mission."""
+    """A search whose arena has a mission. It keeps the plans for each width share, and the speed bound of each skeleton."""
 
-    plans: dict[float, list[Plan]] = field(default_factory=dict)
-    bounds: dict[Skeleton, float] = field(default_factory=dict)
+    _plans: dict[float, list[Plan]] = field(default_factory=dict)
+    _speed_bounds: dict[Skeleton, float] = field(default_factory=dict)
 
     @property
     def straight(self) -> float:
-        """What the least width takes, in the order of events that a wider tube has where there is one: no tube is known to be
-        slower."""
-        wider = next((found[0] for share, found in self.plans.items() if share and found), None)
-        if wider is None or 0.0 in self.plans:
-            plans = self.planned(0.0)
+        """Return the speed of the plan for the minimum width: no tube is known to be slower.
+
+        The events are in the order of a wider tube's plan, where there is one.
+        """
+        wider = next((plans[0] for share, plans in self._plans.items() if share and plans), None)
+        if wider is None or 0.0 in self._plans:
+            plans = self.plans_for(0.0)
             return plans[0].speed if plans else np.inf
-        if wider.skeleton not in self.bounds:
-            assert self.mission is not None
-            places = Places(arena=self.arena, mission=self.mission, start=self.start, width=self.width(0.0))
-            order = Order(places, wider.skeleton, (START, *(stop.event for stop in wider.stops)))
-            least = timed_plan(places, wider.skeleton, order.shortest(max(wider.speed, TINY)))
-            self.bounds[wider.skeleton] = wider.speed if least is None else min(wider.speed, least.speed)
-        return self.bounds[wider.skeleton]
+        if wider.skeleton not in self._speed_bounds:
+            waypoints = self._waypoints_for(0.0)
+            order = OrderSearch(waypoints, wider.skeleton, (START, *(stop.event for stop in wider.stops)))
+            narrow = plan_of_stops(waypoints, wider.skeleton, order.shortest_stops(max(wider.speed, TOLERANCE)))
+            self._speed_bounds[wider.skeleton] = wider.speed if narrow is None else min(wider.speed, narrow.speed)
+        return self._speed_bounds[wider.skeleton]
 
     @property
-    def shares(self) -> tuple[float, ...]:
-        least = self.width(0.0)
-        return tuple(share for share in SHARES if (self.width(share) > least).any())
+    def width_shares(self) -> tuple[float, ...]:
+        return self.wider_shares(WIDTH_SHARES)
 
-    def leads(self) -> bool:
-        return bool(self.planned(0.0))
+    def has_route(self) -> bool:
+        """Return whether some order of the events is in time for the minimum width."""
+        return bool(self.plans_for(0.0))
 
-    def planned(self, share: float) -> list[Plan]:
-        """The plans for a width, the slowest first."""
-        if share not in self.plans:
+    def _waypoints_for(self, share: float) -> Waypoints:
+        assert self.mission is not None
+        return Waypoints(arena=self.arena, mission=self.mission, start=self.start, width=self.width(share))
+
+    def plans_for(self, share: float) -> list[Plan]:
+        """Return the plans for a width share, the slowest first."""
+        if share not in self._plans:
             assert self.mission is not None
-            places = Places(
-                arena=self.arena, mission=self.mission, start=self.start, width=self.width(share), left=self.mission.effort
-            )
-            found: list[Plan] = []
+            waypoints = self._waypoints_for(share)
+            waypoints.labels_left = self.mission.label_limit
+            plans: list[Plan] = []
             for skeleton in self.mission.all_skeletons:
-                if skeleton.seam is not None and any(
-                    plan.skeleton.seam == skeleton.seam and plan.skeleton.events < skeleton.events for plan in found
-                ):
+                if _has_shorter_plan(skeleton, plans):
                     continue
-                if (found and skeleton in self.mission.others) or places.left <= 0:
+                if waypoints.labels_left <= 0 or self._needs_no_more_plans(skeleton, plans):
                     break
-                most = max((plan.skeleton.events for plan in found), default=skeleton.events)
-                if skeleton.events > most and any(plan.speed <= UNHURRIED * float(np.cumsum(plan.lengths)[-1]) for plan in found):
-                    break
-                plan = plan_of(self.arena, places, skeleton, min((plan.speed for plan in found), default=np.inf))
-                found += [] if plan is None else [plan]
-            self.plans[share] = sorted(found, key=lambda plan: plan.speed)
-        return self.plans[share]
+                best_speed = min((plan.speed for plan in plans), default=np.inf)
+                plan = slowest_plan(self.arena, waypoints, skeleton, best_speed)
+                plans += [] if plan is None else [plan]
+            self._plans[share] = sorted(plans, key=lambda plan: plan.speed)
+        return self._plans[share]
 
-    def of_share(self, share: float) -> Shape | None:
-        width, most = self.width(share), self.arena.max_speed
+    def _needs_no_more_plans(self, skeleton: Skeleton, plans: list[Plan]) -> bool:
+        """Return whether the next skeleton is a fallback that is not needed, or has more events than an unhurried plan."""
+        assert self.mission is not None
+        if not plans:
+            return False
+        if skeleton in self.mission.fallbacks:
+            return True
+        has_more_events = skeleton.event_count > max(plan.skeleton.event_count for plan in plans)
+        return has_more_events and any(plan.speed <= UNHURRIED_SPEED * float(np.cumsum(plan.lengths)[-1]) for plan in plans)
+
+    def design_width(self, share: float) -> Shape | None:
+        """Return the slowest tube whose width is this share, among the first plans; None where none is found."""
+        width = self.width(share)
         best: Shape | None = None
-        for plan in self.planned(share)[:ORDERS]:
-            if self.arena.order == 1 and plan.speed > most:
+        for plan in self.plans_for(share)[:PLAN_LIMIT]:
+            if self.arena.order == 1 and plan.speed > self.arena.max_speed:
                 continue
-            few = 1 if self.arena.timed_obstacles and share else QUICK if best is not None else len(self.ladder)
-            for segments in self.ladder[:few]:
-                for number, (knots, way) in enumerate(self.timings(plan, segments, width)):
-                    shape = self.within_plan(plan, knots, segments, width, way)
-                    if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
+            segments_limit = 1 if self.arena.timed_obstacles and share else QUICK if best is not None else len(self.ladder)
+            for segments in self.ladder[:segments_limit]:
+                for number, timing in enumerate(self.timings(plan, segments, width)):
+                    shape = self._design_timing(plan, timing, segments, width)
+                    if shape is None:
                         continue
-                    lasting = self.within_plan(plan, knots, segments, width, shape.way, True)
-                    cheap = lasting is not None and lasting.speed <= min(DEAR * shape.speed, self.most(segments))
-                    shape = lasting if cheap else shape
-                    best = shape if best is None or (shape is not None and shape.speed < best.speed) else best
-                    near = best is not None and best.speed <= CLOSE_TO_PLAN * plan.speed
-                    enough = self.arena.order == 2 and number > 0
-                    if near or enough or self.arena.timed_obstacles:  # a plan knows nothing of what moves
+                    best = shape if best is None or shape.speed < best.speed else best
+                    is_close = best.speed <= CLOSE_TO_PLAN * plan.speed
+                    is_second_try = self.arena.order == 2 and number > 0
+                    # where sets move the speed of a plan says nothing, for a plan ignores them
+                    if is_close or is_second_try or self.arena.timed_obstacles:
                         return best
         return best
 
-    def timings(self, plan: Plan, segments: int, width: Array) -> Iterator[tuple[list[int], Array | None]]:
-        """Knots to try, each once: with more and more time for every leg; where sets move then those of a way that is searched
-        for in space and time, with it; where accelerations count first at the least of them, as if every leg began and ended
-        at rest."""
+    def _design_timing(self, plan: Plan, timing: Timing, segments: int, width: Array) -> Shape | None:
+        """Return a tube whose events are at these knots; None where none is found within the bounds on speed.
+
+        States that must hold at one moment hold for a segment to either side of it too, where the tube is hardly faster for it.
+        """
+        shape = self.design_plan(plan, timing, segments, width)
+        if shape is None or (self.arena.order == 1 and shape.speed > self.most(segments)):
+            return None
+        widened = self.design_plan(plan, Timing(timing.knots, shape.way), segments, width, widened=True)
+        if widened is not None and widened.speed <= min(WIDENED_SPEED * shape.speed, self.most(segments)):
+            return widened
+        return shape
+
+    def timings(self, plan: Plan, segments: int, width: Array) -> Iterator[Timing]:
+        """Yield timings to try, without repetition, with more and more time for every leg.
+
+        Where accelerations count the first timing is that of the smallest acceleration, as if every leg began and ended at rest.
+        Where sets move the last timing is that of a route in space and time, with the route.
+        """
         tried: set[tuple[int, ...]] = set()
-        early = [(0, True)] if self.arena.order == 2 or self.arena.max_acceleration is not None else []
-        later = [(calm, False) for calm in (CALM[:1] if self.arena.timed_obstacles else CALM)]
-        for calm, at_rest in (*early, *later):
-            knots = knots_of(plan, segments, calm, at_rest)
+        resting = [(0, True)] if self.arena.order == 2 or self.arena.max_acceleration is not None else []
+        minimum_segments = MINIMUM_SEGMENTS[:1] if self.arena.timed_obstacles else MINIMUM_SEGMENTS
+        for minimum, from_rest in (*resting, *((minimum, False) for minimum in minimum_segments)):
+            knots = choose_knots(plan, segments, minimum, from_rest)
             if knots is not None and tuple(knots) not in tried:
                 tried.add(tuple(knots))
-                yield knots, None
+                yield Timing(knots)
         if self.arena.timed_obstacles:
             assert self.mission is not None
-            found = way_with_events(self.arena, self.mission, plan, self.centre, width, segments)
-            if found is not None:
-                yield found
+            route = route_with_events(self.arena, self.mission, plan, centre=self.centre, width=width, segments=segments)
+            if route is not None:
+                yield Timing(route.knots, route.centre)
 
-    def within_plan(
-        self, plan: Plan, knots: list[int], segments: int, width: Array, way: Array | None = None, lasting: bool = False
-    ) -> Shape | None:
-        """The slowest tube whose events are at these knots. way: of the centre, where one is known; lasting: what is asked for a
-        moment must hold for a segment to either side of it too."""
+    def design_plan(self, plan: Plan, timing: Timing, segments: int, width: Array, *, widened: bool = False) -> Shape | None:
+        """Return the slowest tube whose events are at these knots; None where none is found.
+
+        widened: whether a state that must hold at one moment must hold for a segment to either side of it.
+        """
         assert self.mission is not None
-        demands = demands_of(self.arena, self.mission, plan, knots, segments, lasting)
+        obstacles = mission_obstacles(self.arena, self.mission, plan, timing.knots, segments=segments, widened=widened)
         seam = None if plan.skeleton.seam is None else round(plan.skeleton.seam * segments)
-        arena = replace(self.arena, timed_obstacles=(*self.arena.timed_obstacles, *demands), seam=seam)
-        if way is None and self.arena.timed_obstacles:  # the plan knows nothing of them
-            wide = bool((width > self.width(0.0)).any())  # of a wide tube the first try is enough
-            way = way_in_time(arena, self.centre, width, segments, wide)
-            if way is None:
+        arena = replace(self.arena, timed_obstacles=(*self.arena.timed_obstacles, *obstacles), seam=seam)
+        route = timing.route
+        if route is None and self.arena.timed_obstacles:  # a plan ignores sets that move
+            is_wide = bool((width > self.width(0.0)).any())  # the coarsest cells are enough for a wide tube
+            route = way_in_time(arena, self.centre, width, segments, is_wide)
+            if route is None:
                 return None
-        if way is None:
-            way = centre_of(plan, knots, segments)
-        limits = limits_in_time(arena, self.start, way, width)
+        if route is None:
+            route = centre_along(plan, timing.knots, segments)
+        limits = limits_in_time(arena, self.start, route, width)
         shape = slowest_shape(arena, self.start, limits, width, plan.speed, self.solvers)
-        return None if shape is None else replace(shape, demands=demands, way=way)
+        return None if shape is None else replace(shape, demands=obstacles, way=route)
 
-    def family(self) -> Iterator[Shape]:
-        for share in (*self.shares, 0.0):
-            shape = self.of_share(share)
-            if shape is not None and self.keeps(shape):
-                yield shape
+
+def _has_shorter_plan(skeleton: Skeleton, plans: list[Plan]) -> bool:
+    """Return whether a plan with the same seam has fewer events than the skeleton."""
+    return skeleton.seam is not None and any(
+        plan.skeleton.seam == skeleton.seam and plan.skeleton.event_count < skeleton.event_count for plan in plans
+    )
 
 
 def search_of(arena: Arena, start: Array, ladder: tuple[int, ...], mission: Mission | None = None) -> Search:
-    """The search for an arena, and a mission in it."""
+    """Return the search for an arena, and a mission in it."""
     kind = MissionSearch if mission is not None else TimedSearch if arena.timed_obstacles else Search
     return kind(arena, start, ladder, mission=mission)
 
 
-def anew(search: Search) -> Search:
-    """The same search, of which nothing is solved yet."""
+def without_solver_cache(search: Search) -> Search:
+    """Return the same search without anything that it has solved before."""
     return search_of(search.arena, search.start, search.ladder, search.mission)

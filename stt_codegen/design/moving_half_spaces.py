@@ -98,15 +98,17 @@ def _line_above(parts: Sequence[tuple[LinearBounds, float, float]], times: Array
 
 def timed_obstacle_of(avoidance: Avoidance, origin: Sequence[Fraction]) -> TimedObstacle:
     """Return a set with a course as half-spaces over time, without the clearance, seen from the origin."""
-    course, rows = avoidance.course, avoidance.alternatives
+    course, constraints = avoidance.course, avoidance.alternatives
     assert course is not None
-    normal = np.zeros((len(rows), len(origin)))
-    for x, row in enumerate(rows):
-        for i, _, c in row.terms:
-            normal[x, i] = float(Fraction(c, row.slack_per_distance))
+    normal = np.zeros((len(constraints), len(origin)))
+    for x, constraint in enumerate(constraints):
+        for i, _, c in constraint.terms:
+            normal[x, i] = float(Fraction(c, constraint.slack_per_distance))
 
-    resting = np.array([float(row.bound_from(origin) / row.slack_per_distance) for row in rows])
-    growth = np.array([float(g / row.slack_per_distance) for row, g in zip(rows, avoidance.growth_rates, strict=True)])
+    resting = np.array([float(constraint.bound_from(origin) / constraint.slack_per_distance) for constraint in constraints])
+    growth = np.array(
+        [float(g / constraint.slack_per_distance) for constraint, g in zip(constraints, avoidance.growth_rates, strict=True)]
+    )
 
     def bounds_at(leg: Leg, t: Fraction) -> Array:
         """Return the bounds at a time of the leg, (N, C)."""

@@ -1,7 +1,8 @@
 """The search for a tube where unsafe sets move, or are unsafe only at times: its route is in space and time.
 
-Width is weighed as in `widest.py`, but routes cannot be compared by length: time is given, and waiting is a move. So shares are
-tried from the widest down, and a tube counts by its speed.
+The widest tube is sought as in spline_tubes/widest.py. But routes cannot be compared by length here, for the time is fixed and a
+route may wait. So widths are tried from the widest down, and tubes are compared by their speed. `search_of` (mission_search.py)
+chooses this search for an arena with timed obstacles.
 """
 
 from __future__ import annotations
@@ -15,7 +16,13 @@ from stt_codegen.design.routes import limits_in_time
 from stt_codegen.design.spacetime import leads, way_in_time
 from stt_codegen.design.spline_tubes import ROOM, Search, Shape, slowest_shape
 
-SHARES = (1.0, 0.8, 0.6, 0.4, 0.2)  # of the narrower of start and target: the widths that are tried, then the least
+WIDTH_SHARES = (
+    1.0,
+    0.8,
+    0.6,
+    0.4,
+    0.2,
+)  # of the narrower of start and target: the widths that are tried before the minimum width
 
 
 class TimedSearch(Search):
@@ -23,61 +30,65 @@ class TimedSearch(Search):
 
     @property
     def centre(self) -> Array:
-        """Of gamma(0)."""
+        """Return the centre of gamma(0), (n,)."""
         return np.asarray((self.start[0] + self.start[1]) / 2)
 
     @property
-    def shares(self) -> tuple[float, ...]:
-        """Those that are wider than the least width."""
-        least = self.width(0.0)
-        return tuple(share for share in SHARES if (self.width(share) > least).any())
+    def width_shares(self) -> tuple[float, ...]:
+        """Return the shares to try that are wider than the minimum width, the widest first."""
+        return self.wider_shares(WIDTH_SHARES)
+
+    def wider_shares(self, shares: tuple[float, ...]) -> tuple[float, ...]:
+        """Return those of the shares whose width is larger than the minimum width on some axis."""
+        minimum = self.width(0.0)
+        return tuple(share for share in shares if (self.width(share) > minimum).any())
 
     def widest(self) -> Shape | None:
-        """The widest tube that is found no faster than ROOM times the least speed; else the slowest of all that were found."""
-        found: list[Shape] = []
+        """Return the widest tube that is at most ROOM times as fast as the slowest possible one; else the slowest of all."""
+        candidates: list[Shape] = []
         slowest: Shape | None = None
-        for share in self.shares:
-            shape = self.of_share(share)
+        for share in self.width_shares:
+            shape = self.design_width(share)
             if shape is None:
-                if not found and not self.leads():
+                if not candidates and not self.has_route():
                     return None
                 continue
             if self.within(shape, ROOM[self.arena.order] * self.straight):
                 return shape
             if slowest is None:
                 slowest = self.slowest()
-                found += [] if slowest is None else [slowest]
-            found.append(shape)
-            if self.within(shape, ROOM[self.arena.order] * min(s.speed for s in found)):
+                candidates += [] if slowest is None else [slowest]
+            candidates.append(shape)
+            if self.within(shape, ROOM[self.arena.order] * min(s.speed for s in candidates)):
                 return shape
         last = self.slowest() if slowest is None else slowest
-        found += [] if last is None else [last]
-        return min(found, key=lambda s: s.speed, default=None)
+        candidates += [] if last is None else [last]
+        return min(candidates, key=lambda s: s.speed, default=None)
 
-    def leads(self) -> bool:
-        """Whether there is a way for the least width, with any number of segments: where there is none, none is wider."""
+    def has_route(self) -> bool:
+        """Return whether some number of segments has a route of the minimum width; without one no wider tube has a route."""
         return any(leads(self.arena, self.centre, self.width(0.0), segments) for segments in self.ladder)
 
     def family(self) -> Iterator[Shape]:
-        for share in (*self.shares, 0.0):
-            shape = self.of_share(share)
+        for share in (*self.width_shares, 0.0):
+            shape = self.design_width(share)
             if shape is not None and self.keeps(shape):
                 yield shape
 
     def slowest(self, _route: object = None) -> Shape | None:
-        return self.of_share(0.0)
+        return self.design_width(0.0)
 
     def many(self) -> Shape | None:
         return self.widest()
 
-    def of_share(self, share: float) -> Shape | None:
-        """A tube of that share, with the fewest segments that find one."""
+    def design_width(self, share: float) -> Shape | None:
+        """Return a tube whose width is this share, with the fewest segments for which one exists; None where none is found."""
         width = self.width(share)
         for segments in self.ladder:
-            way = way_in_time(self.arena, self.centre, width, segments)
-            if way is None:
+            route = way_in_time(self.arena, self.centre, width, segments)
+            if route is None:
                 continue
-            limits = limits_in_time(self.arena, self.start, way, width)
+            limits = limits_in_time(self.arena, self.start, route, width)
             shape = slowest_shape(self.arena, self.start, limits, width, self.straight, self.solvers)
             if shape is not None:
                 return shape

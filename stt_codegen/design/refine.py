@@ -21,9 +21,9 @@ import numpy as np
 from stt_codegen.design.arena import Arena, arena_of, normalised, starting_box
 from stt_codegen.design.filter_rate import with_filter
 from stt_codegen.design.lattice import lattice_of
-from stt_codegen.design.mission_search import anew, search_of
+from stt_codegen.design.mission_search import search_of, without_solver_cache
 from stt_codegen.design.missions import mission_of, require_start
-from stt_codegen.design.refusals import refusal
+from stt_codegen.design.refusals import explain_refusal
 from stt_codegen.design.spline_tubes import PLENTY, Search, Shape, calmest, segments_tried
 from stt_codegen.designs import RefinedDesign
 from stt_codegen.errors import NotCertified
@@ -40,7 +40,7 @@ def refine(task: Task) -> RefinedDesign:
     arena = _arena(task)
     found = _designed(task, arena)
     if found is None:
-        raise NotCertified(refusal(task, arena, _is_found))
+        raise NotCertified(explain_refusal(task, arena, _is_found))
     return _completed(task, *found)
 
 
@@ -58,7 +58,7 @@ def _completed(task: Task, search: Search, shape: Shape) -> RefinedDesign:
     try:
         return _finished(task, search, shape)
     except NotCertified:  # of order 2: a narrower tube presses less
-        slow = anew(search).slowest() if task.order == 2 else None
+        slow = without_solver_cache(search).slowest() if task.order == 2 else None
         if slow is None:
             raise
         return _finished(task, search, slow)
@@ -70,7 +70,7 @@ def family(task: Task) -> list[RefinedDesign]:
     found = _designed(task, _arena(task))
     if found is None:
         return []
-    fresh = anew(found[0])
+    fresh = without_solver_cache(found[0])
     return [_finished(task, fresh, shape) for shape in _others(fresh)]
 
 
@@ -92,7 +92,7 @@ def _designed(task: Task, arena: Arena, effort: int | None = None) -> tuple[Sear
     start, ladder = starting_box(arena), segments_tried(task, arena)
     mission = mission_of(task, arena)
     if mission is not None and effort is not None:
-        mission = replace(mission, effort=effort)
+        mission = replace(mission, label_limit=effort)
     if mission is not None:
         require_start(mission, start)
     plain = search_of(arena, start, ladder, mission)
@@ -119,7 +119,7 @@ def _chosen(task: Task, search: Search) -> Shape | None:
         return shape
     own = [] if shape is None or not search.keeps(shape) else [shape]
     # made anew, so that they are the same tubes whatever was solved before
-    return _preferred(task, search, own + _others(anew(search)))
+    return _preferred(task, search, own + _others(without_solver_cache(search)))
 
 
 def _others(search: Search) -> list[Shape]:

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from benchmarks.suites.scenarios import moving_mission
 from stt_codegen.design.arena import starting_box
 from stt_codegen.design.mission_search import MissionSearch, search_of
-from stt_codegen.design.missions.conflicts import _Arc, _negative
+from stt_codegen.design.missions.conflicts import TimeArc, negative_cycle
 from stt_codegen.design.missions.orders import Stop
-from stt_codegen.design.missions.plans import Plan, knots_of
-from stt_codegen.design.missions.skeleton import END, START, Difference, Skeleton, closed
-from stt_codegen.design.missions.spacetime_plans import way_with_events
+from stt_codegen.design.missions.plans import Plan, choose_knots
+from stt_codegen.design.missions.skeleton import END, START, Skeleton, TimeBound, tightest_bounds
+from stt_codegen.design.missions.spacetime_plans import route_with_events
 from stt_codegen.design.missions.state_constraints import mission_of
 from stt_codegen.design.refine import _arena
 from stt_codegen.design.spacetime.search import QUICKEST
@@ -53,14 +53,14 @@ def refused(text: str) -> str:
 @settings(max_examples=200, deadline=None)
 def test_a_cycle_is_found_exactly_where_no_times_satisfy_the_bounds(drawn: list[tuple[int, int, int, int]]) -> None:
     """It closes, its bounds add to less than 0, and the closure of all bounds says so too."""
-    bounds = [Difference(a, b, low / 8, max(low, high) / 8) for a, b, low, high in drawn if a != b]
-    arcs = [_Arc(d.first, d.last, d.most, "at most", False) for d in bounds]
-    arcs += [_Arc(d.last, d.first, -d.least, "at least", True) for d in bounds]
-    arcs += [_Arc(k, START, 0.0, "after the start", False) for k in range(5)] + [
-        _Arc(END, k, 0.0, "by t_c", False) for k in range(5)
+    bounds = [TimeBound(a, b, low / 8, max(low, high) / 8) for a, b, low, high in drawn if a != b]
+    arcs = [TimeArc(d.first, d.last, d.maximum, "at most", False) for d in bounds]
+    arcs += [TimeArc(d.last, d.first, -d.minimum, "at least", True) for d in bounds]
+    arcs += [TimeArc(k, START, 0.0, "after the start", False) for k in range(5)] + [
+        TimeArc(END, k, 0.0, "by t_c", False) for k in range(5)
     ]
-    cycle = _negative(5, arcs)
-    zone = closed(5, tuple(bounds))
+    cycle = negative_cycle(5, arcs)
+    zone = tightest_bounds(5, tuple(bounds))
     assert bool(cycle) == (zone is None)
     if cycle:
         assert sum(arc.bound for arc in cycle) < 0
@@ -97,11 +97,11 @@ def test_the_lack_is_what_the_ways_take_more_than_the_window_leaves() -> None:
 
 def test_times_are_shared_for_speed_or_for_acceleration() -> None:
     """Two legs of lengths 1 and 9: at one speed they take times as 1 to 9; at one acceleration, from rest to rest, as 1 to 3."""
-    skeleton, event = Skeleton().event(START, 0.0, np.inf)
+    skeleton, event = Skeleton().with_event(START, 0.0, np.inf)
     far = np.array([[1.0, 0.0]]), np.array([[10.0, 0.0]])
     plan = Plan(skeleton, np.zeros(2), (Stop(event, far[0]), Stop(END, far[1])), (1.0, 9.0), 10.0)
-    assert knots_of(plan, 40, 0) == [0, 4, 40]
-    assert knots_of(plan, 40, 0, bent=True) == [0, 10, 40]
+    assert choose_knots(plan, 40, 0) == [0, 4, 40]
+    assert choose_knots(plan, 40, 0, from_rest=True) == [0, 10, 40]
 
 
 def test_a_way_among_sets_that_move_has_its_events_in_order_place_and_time() -> None:
@@ -117,8 +117,8 @@ def judged_way(seed: int) -> bool:
     search = search_of(arena, starting_box(arena), (64,), mission)
     assert isinstance(search, MissionSearch)
     assert mission is not None
-    plan, width = search.planned(0.0)[0], search.width(0.0)
-    found = way_with_events(arena, mission, plan, search.centre, width, 64)
+    plan, width = search.plans_for(0.0)[0], search.width(0.0)
+    found = route_with_events(arena, mission, plan, centre=search.centre, width=width, segments=64)
     if found is None:
         return False
     knots, way = found
@@ -127,9 +127,9 @@ def judged_way(seed: int) -> bool:
     cell = (arena.space[1] - arena.space[0] - width) / 100
     assert (np.abs(np.diff(way[1:], axis=0)) <= (QUICKEST + 1e-6) * cell).all()
     at = {START: 0, **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    for d in plan.skeleton.differences:
-        assert d.least * 64 - 1e-6 <= at[d.last] - at[d.first] <= d.most * 64 + 1e-6
+    for d in plan.skeleton.time_bounds:
+        assert d.minimum * 64 - 1e-6 <= at[d.last] - at[d.first] <= d.maximum * 64 + 1e-6
     for hold in plan.skeleton.holds:
         for k in range(max(at[hold.first], 1), at[hold.last] + 1):
-            assert mission.states[hold.state].allows(way[k : k + 1], width / 2, arena.clearance + width / 2).all()
+            assert mission.states[hold.state].holds_about(way[k : k + 1], width / 2, arena.clearance + width / 2).all()
     return True

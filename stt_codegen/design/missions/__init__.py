@@ -1,28 +1,28 @@
-"""Plans of a mission: what its formulas ask of the tube, in which order its events happen, where and when."""
+"""Plans of a mission: what its formulas require of the tube, in which order its events happen, where and when."""
 
-from stt_codegen.design.missions.conflicts import clash
-from stt_codegen.design.missions.orders import Order
-from stt_codegen.design.missions.plans import Plan, centre_of, demands_of, knots_of, plan_of, timed_plan
-from stt_codegen.design.missions.skeleton import START, TINY, Skeleton
-from stt_codegen.design.missions.spacetime_plans import way_with_events
+from stt_codegen.design.missions.conflicts import describe_conflict
+from stt_codegen.design.missions.orders import OrderSearch
+from stt_codegen.design.missions.plans import Plan, centre_along, choose_knots, mission_obstacles, plan_of_stops, slowest_plan
+from stt_codegen.design.missions.skeleton import START, TOLERANCE, Skeleton
+from stt_codegen.design.missions.spacetime_plans import route_with_events
 from stt_codegen.design.missions.state_constraints import Mission, mission_of, require_start
-from stt_codegen.design.missions.waypoints import Places
+from stt_codegen.design.missions.waypoints import Waypoints
 
 __all__ = [
     "START",
-    "TINY",
+    "TOLERANCE",
     "Mission",
-    "Order",
-    "Places",
+    "OrderSearch",
     "Plan",
     "Skeleton",
-    "centre_of",
-    "clash",
-    "demands_of",
-    "knots_of",
+    "Waypoints",
+    "centre_along",
+    "choose_knots",
+    "describe_conflict",
+    "mission_obstacles",
     "mission_of",
-    "plan_of",
+    "plan_of_stops",
     "require_start",
-    "timed_plan",
-    "way_with_events",
+    "route_with_events",
+    "slowest_plan",
 ]

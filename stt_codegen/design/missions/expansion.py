@@ -1,9 +1,12 @@
-"""What a formula asks of an order of events: skeletons, of which each is enough for it.
+"""The skeletons of a formula: each one is enough for the formula to hold.
 
-"always" makes a hold, "eventually" an event, again and again a chain of events, "or" in time a choice: one skeleton for each.
-What they do not cover is more witnesses in a chain than MORE above the fewest, and more than one change of mind in an "or" over
-an interval, in a tube that repeats itself more than one there and back. Every bound is moved in by `margin`, so that the clock
-has room. The certificate knows nothing of all this: it looks at the tube (certify/missions/proof.py).
+"always" makes a hold, "eventually" an event, again and again a chain of events. An "or" in time is a choice, so each alternative
+makes a skeleton of its own. Every bound is moved in by `margin`, so that the clock has a margin.
+
+Some skeletons are left out: chains with more than EXTRA_WITNESSES witnesses above the smallest number, and those that change
+between the alternatives of an "or" over an interval more than once (in a tube that repeats itself, more than there and back).
+
+state_constraints.py calls this. The certificate does not depend on it: it judges the tube (certify/missions/proof.py).
 """
 
 from __future__ import annotations
@@ -13,212 +16,257 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
-from stt_codegen.design.missions.skeleton import END, SEAM, START, TINY, Hold, Skeleton
+from stt_codegen.design.missions.skeleton import END, SEAM, START, TOLERANCE, Hold, Skeleton, TimeBound
 from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, State, Until
 
-MORE = 2  # witnesses of "again and again" beyond the fewest that can do
-MOST = 400  # skeletons that are looked at
-MOST_CYCLIC = 1_200  # of a tube that repeats itself, for each time at which the cycle may begin
-MOST_OTHERS = 100  # of those that are tried last, for a tube that repeats itself: each may take some tenths of a second
-MOST_EVENTS = 40
-SLACK = 0.05  # of t_c that a hold may be longer than asked
+EXTRA_WITNESSES = 2  # of "again and again" beyond the smallest number that can do
+SKELETON_LIMIT = 400  # skeletons that are considered
+CYCLIC_SKELETON_LIMIT = 1_200  # of a tube that repeats itself, for each time at which the cycle may begin
+FALLBACK_LIMIT = 100  # of those that are tried last, for a tube that repeats itself: each may take some tenths of a second
+EVENT_LIMIT = 40
+HOLD_EXCESS = 0.05  # of t_c that a hold may be longer than the mission requires
+Demand = tuple[Formula, int, int]  # a formula that must hold from one event to another
 
 
-def skeletons(formula: Formula, t_c: Fraction, margin: float, doubt: float = 0.0) -> list[Skeleton]:
-    """Those whose times can be satisfied, with the fewest events first; last those in which a hold of an event that may be chosen
-    goes on for ever, at t_c. doubt: by how much of t_c the clock may be late."""
-    found: list[Skeleton] = []
-    for late in (False, True):
-        every = _possible(_Expansion(float(t_c), margin, doubt, late).at(formula, START, START, Skeleton()))
-        found += [one for one in every if one not in found]
-    return found
+def expand_formula(formula: Formula, t_c: Fraction, margin: float, start_delay: float = 0.0) -> list[Skeleton]:
+    """Return the skeletons whose times can be satisfied, those with the fewest events first.
+
+    Last come those in which a hold of an event that may be chosen goes on for ever, at t_c. margin, start_delay: in parts of t_c;
+    start_delay is by how much the clock may be late.
+    """
+    skeletons: list[Skeleton] = []
+    for may_end_open in (False, True):
+        expansion = _Expansion(float(t_c), margin, start_delay, may_end_open)
+        expanded = _feasible(expansion.require(formula, START, START, Skeleton()))
+        skeletons += [skeleton for skeleton in expanded if skeleton not in skeletons]
+    return skeletons
 
 
-def cyclic(formula: Formula, t_c: Fraction, margin: float, seams: Sequence[float]) -> tuple[list[Skeleton], list[Skeleton]]:
-    """Those of a tube that repeats itself: with no more events than the first one for their lead-in, and the others. seams: when
-    the cycle may begin, in parts of t_c."""
-    first: list[Skeleton] = []
-    others: list[Skeleton] = []
+def expand_cyclic_formula(
+    formula: Formula, t_c: Fraction, margin: float, seams: Sequence[float]
+) -> tuple[list[Skeleton], list[Skeleton]]:
+    """Return the skeletons of a tube that repeats itself: those to try first, and those to try where no first one does.
+
+    The first ones have no more events than the first skeleton for their lead-in. seams: when the cycle may begin; parts of t_c.
+    """
+    preferred: list[Skeleton] = []
+    fallbacks: list[Skeleton] = []
     for seam in seams:
-        every = _Expansion(float(t_c), margin, 0.0, False).at(formula, START, START, Skeleton.begun(seam))
-        one = next(every, None)
-        for other in _possible(itertools.chain([] if one is None else [one], every), MOST_CYCLIC):
-            (first if one is not None and other.events <= one.events else others).append(other)
-    return first, sorted(others, key=lambda other: other.events)[:MOST_OTHERS]
+        expanded = _Expansion(float(t_c), margin, 0.0, False).require(formula, START, START, Skeleton.empty(seam))
+        first = next(expanded, None)
+        for skeleton in _feasible(itertools.chain([] if first is None else [first], expanded), CYCLIC_SKELETON_LIMIT):
+            is_preferred = first is not None and skeleton.event_count <= first.event_count
+            (preferred if is_preferred else fallbacks).append(skeleton)
+    return preferred, sorted(fallbacks, key=lambda skeleton: skeleton.event_count)[:FALLBACK_LIMIT]
 
 
-def _possible(found: Iterator[Skeleton], most: int = MOST) -> list[Skeleton]:
-    """Of the first so many those that have times, with the fewest events first; of equals the first."""
-    possible = [one for one in itertools.islice(found, most) if one.events <= MOST_EVENTS and one.zone is not None]
-    return sorted((one for one in dict.fromkeys(possible) if not one.contradicts), key=lambda one: one.events)
+def _feasible(expanded: Iterator[Skeleton], limit: int = SKELETON_LIMIT) -> list[Skeleton]:
+    """Return those of the first `limit` skeletons that have times, without repetitions, those with the fewest events first."""
+    candidates = itertools.islice(expanded, limit)
+    feasible = [skeleton for skeleton in candidates if skeleton.event_count <= EVENT_LIMIT and skeleton.zone is not None]
+    consistent = (skeleton for skeleton in dict.fromkeys(feasible) if not skeleton.contradicts_itself)
+    return sorted(consistent, key=lambda skeleton: skeleton.event_count)
+
+
+class _WitnessWindow(NamedTuple):
+    """When the first of several witnesses may be, after an event, and the longest time from one to the next; parts of t_c."""
+
+    minimum: float
+    maximum: float
+    gap: float
 
 
 @dataclass(frozen=True)
 class _Expansion:
-    """late: whether holds may go on for ever at t_c, where the tube stands, in place of their length."""
+    """The expansion of a formula, whose steps extend a skeleton in each way that is enough for a part of the formula.
+
+    margin, start_delay: in parts of t_c. may_end_open: whether holds may go on for ever at t_c, where the tube stands, in place
+    of their length.
+    """
 
     t_c: float
     margin: float
-    doubt: float
-    late: bool
+    start_delay: float
+    may_end_open: bool
 
-    def at(self, formula: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        """`to` with what it takes that the formula holds at all times from one event to another."""
+    def require(self, formula: Formula, first: int, last: int, skeleton: Skeleton) -> Iterator[Skeleton]:
+        """Yield the skeleton with what makes the formula hold at all times from the event `first` to the event `last`."""
         match formula:
             case State():
-                yield to.holding(Hold(formula, first, last))
+                yield skeleton.with_hold(Hold(formula, first, last))
             case And(parts):
-                yield from self._all(tuple(dict.fromkeys(parts)), first, last, to)
+                yield from self._require_in_turn([(part, first, last) for part in dict.fromkeys(parts)], skeleton)
             case Or(parts):
-                yield from self._or(parts, first, last, to)
+                yield from self._require_any(parts, first, last, skeleton)
             case Always(over, part):
-                yield from self._always(over, part, first, last, to)
-            case Eventually(over, part) if over.begin == over.end:  # one moment: no choice
-                yield from self._always(over, part, first, last, to)
+                yield from self._require_always(over, part, first, last, skeleton)
+            case Eventually(over, part) if over.begin == over.end:  # the interval is one moment: there is no choice
+                yield from self._require_always(over, part, first, last, skeleton)
             case Eventually(over, part):
                 if first == last:
-                    when, here = self._witness(to, first, over)
-                    yield from self.at(part, when, when, here)
+                    witness, extended = self._add_witness(skeleton, first, over)
+                    yield from self.require(part, witness, witness, extended)
                 else:
-                    for _, here in self._chains(over, part, first, last, to):
-                        yield here
-            case Until(over, held, reached):
-                for when, here in self._reached(over, reached, first, last, to):
-                    for more in self.at(held, first, when, here):
-                        yield more.lengthened(len(here.holds), when)
+                    for _, extended in self._add_chains(over, part, first, last, skeleton):
+                        yield extended
+            case Until(over, before, goal):
+                for witness, extended in self._reach(over, goal, first, last, skeleton):
+                    for complete in self.require(before, first, witness, extended):
+                        yield complete.with_longer_holds(len(extended.holds), witness)
 
-    def _or(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        if to.zone is None:  # no times: not worth a choice
+    def _require_in_turn(self, demands: Sequence[Demand], skeleton: Skeleton) -> Iterator[Skeleton]:
+        """Yield the skeleton with what makes each formula hold from its first to its last event, one demand after the other."""
+        if not demands:
+            yield skeleton
+            return
+        formula, first, last = demands[0]
+        for extended in self.require(formula, first, last, skeleton):
+            yield from self._require_in_turn(demands[1:], extended)
+
+    def _require_any(self, parts: tuple[Formula, ...], first: int, last: int, skeleton: Skeleton) -> Iterator[Skeleton]:
+        """Yield a skeleton for each alternative of an "or"; over an interval also for each pair of them, one after the other."""
+        if skeleton.zone is None:  # no times satisfy it, so its alternatives are not worth the search
             return
         for part in parts:
-            yield from self.at(part, first, last, to)
+            yield from self.require(part, first, last, skeleton)
+        if first == last:
+            return
+        for part, next_part in itertools.permutations(parts, 2):
+            divided, change = skeleton.with_event(first, 0.0, np.inf)
+            divided = divided.with_time_bound(TimeBound(change, last, 0.0, np.inf))
+            yield from self._require_in_turn([(part, first, change), (next_part, change, last)], divided)
+            if skeleton.seam is not None:  # a cycle ends as it begins, so the first alternative must hold again
+                divided, change_back = divided.with_event(change, 0.0, np.inf)
+                divided = divided.with_time_bound(TimeBound(change_back, last, 0.0, np.inf))
+                demands = [(part, first, change), (next_part, change, change_back), (part, change_back, last)]
+                yield from self._require_in_turn(demands, divided)
+
+    def _require_always(self, over: Interval, part: Formula, first: int, last: int, skeleton: Skeleton) -> Iterator[Skeleton]:
+        """Yield a skeleton for each way to hold a part from the interval's begin after `first` to its end after `last`.
+
+        Where that reaches t_c in a tube that repeats itself, the part must hold for the whole cycle too.
+        """
+        begin, begun = self._begin_hold(skeleton, first, over.begin)
+        for end, extended in self._end_hold(begun, last, over.end):
+            covers_cycle = skeleton.seam is not None and end == END and begin != START and (over.end is None or last == END)
+            demands = [(part, begin, end), *([(part, SEAM, END)] if covers_cycle else [])]
+            yield from self._require_in_turn(demands, extended)
+
+    def _reach(self, over: Interval, goal: Formula, first: int, last: int, skeleton: Skeleton) -> Iterator[tuple[int, Skeleton]]:
+        """Yield witnesses of the goal of an "until" for all times from `first` to `last`: the last one, and the skeleton."""
         if first != last:
-            for one, other in itertools.permutations(parts, 2):
-                cut, change = to.event(first, 0.0, np.inf)
-                cut = cut.differing(change, last, 0.0, np.inf)
-                for early in self.at(one, first, change, cut):
-                    yield from self.at(other, change, last, early)
-                if to.seam is not None:  # what is repeated ends as it begins
-                    again, back = cut.event(change, 0.0, np.inf)
-                    again = again.differing(back, last, 0.0, np.inf)
-                    for early in self.at(one, first, change, again):
-                        for late in self.at(other, change, back, early):
-                            yield from self.at(one, back, last, late)
-
-    def _always(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        begin, here = self._begun(to, first, over.begin)
-        for end, longer in self._ended(here, last, over.end):
-            again = to.seam is not None and end == END and begin != START and (over.end is None or last == END)
-            for once in self.at(part, begin, end, longer):
-                yield from self.at(part, SEAM, END, once) if again else [once]
-
-    def _reached(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
-        """The last of the witnesses of an "until" at all times from one event to another; until then its first part is held."""
-        if first != last:
-            yield from self._chains(over, part, first, last, to)
+            yield from self._add_chains(over, goal, first, last, skeleton)
             return
-        when, here = self._witness(to, first, over)
-        for there in self.at(part, when, when, here):
-            yield when, there
+        witness, extended = self._add_witness(skeleton, first, over)
+        for complete in self.require(goal, witness, witness, extended):
+            yield witness, complete
 
-    def _all(self, parts: tuple[Formula, ...], first: int, last: int, to: Skeleton) -> Iterator[Skeleton]:
-        if not parts:
-            yield to
+    def _begin_hold(self, skeleton: Skeleton, event: int, after: Fraction) -> tuple[int, Skeleton]:
+        """Return the event at which a hold begins, so many seconds after an event or a little before: it may only be longer."""
+        offset = float(after) / self.t_c
+        if event == START and offset >= 1:
+            return END, skeleton
+        if event == END or offset <= self.margin:
+            return event, skeleton
+        earliest = max(offset - self.margin - HOLD_EXCESS, 0.0)
+        extended, begin = skeleton.with_event(event, earliest, offset - self.margin, self.margin)
+        return begin, extended
+
+    def _end_hold(self, skeleton: Skeleton, event: int, after: Fraction | None) -> Iterator[tuple[int, Skeleton]]:
+        """Yield the event at which a hold ends, so many seconds after an event or a little later.
+
+        A hold that ends near t_c or later ends at t_c, for the tube stands from then on.
+        """
+        offset, margin = math.inf if after is None else float(after) / self.t_c, self.margin
+        if event == END or (event == START and offset >= 1 - 2 * margin) or math.isinf(offset):
+            yield END, skeleton
             return
-        for here in self.at(parts[0], first, last, to):
-            yield from self._all(parts[1:], first, last, here)
+        extended, end = skeleton.with_event(event, offset + margin, offset + margin + HOLD_EXCESS, margin)
+        yield end, extended
+        if self.may_end_open and event != START:
+            yield END, skeleton.with_time_bound(TimeBound(event, END, 0.0, offset))
 
-    def _begun(self, to: Skeleton, event: int, by: Fraction) -> tuple[int, Skeleton]:
-        """The begin of a hold, so many seconds after an event or a little before that: a hold may only be longer."""
-        off, room = float(by) / self.t_c, self.margin
-        if event == END or off <= room or (event == START and off >= 1):
-            return (END if event == START and off >= 1 else event), to
-        found, when = to.event(event, max(off - room - SLACK, 0.0), off - room, room)
-        return when, found
-
-    def _ended(self, to: Skeleton, event: int, by: Fraction | None) -> Iterator[tuple[int, Skeleton]]:
-        """The end of a hold, so many seconds after an event or a little after that. From near t_c on that is t_c, for the tube
-        stands from then on."""
-        off, room = math.inf if by is None else float(by) / self.t_c, self.margin
-        if event == END or (event == START and off >= 1 - 2 * room) or math.isinf(off):
-            yield END, to
-            return
-        found, when = to.event(event, off + room, off + room + SLACK, room)
-        yield when, found
-        if self.late and event != START:
-            yield END, to.differing(event, END, 0.0, off)
-
-    def _witness(self, to: Skeleton, event: int, over: Interval) -> tuple[int, Skeleton]:
-        """A moment of the interval after an event."""
-        least = float(over.begin) / self.t_c
-        most = math.inf if over.end is None else float(over.end) / self.t_c
+    def _add_witness(self, skeleton: Skeleton, event: int, over: Interval) -> tuple[int, Skeleton]:
+        """Return a new event at a moment of the interval after an event, and the skeleton with it."""
+        minimum = float(over.begin) / self.t_c
+        maximum = math.inf if over.end is None else float(over.end) / self.t_c
         if event == END:
-            return event, to
-        if event == START and most >= 1:  # what holds at t_c holds from then on
-            inset = min(self.margin, max(1 - least, 0.0))
-            most = math.inf if not self.doubt or most > 1 + self.doubt else 1.0 - self.doubt
+            return event, skeleton
+        if event == START and maximum >= 1:  # what holds at t_c holds from then on
+            inset = min(self.margin, max(1 - minimum, 0.0))
+            maximum = math.inf if not self.start_delay or maximum > 1 + self.start_delay else 1.0 - self.start_delay
         else:
-            inset = min(self.margin, (most - least) / 2)
-        here, when = to.event(event, least + inset if least else 0.0, most - inset, inset)
-        return when, here
+            inset = min(self.margin, (maximum - minimum) / 2)
+        extended, witness = skeleton.with_event(event, minimum + inset if minimum else 0.0, maximum - inset, inset)
+        return witness, extended
 
-    def _chains(self, over: Interval, part: Formula, first: int, last: int, to: Skeleton) -> Iterator[tuple[int, Skeleton]]:
-        """Witnesses w_1, w_2, .. of which each moment from first to last has one in its interval: w covers [w - b, w - a]. Where
-        last is t_c, which stands for all times from then on, t_c is the last of them. The last one, and the skeleton."""
+    def _add_chains(
+        self, over: Interval, part: Formula, first: int, last: int, skeleton: Skeleton
+    ) -> Iterator[tuple[int, Skeleton]]:
+        """Yield chains of witnesses w_1, w_2, .. so that each moment from `first` to `last` has one in its interval.
+
+        A witness w serves the moments [w - b, w - a]. Where `last` is t_c, which stands for all times from then on, t_c is the
+        last witness. Yields the last witness and the skeleton.
+        """
         a, b = float(over.begin) / self.t_c, math.inf if over.end is None else float(over.end) / self.t_c
-        gap, zone = b - a - 2 * self.margin, to.zone
+        gap, zone = b - a - 2 * self.margin, skeleton.zone
         if gap <= 0 or zone is None:
             return
-        if last == END and to.seam is not None:
-            yield from self._rounds(part, first, to, (a, b - self.margin, gap))
+        window = _WitnessWindow(a, b - self.margin, gap)
+        if last == END and skeleton.seam is not None:
+            yield from self._add_cyclic_chains(part, first, skeleton, window)
             return
-        fewest = max(1, math.ceil(-zone[last, first] / gap - TINY)) - (last == END)
-        for count in range(fewest, min(fewest + MORE, MOST_EVENTS - to.events) + 1):
-            here, whens = to, list[int]()
-            for k in range(count):
-                inset = (2 if k else 1) * self.margin
-                here, when = here.event(whens[-1] if k else first, 0.0 if k else a, gap if k else b - self.margin, inset)
-                whens.append(when)
+        fewest = max(1, math.ceil(-zone[last, first] / gap - TOLERANCE)) - (last == END)
+        for count in range(fewest, min(fewest + EXTRA_WITNESSES, EVENT_LIMIT - skeleton.event_count) + 1):
+            extended, witnesses = self._chain(skeleton, first, count, window)
             if last == END:
-                here = here.differing(whens[-1] if whens else first, END, 0.0, gap if whens else b, 2 * self.margin)
-                whens.append(END)
+                bound = TimeBound(witnesses[-1] if witnesses else first, END, 0.0, gap if witnesses else b, 2 * self.margin)
+                extended = extended.with_time_bound(bound)
+                witnesses.append(END)
             else:
-                here = here.differing(last, whens[-1], a + self.margin, np.inf, self.margin)
-            for there in self._each(part, whens, here):
-                yield whens[-1], there
+                bound = TimeBound(last, witnesses[-1], a + self.margin, np.inf, self.margin)
+                extended = extended.with_time_bound(bound)
+            for complete in self._require_in_turn([(part, witness, witness) for witness in witnesses], extended):
+                yield witnesses[-1], complete
 
-    def _rounds(
-        self, part: Formula, first: int, to: Skeleton, times: tuple[float, float, float]
+    def _add_cyclic_chains(
+        self, part: Formula, first: int, skeleton: Skeleton, window: _WitnessWindow
     ) -> Iterator[tuple[int, Skeleton]]:
-        """The same for ever: witnesses before the cycle and in it, the first of it so much after its last, one cycle later.
-        times: of the first witness, from and to, and from one to the next."""
-        assert to.seam is not None
-        assert to.zone is not None
-        (least, most, gap), length = times, 1 - to.seam
-        rounds = max(1, math.ceil(length / gap - TINY))
-        early = near = 0  # of what need only be there at some time one in the cycle is enough
-        if math.isfinite(gap):
-            early = max(0, math.ceil((to.seam + to.zone[first, START] - most) / gap - TINY))
-            near = max(early, round(to.seam / most))  # so many have time
-        for before, count in ((near, rounds), (early if near > early else near + 1, rounds), (near, rounds + 1)):
-            if to.events + before + count > MOST_EVENTS:
-                continue
-            here, whens = to, list[int]()
-            for k in range(before + count):
-                inset = (2 if k else 1) * self.margin
-                here, when = here.event(whens[-1] if k else first, 0.0 if k else least, gap if k else most, inset)
-                whens.append(when)
-            here = here.differing(SEAM, whens[before], 0.0, np.inf)
-            here = here.differing(whens[before], whens[-1], length - gap, np.inf, 2 * self.margin)
-            for there in self._each(part, whens, here):
-                yield whens[-1], there
+        """Yield chains of witnesses for ever: before the cycle and in it, where each cycle repeats the witnesses.
 
-    def _each(self, part: Formula, whens: list[int], to: Skeleton) -> Iterator[Skeleton]:
-        if not whens:
-            yield to
-            return
-        for here in self.at(part, whens[0], whens[0], to):
-            yield from self._each(part, whens[1:], here)
+        The first witness of the next cycle comes at most `window.gap` after the last one of this cycle.
+        """
+        assert skeleton.seam is not None
+        assert skeleton.zone is not None
+        length, gap = 1 - skeleton.seam, window.gap
+        rounds = max(1, math.ceil(length / gap - TOLERANCE))
+        fewest_before = usual_before = 0  # without a longest gap one witness in the cycle is enough
+        if math.isfinite(gap):
+            latest = skeleton.seam + skeleton.zone[first, START] - window.maximum
+            fewest_before = max(0, math.ceil(latest / gap - TOLERANCE))
+            usual_before = max(fewest_before, round(skeleton.seam / window.maximum))  # so many have time
+        alternative = fewest_before if usual_before > fewest_before else usual_before + 1
+        for before, count in ((usual_before, rounds), (alternative, rounds), (usual_before, rounds + 1)):
+            if skeleton.event_count + before + count > EVENT_LIMIT:
+                continue
+            extended, witnesses = self._chain(skeleton, first, before + count, window)
+            extended = extended.with_time_bound(TimeBound(SEAM, witnesses[before], 0.0, np.inf))
+            bound = TimeBound(witnesses[before], witnesses[-1], length - gap, np.inf, 2 * self.margin)
+            extended = extended.with_time_bound(bound)
+            for complete in self._require_in_turn([(part, witness, witness) for witness in witnesses], extended):
+                yield witnesses[-1], complete
+
+    def _chain(self, skeleton: Skeleton, first: int, count: int, window: _WitnessWindow) -> tuple[Skeleton, list[int]]:
+        """Return the skeleton with `count` witnesses after the event `first`, in time one after the other, and their events."""
+        witnesses: list[int] = []
+        for k in range(count):
+            if k == 0:
+                skeleton, witness = skeleton.with_event(first, window.minimum, window.maximum, self.margin)
+            else:
+                skeleton, witness = skeleton.with_event(witnesses[-1], 0.0, window.gap, 2 * self.margin)
+            witnesses.append(witness)
+        return skeleton, witnesses

@@ -1,13 +1,12 @@
-"""In which order, and where, the events of a skeleton happen: the shortest way that its times allow.
+"""In which order, and where, the events of a skeleton happen: the shortest path that its times allow.
 
-Labels are searched, shortest first: which events are done, at which place the centre is, and the zone, the closed
-difference-bound matrix of all times with the legs so far. A leg is the shortest way among the places that keeps to all holds that
-are open. Of labels with the same events and place those count that are shorter or earlier than the others, at most BEAM of them.
+The search extends the beginnings of paths (labels.py) by one event after the other, the shortest first. A leg from one event to
+the next is the shortest path among the waypoints on which all lasting holds stay true. plans.py, conflicts.py and
+mission_search.py call this.
 """
 
 from __future__ import annotations
 
-import heapq
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,246 +16,253 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.missions.skeleton import END, SEAM, START, TINY, Skeleton
-from stt_codegen.design.missions.waypoints import Flags, Places
+from stt_codegen.design.missions.labels import TIME_TOLERANCE, Label, LabelQueue, add_if_better, zone_after_leg
+from stt_codegen.design.missions.skeleton import END, SEAM, START, TOLERANCE, Skeleton
+from stt_codegen.design.missions.waypoints import Flags, Waypoints
 
-BEAM = 3
-LATE = 1e-7  # what a time may lack for rounding
-MOST_LABELS = 10_000  # of one search
-MOST_TOURED = 9  # places of events whose shortest tour is a bound
-NEAREST = 24  # places at which an event happens that may be anywhere
+SEARCH_LABEL_LIMIT = 10_000  # labels of one search
+TOUR_EVENT_LIMIT = 9  # up to so many events the shortest tour of their nodes is a lower bound
+FREE_EVENT_NODE_LIMIT = 24  # nodes that are tried for an event that may happen anywhere
 
 
 @dataclass(frozen=True)
 class Stop:
-    """An event, and the points of the way to it from the one before, (m, n); none where it is at the same place."""
+    """An event and the points (m, n) of the path to it from the event before; no points where both are at one place."""
 
     event: int
-    way: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Label:
-    """A beginning of a way: its length and the earliest time at its end, which events are done, a bit each, and where it is. The
-    last leg came from label `parent` and ended with `event`; zone: of all times, where there are any; home: where the cycle of a
-    tube that repeats itself begins, once it has, and ends."""
-
-    length: float
-    time: float
-    done: int
-    place: int
-    parent: int
-    event: int
-    zone: Array | None
-    home: int = -1
+    path: Array
 
 
 @dataclass
-class Order:
-    """A search for one skeleton. given: the events in the order that they must come in; empty: in any."""
+class OrderSearch:
+    """A search for the order and the nodes of one skeleton's events.
 
-    places: Places
+    fixed_order: events in the order that they must come in; empty for any order.
+    """
+
+    waypoints: Waypoints
     skeleton: Skeleton
-    given: tuple[int, ...] = ()
-    tours: dict[tuple[int, frozenset[int]], float] = field(default_factory=dict)
+    fixed_order: tuple[int, ...] = ()
+    _tours: dict[tuple[int, frozenset[int]], float] = field(default_factory=dict)
+    _remaining: dict[int, Array] = field(default_factory=dict)
 
     @cached_property
-    def before(self) -> list[int]:
-        """Which events must be done before each: bits."""
-        s = self.skeleton
-        found = [0] * s.events
-        for d in s.differences:
-            if d.least >= 0:
-                found[d.last] |= 1 << d.first
-            elif d.most <= 0:
-                found[d.first] |= 1 << d.last
-        for hold in s.holds:
+    def prerequisites(self) -> list[int]:
+        """Return for each event which events must be done before it, a bit each."""
+        skeleton = self.skeleton
+        before = [0] * skeleton.event_count
+        for bound in skeleton.time_bounds:
+            if bound.minimum >= 0:
+                before[bound.last] |= 1 << bound.first
+            elif bound.maximum <= 0:
+                before[bound.first] |= 1 << bound.last
+        for hold in skeleton.holds:
             if hold.first != hold.last:
-                found[hold.last] |= 1 << hold.first
-        assert s.zone is not None
-        for i in range(s.events):
-            for j in range(s.events):
-                if i != j and s.zone[j, i] < -1e-7:
-                    found[j] |= 1 << i
-        for first, last in pairwise(self.given):
-            found[last] |= 1 << first
-        found[END] |= ((1 << s.events) - 1) & ~(1 << END)
-        return [bits & ~(1 << k) for k, bits in enumerate(found)]
+                before[hold.last] |= 1 << hold.first
+        assert skeleton.zone is not None
+        for i in range(skeleton.event_count):
+            for j in range(skeleton.event_count):
+                if i != j and skeleton.zone[j, i] < -TIME_TOLERANCE:
+                    before[j] |= 1 << i
+        for first, last in pairwise(self.fixed_order):
+            before[last] |= 1 << first
+        before[END] |= self.all_done & ~(1 << END)
+        return [bits & ~(1 << event) for event, bits in enumerate(before)]
+
+    @property
+    def all_done(self) -> int:
+        """Return the bits of all events."""
+        return (1 << self.skeleton.event_count) - 1
 
     @cached_property
-    def possible(self) -> Flags:
-        """At which nodes each event may happen: (events, N)."""
-        places, s = self.places, self.skeleton
-        found = np.ones((s.events, len(places.nodes)), dtype=bool)
-        for hold in s.holds:
+    def possible_nodes(self) -> Flags:
+        """Return at which nodes each event may happen: (events, N)."""
+        waypoints, skeleton = self.waypoints, self.skeleton
+        possible = np.ones((skeleton.event_count, len(waypoints.nodes)), dtype=bool)
+        for hold in skeleton.holds:
             if hold.first == hold.last:
-                found[hold.first] &= places.allowed[hold.state]
+                possible[hold.first] &= waypoints.nodes_in_state[hold.state]
             else:
-                found[hold.first] &= places.passable(hold.state)
-                found[hold.last] &= places.passable(hold.state)
-        arena, half = places.arena, places.width / 2
-        inside = (places.nodes >= arena.target[0] + half - TINY) & (places.nodes <= arena.target[1] - half + TINY)
-        found[END] &= inside.all(axis=1)
+                possible[hold.first] &= waypoints.passable_nodes(hold.state)
+                possible[hold.last] &= waypoints.passable_nodes(hold.state)
+        arena, half_width = waypoints.arena, waypoints.width / 2
+        lower, upper = arena.target[0] + half_width - TOLERANCE, arena.target[1] - half_width + TOLERANCE
+        possible[END] &= ((waypoints.nodes >= lower) & (waypoints.nodes <= upper)).all(axis=1)
         if len(arena.goals.bound):
-            found[END] &= arena.goals.contain_boxes(places.nodes, half)
-        return found
+            possible[END] &= arena.goals.contain_boxes(waypoints.nodes, half_width)
+        return possible
 
     @cached_property
-    def far(self) -> dict[int, Array]:
-        """For each event that may not be anywhere how far it is at least from every node, (N,)."""
-        return {e: self.places.far(row) for e, row in enumerate(self.possible) if e != START and not row.all()}
+    def distance_bounds(self) -> dict[int, Array]:
+        """Return for each event that may not happen everywhere a lower bound on its distance from each node, (N,)."""
+        rows = enumerate(self.possible_nodes)
+        return {event: self.waypoints.distance_bounds(row) for event, row in rows if event != START and not row.all()}
 
     @cached_property
-    def held(self) -> list[tuple[int, int, int]]:
-        """The holds of some length: the bits of state, first and last event."""
-        bit = {state: 1 << k for k, state in enumerate(self.places.mission.states)}
+    def lasting_holds(self) -> list[tuple[int, int, int]]:
+        """Return the bits of state, first and last event for each hold between two events."""
+        bit = {state: 1 << k for k, state in enumerate(self.waypoints.mission.states)}
         return [(bit[h.state], 1 << h.first, 1 << h.last) for h in self.skeleton.holds if h.first != h.last]
 
-    def open_after(self, done: int) -> int:
-        """The states that are held when these events are done, a bit each."""
-        found = 0
-        for state, first, last in self.held:
+    def states_after(self, done: int) -> int:
+        """Return the states that must hold when these events are done, a bit each."""
+        states = 0
+        for state, first, last in self.lasting_holds:
             if done & first and not done & last:
-                found |= state
-        return found
+                states |= state
+        return states
 
     @cached_property
-    def gaps(self) -> dict[tuple[int, int], float]:
-        """How far it is at least from a place of one event to one of another."""
-        rows = {START: self.possible[START] & (np.arange(len(self.places.nodes)) == 0)}
-        rows |= {e: self.possible[e] for e in self.far}
-        return {(e, f): float(away[row].min()) for e, row in rows.items() for f, away in self.far.items() if e != f}
+    def event_distances(self) -> dict[tuple[int, int], float]:
+        """Return a lower bound on the distance from a node of one event to a node of another one."""
+        rows = {START: self.possible_nodes[START] & (np.arange(len(self.waypoints.nodes)) == 0)}
+        rows |= {event: self.possible_nodes[event] for event in self.distance_bounds}
+        return {
+            (first, last): float(distance[row].min())
+            for first, row in rows.items()
+            for last, distance in self.distance_bounds.items()
+            if first != last
+        }
 
-    def rest(self, done: int) -> Array:
-        """What is left to go at least, from every node (N,), once these events are done: the shortest tour of their places, as if
-        each were as near as its nearest point."""
-        left = frozenset(e for e in self.far if not done >> e & 1)
-        if not left:
-            return np.zeros(len(self.places.nodes))
-        if len(left) > MOST_TOURED:
-            return np.asarray(np.max([self.far[e] for e in left], axis=0))
-        return np.asarray(np.min([self.far[e] + self._tour(e, left - {e}) for e in self._first(left)], axis=0))
+    def remaining_length(self, done: int) -> Array:
+        """Return from each node a lower bound on the length of the path once these events are done: (N,).
 
-    def _first(self, left: frozenset[int]) -> list[int]:
-        """Those of some events that may come first."""
-        bits = sum(1 << e for e in left)
-        return [e for e in left if not self.before[e] & bits]
+        It is the shortest tour of the other events, as if each were at its nearest node.
+        """
+        if done not in self._remaining:
+            self._remaining[done] = self._shortest_tour(frozenset(e for e in self.distance_bounds if not done >> e & 1))
+        return self._remaining[done]
 
-    def _tour(self, here: int, left: frozenset[int]) -> float:
-        """What it takes at least from a place of an event to visit those of others."""
-        if not left:
+    def _shortest_tour(self, events: frozenset[int]) -> Array:
+        """Return from each node a lower bound on the length of a path past nodes of all these events: (N,)."""
+        if not events:
+            return np.zeros(len(self.waypoints.nodes))
+        if len(events) > TOUR_EVENT_LIMIT:
+            return np.asarray(np.max([self.distance_bounds[e] for e in events], axis=0))
+        lengths = [self.distance_bounds[e] + self._tour_from(e, events - {e}) for e in self._possibly_first(events)]
+        return np.asarray(np.min(lengths, axis=0))
+
+    def _possibly_first(self, events: frozenset[int]) -> list[int]:
+        """Return which of some events may be the first of them."""
+        bits = sum(1 << e for e in events)
+        return [e for e in events if not self.prerequisites[e] & bits]
+
+    def _tour_from(self, event: int, events: frozenset[int]) -> float:
+        """Return a lower bound on the length of a path from a node of one event past nodes of others."""
+        if not events:
             return 0.0
-        if (here, left) not in self.tours:
-            found = (self.gaps[here, e] + self._tour(e, left - {e}) for e in self._first(left))
-            self.tours[here, left] = min(found)
-        return self.tours[here, left]
+        if (event, events) not in self._tours:
+            lengths = (self.event_distances[event, e] + self._tour_from(e, events - {e}) for e in self._possibly_first(events))
+            self._tours[event, events] = min(lengths)
+        return self._tours[event, events]
 
-    def shortest(self, speed: float) -> list[Stop] | None:
-        """The shortest way that is in time at this speed, lengths per t_c; None where none was found."""
-        nodes = len(self.places.nodes)
-        if not nodes or not self.possible.any(axis=1).all() or not self.possible[START, 0]:
+    def shortest_stops(self, speed: float) -> list[Stop] | None:
+        """Return the stops of the shortest path that is in time at this speed, in lengths per t_c; None where none is found."""
+        possible = self.possible_nodes if len(self.waypoints.nodes) else None
+        if possible is None or not possible.any(axis=1).all() or not possible[START, 0]:
             return None
-        labels = [
-            _Label(
-                length=0.0,
-                time=0.0,
-                done=1,
-                place=0,
-                parent=-1,
-                event=START,
-                zone=self.skeleton.zone if self.skeleton.timed else None,
-            )
-        ]
-        fronts: dict[tuple[int, int, int], list[tuple[float, float]]] = {}
-        repeats = self.skeleton.seam is not None
-        ahead: dict[int, Array] = {}
-        best: dict[int, Array] = {}  # where only the order counts, the length to every node
-        queue, popped = [(0.0, 0)], 0
-        most = min(MOST_LABELS, self.places.left)
-        while queue and popped < most:
-            _, k = heapq.heappop(queue)
-            label = labels[k]
-            if label.done in best and label.length > best[label.done][label.place] + TINY:
+        queue = LabelQueue()
+        zone = self.skeleton.zone if self.skeleton.has_windows else None
+        queue.push(Label(length=0.0, time=0.0, done=1 << START, node=0, parent=-1, event=START, zone=zone), 0.0)
+        limit, extended = min(SEARCH_LABEL_LIMIT, self.waypoints.labels_left), 0
+        while queue.heap and extended < limit:
+            index = queue.pop()
+            label = queue.labels[index]
+            if queue.is_outdated(label):
                 continue
-            popped += 1
-            self.places.left -= 1
-            if label.done == (1 << self.skeleton.events) - 1:
-                return self._way(labels, k)
-            for event, done in self._next(label):
-                if done not in ahead:
-                    ahead[done] = self.rest(done)
-                places, lengths, times = self._reached(label, event, done, speed)
+            extended += 1
+            self.waypoints.labels_left -= 1
+            if label.done == self.all_done:
+                return self._stops_of(queue.labels, index)
+            for event in self._next_events(label):
                 if label.zone is None:
-                    known = best.setdefault(done, np.full(nodes, np.inf))
-                    better = label.length + lengths < known[places] - TINY
-                    places, lengths = places[better], lengths[better]
-                    known[places] = label.length + lengths
-                    for place, leg in zip(places.tolist(), lengths.tolist(), strict=True):
-                        labels.append(
-                            _Label(length=label.length + leg, time=0.0, done=done, place=place, parent=k, event=event, zone=None)
-                        )
-                        heapq.heappush(queue, (label.length + leg + float(ahead[done][place]), len(labels) - 1))
-                    continue
-                for place, leg, time in zip(places.tolist(), lengths.tolist(), times.tolist(), strict=True):
-                    length, home = label.length + leg, place if repeats and event == SEAM else label.home
-                    if _improves(fronts.setdefault((done, place, home), []), length, time):
-                        zone = _after(label.zone, label.event, event, leg / speed)
-                        if not (np.diag(zone) < -LATE).any():
-                            labels.append(
-                                _Label(
-                                    length=length, time=time, done=done, place=place, parent=k, event=event, zone=zone, home=home
-                                )
-                            )
-                            heapq.heappush(queue, (length + float(ahead[done][place]), len(labels) - 1))
+                    self._extend_by_length(queue, index, event)
+                else:
+                    self._extend_in_time(queue, index, event, speed)
         return None
 
-    def _next(self, label: _Label) -> Iterator[tuple[int, int]]:
-        """The events that may come next, and what is done with them."""
-        for event, before in enumerate(self.before):
+    def _next_events(self, label: Label) -> Iterator[int]:
+        """Yield the events that may come next."""
+        for event, before in enumerate(self.prerequisites):
             if not label.done >> event & 1 and not before & ~label.done:
-                yield event, label.done | 1 << event
+                yield event
 
-    def _reached(self, label: _Label, event: int, done: int, speed: float) -> tuple[npt.NDArray[np.int64], Array, Array]:
-        """Where an event may happen in time, how far that is, and the earliest time: three times (M,)."""
-        lengths, _ = self.places.legs(self.open_after(label.done), label.place)
-        good, when, zone = self.possible[event] & np.isfinite(lengths), np.zeros(len(lengths)), label.zone
+    def _extend_by_length(self, queue: LabelQueue, index: int, event: int) -> None:
+        """Add the labels in which an event comes next, where only the order of events counts."""
+        label = queue.labels[index]
+        done = label.done | 1 << event
+        remaining = self.remaining_length(done)
+        legs = self._legs_to(label)
+        nodes = self._nearest(event, np.nonzero(self._is_possible(label, event, legs))[0], legs)
+        known = queue.lengths.setdefault(done, np.full(len(legs), np.inf))
+        nodes = nodes[label.length + legs[nodes] < known[nodes] - TOLERANCE]
+        known[nodes] = label.length + legs[nodes]
+        for node, leg in zip(nodes.tolist(), legs[nodes].tolist(), strict=True):
+            length = label.length + leg
+            extended = Label(length=length, time=0.0, done=done, node=node, parent=index, event=event, zone=None)
+            queue.push(extended, float(remaining[node]))
+
+    def _extend_in_time(self, queue: LabelQueue, index: int, event: int, speed: float) -> None:
+        """Add the labels in which an event comes next in time, at this speed."""
+        label = queue.labels[index]
+        assert label.zone is not None
+        done = label.done | 1 << event
+        remaining = self.remaining_length(done)
+        legs = self._legs_to(label)
+        times = np.maximum(legs / speed - label.zone[label.event, START], -label.zone[event, START])
+        is_in_time = self._is_possible(label, event, legs) & self._is_in_time(label, event, legs, times, speed=speed)
+        nodes = self._nearest(event, np.nonzero(is_in_time)[0], legs)
+        begins_cycle = self.skeleton.seam is not None and event == SEAM
+        for node, leg, time in zip(nodes.tolist(), legs[nodes].tolist(), times[nodes].tolist(), strict=True):
+            length, seam_node = label.length + leg, node if begins_cycle else label.seam_node
+            if not add_if_better(queue.fronts.setdefault((done, node, seam_node), []), length, time):
+                continue
+            zone = zone_after_leg(label.zone, label.event, event, leg / speed)
+            if not (np.diag(zone) < -TIME_TOLERANCE).any():
+                extended = Label(
+                    length=length, time=time, done=done, node=node, parent=index, event=event, zone=zone, seam_node=seam_node
+                )
+                queue.push(extended, float(remaining[node]))
+
+    def _legs_to(self, label: Label) -> Array:
+        """Return the length of the next leg to every node, while the states hold that must, inf where there is none: (N,)."""
+        return self.waypoints.shortest_legs(self.states_after(label.done), label.node)[0]
+
+    def _is_possible(self, label: Label, event: int, legs: Array) -> Flags:
+        """Return at which nodes an event may come next, apart from its time: (N,). legs: (N,), their lengths."""
+        is_possible = self.possible_nodes[event] & np.isfinite(legs)
         if event == END and self.skeleton.seam is not None:
-            good &= np.arange(len(good)) == label.home
-        if zone is not None:
-            when = np.maximum(lengths / speed - zone[label.event, START], -zone[event, START])
-            good &= lengths <= zone[label.event, event] * speed + LATE
-            for other, away in self.far.items():
-                if not done >> other & 1 and zone[START, other] < np.inf:
-                    good &= when + away / speed <= zone[START, other] + LATE
-        places = np.nonzero(good)[0]
-        if event not in self.far and len(places) > NEAREST:
-            places = places[np.argsort(lengths[places], kind="stable")[:NEAREST]]
-        return places, lengths[places], when[places]
+            is_possible &= np.arange(len(legs)) == label.seam_node
+        return np.asarray(is_possible)
 
-    def _way(self, labels: Sequence[_Label], k: int) -> list[Stop]:
-        """The stops of a label, from the first on."""
+    def _is_in_time(self, label: Label, event: int, legs: Array, times: Array, *, speed: float) -> Flags:
+        """Return at which nodes an event comes in time, with time left for each event after it: (N,).
+
+        legs, times: (N,), the lengths of the legs and the earliest times at their ends.
+        """
+        zone = label.zone
+        assert zone is not None
+        is_in_time = legs <= zone[label.event, event] * speed + TIME_TOLERANCE
+        for later, distance in self.distance_bounds.items():
+            if later != event and not label.done >> later & 1 and zone[START, later] < np.inf:
+                is_in_time &= times + distance / speed <= zone[START, later] + TIME_TOLERANCE
+        return np.asarray(is_in_time)
+
+    def _nearest(self, event: int, nodes: npt.NDArray[np.int64], legs: Array) -> npt.NDArray[np.int64]:
+        """Return the nodes to try for an event: all of them, or the nearest where the event may happen anywhere."""
+        if event not in self.distance_bounds and len(nodes) > FREE_EVENT_NODE_LIMIT:
+            return nodes[np.argsort(legs[nodes], kind="stable")[:FREE_EVENT_NODE_LIMIT]]
+        return nodes
+
+    def _stops_of(self, labels: Sequence[Label], index: int) -> list[Stop]:
+        """Return the stops of the path that ends with a label, the first one first."""
         stops = []
-        while labels[k].parent >= 0:
-            label, above = labels[k], labels[labels[k].parent]
-            _, before = self.places.legs(self.open_after(above.done), above.place)
-            path = [label.place]
-            while path[-1] != above.place:
-                path.append(int(before[path[-1]]))
-            stops.append(Stop(label.event, self.places.nodes[path[-2::-1]]))
-            k = label.parent
+        while labels[index].parent >= 0:
+            label, parent = labels[index], labels[labels[index].parent]
+            _, predecessors = self.waypoints.shortest_legs(self.states_after(parent.done), parent.node)
+            nodes = [label.node]
+            while nodes[-1] != parent.node:
+                nodes.append(int(predecessors[nodes[-1]]))
+            stops.append(Stop(label.event, self.waypoints.nodes[nodes[-2::-1]]))
+            index = label.parent
         return stops[::-1]
-
-
-def _improves(front: list[tuple[float, float]], length: float, time: float) -> bool:
-    """Whether a label is shorter or earlier than all that are there; if it is, it is put among them."""
-    if any(a <= length + TINY and b <= time + TINY for a, b in front):
-        return False
-    if len(front) >= BEAM and not all(length < a for a, _ in front):
-        return False
-    front.append((length, time))
-    return True
-
-
-def _after(zone: Array, first: int, last: int, least: float) -> Array:
-    """The zone where there is at least so much time between two events."""
-    return np.asarray(np.minimum(zone, zone[:, last, None] - least + zone[None, first]))

@@ -1,11 +1,15 @@
-"""When the events of a mission happen: the least speed at which a way is in time, the knots of a spline, and what every state
-asks from knot to knot."""
+"""When the events of a mission happen: the smallest speed at which a path is in time, and the knots of a spline at the events.
+
+mission_search.py makes a plan for each order of events, and a tube along the plan. What the mission's states require between the
+knots comes as obstacles that count only then.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,23 +17,27 @@ import numpy.typing as npt
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.linear_programs import LinearProgram
-from stt_codegen.design.missions.orders import Order, Stop
-from stt_codegen.design.missions.skeleton import END, START, TINY, Skeleton
+from stt_codegen.design.missions.orders import OrderSearch, Stop
+from stt_codegen.design.missions.skeleton import END, START, TOLERANCE, Hold, Skeleton
 from stt_codegen.design.missions.state_constraints import Mission
-from stt_codegen.design.missions.waypoints import Places
+from stt_codegen.design.missions.waypoints import Waypoints
 from stt_codegen.design.moving_half_spaces import TimedObstacle
 
-FASTEST = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at which an order is looked for
-SLOWER = 0.9  # of the speed that an order needs another one is looked for,
-TRIES = 6  # so often at most
-ROUNDED = 1e-9
-AT_A_KNOT = 1 / 64  # of a segment: around a knot at which a state is asked for it must hold so long
+TRIAL_SPEEDS = (2.0, 8.0, 64.0)  # times the extent of space in t_c: the speeds at which a first order is sought
+SLOWDOWN = 0.9  # times the speed of the last order is the speed at which a slower one is sought,
+SLOWDOWN_LIMIT = 6  # at most so often
+SLOWER = 0.999  # times the speed of the last order a slower one must have
+KNOT_TOLERANCE = 1e-9  # of a segment, by which a time may miss a knot
+KNOT_SHARE = 1 / 64  # of a segment: a state that must hold at a knot holds for so long about it
 
 
 @dataclass(frozen=True)
 class Plan:
-    """From where, and the stops in order; lengths: of the legs to them, as far as time goes; speed: the least at which all are in
-    time, lengths per t_c."""
+    """A path with stops, and the smallest speed at which all stops are in time.
+
+    origin: (n,), where the path begins. lengths: of the legs to the stops, as `Arena.distance` measures them. speed: in lengths
+    per t_c.
+    """
 
     skeleton: Skeleton
     origin: Array
@@ -38,157 +46,200 @@ class Plan:
     speed: float
 
 
-def plan_of(arena: Arena, places: Places, skeleton: Skeleton, below: float = np.inf) -> Plan | None:
-    """The way of a skeleton that needs the least speed, of those that are found; None where none is, or none that is well below
-    a speed."""
-    order = Order(places, skeleton)
-    if not places.nodes.size or below <= TINY:  # nowhere to be, or nothing to gain
+def slowest_plan(arena: Arena, waypoints: Waypoints, skeleton: Skeleton, best_speed: float = np.inf) -> Plan | None:
+    """Return the slowest plan that is found for a skeleton; None where none is found that is well below `best_speed`."""
+    search = OrderSearch(waypoints, skeleton)
+    if not waypoints.nodes.size or best_speed <= TOLERANCE:  # the start is not free, or no plan can be slower
         return None
     if np.isfinite(arena.max_speed):
-        return timed_plan(places, skeleton, order.shortest(min(arena.max_speed, SLOWER * below)))
-    if not skeleton.timed:
-        return timed_plan(places, skeleton, order.shortest(np.inf))
+        return plan_of_stops(waypoints, skeleton, search.shortest_stops(min(arena.max_speed, SLOWDOWN * best_speed)))
+    if not skeleton.has_windows:
+        return plan_of_stops(waypoints, skeleton, search.shortest_stops(np.inf))
     extent = float((arena.space[1] - arena.space[0]).max())
-    found = None
-    for speed in [SLOWER * below] if np.isfinite(below) else [times * extent for times in FASTEST]:
-        found = timed_plan(places, skeleton, order.shortest(speed))
-        if found is not None:
+    plan = None
+    for speed in [SLOWDOWN * best_speed] if np.isfinite(best_speed) else [factor * extent for factor in TRIAL_SPEEDS]:
+        plan = plan_of_stops(waypoints, skeleton, search.shortest_stops(speed))
+        if plan is not None:
             break
-    for _ in range(TRIES if found is not None and found.speed > TINY else 0):
-        assert found is not None
-        other = timed_plan(places, skeleton, order.shortest(SLOWER * found.speed))
-        if other is None or other.speed > 0.999 * found.speed:
+    for _ in range(SLOWDOWN_LIMIT if plan is not None and plan.speed > TOLERANCE else 0):
+        assert plan is not None
+        slower = plan_of_stops(waypoints, skeleton, search.shortest_stops(SLOWDOWN * plan.speed))
+        if slower is None or slower.speed > SLOWER * plan.speed:
             break
-        found = other
-    return found
+        plan = slower
+    return plan
 
 
-def timed_plan(places: Places, skeleton: Skeleton, stops: list[Stop] | None) -> Plan | None:
-    """With the least speed at which its legs are in time: scaled durations D = speed * duration make it one linear program."""
+def plan_of_stops(waypoints: Waypoints, skeleton: Skeleton, stops: Sequence[Stop] | None) -> Plan | None:
+    """Return the plan with these stops at the smallest speed at which they are in time; None where there is none.
+
+    With the scaled durations D = speed * duration this is one linear program.
+    """
     if stops is None:
         return None
-    origin, legs = places.nodes[0], len(stops)
-    lengths = _lengths(places.arena, origin, stops)
+    origin, legs = waypoints.nodes[0], len(stops)
+    lengths = _leg_lengths(waypoints.arena, origin, stops)
     program = LinearProgram(legs + 1)
     program.cost[legs] = 1.0
     program.lower[:legs], program.lower[legs] = lengths, 0.0
-    for columns, least, most in _windows(skeleton, stops):
-        ones = np.ones(len(columns))
-        row = [[*columns, legs]]
-        if np.isfinite(least):
-            program.rows(row, np.append(ones, -least), 0.0, np.inf)
-        if np.isfinite(most):
-            program.rows(row, np.append(ones, -most), -np.inf, 0.0)
-    found = program.solve()
-    if found is None:
+    for window in _leg_windows(skeleton, stops):
+        ones = np.ones(len(window.legs))
+        row = [[*window.legs, legs]]
+        if np.isfinite(window.minimum):
+            program.rows(row, np.append(ones, -window.minimum), 0.0, np.inf)
+        if np.isfinite(window.maximum):
+            program.rows(row, np.append(ones, -window.maximum), -np.inf, 0.0)
+    solution = program.solve()
+    if solution is None:
         return None
-    return Plan(skeleton, origin, tuple(stops), tuple(lengths), float(found[legs]))
+    return Plan(skeleton, origin, tuple(stops), tuple(lengths), float(solution[legs]))
 
 
-def _lengths(arena: Arena, origin: Array, stops: list[Stop]) -> list[float]:
-    """Of the legs."""
-    found, here = [], origin
+def _leg_lengths(arena: Arena, origin: Array, stops: Sequence[Stop]) -> list[float]:
+    """Return the length of the leg to each stop."""
+    lengths, position = [], origin
     for stop in stops:
-        points = np.concatenate([here[None], stop.way])
-        found.append(float(np.cumsum([0.0, *arena.distance(points[1:] - points[:-1])])[-1]))
-        here = points[-1]
-    return found
+        points = np.concatenate([position[None], stop.path])
+        lengths.append(float(np.cumsum([0.0, *arena.distance(points[1:] - points[:-1])])[-1]))
+        position = points[-1]
+    return lengths
 
 
-def _windows(skeleton: Skeleton, stops: list[Stop] | tuple[Stop, ...]) -> Iterator[tuple[list[int], float, float]]:
-    """Every difference as the legs between its events, and what they take together."""
-    place = {START: 0, **{stop.event: k + 1 for k, stop in enumerate(stops)}}
-    for d in skeleton.differences:
-        a, b, least, most = place[d.first], place[d.last], d.least, d.most
-        if a > b:
-            a, b, least, most = b, a, -most, -least
-        if a < b:
-            yield list(range(a, b)), least, most
+class _LegWindow(NamedTuple):
+    """The time that consecutive legs may take together, in parts of t_c."""
+
+    legs: list[int]
+    minimum: float
+    maximum: float
 
 
-def knots_of(plan: Plan, segments: int, calm: int, bent: bool = False) -> list[int] | None:
-    """The knot of each stop, the start's first: times at the least speed rounded to whole segments within all windows, each leg
-    that goes anywhere at least `calm` long; None where windows are too narrow for so few segments. bent: at the least
-    acceleration instead, for which a leg from rest to rest takes 2 sqrt(length / acceleration)."""
-    legs, lengths = len(plan.stops), [math.sqrt(length) if bent else length for length in plan.lengths]
-    windows = list(_windows(plan.skeleton, plan.stops))
-    moving = [length > TINY for length in lengths]
-    if calm * sum(moving) > segments:
+def _leg_windows(skeleton: Skeleton, stops: Sequence[Stop]) -> Iterator[_LegWindow]:
+    """Yield every time bound of the skeleton as a window for the legs between its events."""
+    stop_index = {START: 0, **{stop.event: k + 1 for k, stop in enumerate(stops)}}
+    for bound in skeleton.time_bounds:
+        first, last, minimum, maximum = stop_index[bound.first], stop_index[bound.last], bound.minimum, bound.maximum
+        if first > last:
+            first, last, minimum, maximum = last, first, -maximum, -minimum
+        if first < last:
+            yield _LegWindow(list(range(first, last)), minimum, maximum)
+
+
+def choose_knots(plan: Plan, segments: int, minimum_segments: int, from_rest: bool = False) -> list[int] | None:
+    """Return the knot of each stop, the start's first; None where windows are too narrow for so few segments.
+
+    The times are those of the smallest speed, rounded to whole segments within all windows. Each leg with a length takes at least
+    `minimum_segments`. from_rest: the times are those of the smallest acceleration instead, at which a leg from rest to rest
+    takes 2 sqrt(length / acceleration).
+    """
+    lengths = [math.sqrt(length) if from_rest else length for length in plan.lengths]
+    windows = list(_leg_windows(plan.skeleton, plan.stops))
+    is_moving = [length > TOLERANCE for length in lengths]
+    if minimum_segments * sum(is_moving) > segments:
         return None
-    # times that leave every leg as much of its time as the slowest has: durations over lengths, the least of them largest
+    shortest = [minimum_segments / segments if moving else 0.0 for moving in is_moving]
+    durations = _even_durations(lengths, shortest, windows)
+    if durations is None:
+        return None
+    times = np.concatenate([[0.0], np.cumsum(durations)]) * segments
+    steps = np.array([float(max(minimum_segments, 1)) if moving else 0.0 for moving in is_moving])
+    return _round_to_knots(times, steps, windows, segments)
+
+
+def _even_durations(lengths: Sequence[float], shortest: Sequence[float], windows: Sequence[_LegWindow]) -> Array | None:
+    """Return durations of the legs within all windows whose smallest ratio to the length is largest, in parts of t_c: (legs,)."""
+    legs = len(lengths)
     program = LinearProgram(legs + 1)
     program.cost[legs] = -1.0
-    program.lower[:legs], program.lower[legs] = [calm / segments if m else 0.0 for m in moving], 0.0
-    program.upper[legs] = 1 / TINY  # where nothing moves
+    program.lower[:legs], program.lower[legs] = shortest, 0.0
+    program.upper[legs] = 1 / TOLERANCE  # bounds the program where no leg has a length
     for k, length in enumerate(lengths):
-        if moving[k]:
+        if length > TOLERANCE:
             program.rows([[k, legs]], [1.0, -length], 0.0, np.inf)
-    for columns, least, most in windows:
-        program.rows([columns], np.ones(len(columns)), least, most)
-    found = program.solve()
-    if found is None:
-        return None
-    times = np.concatenate([[0.0], np.cumsum(found[:legs])]) * segments
-    # whole numbers nearest to them under the same differences: a program whose vertices are whole
-    count = legs + 1
+    for window in windows:
+        program.rows([window.legs], np.ones(len(window.legs)), window.minimum, window.maximum)
+    solution = program.solve()
+    return None if solution is None else solution[:legs]
+
+
+def _round_to_knots(times: Array, steps: Array, windows: Sequence[_LegWindow], segments: int) -> list[int] | None:
+    """Return the knots nearest to times in segments, within all windows; None where there are none.
+
+    steps: (legs,), how many segments each leg takes at least. The constraints are differences of two knots, so the vertices of
+    the linear program are whole numbers.
+    """
+    count = len(times)
     program, row = LinearProgram(3 * count), np.arange(count)
     program.cost[count:] = 1.0
     program.lower[:] = 0.0
     program.upper[:count] = segments
-    program.upper[0], program.lower[legs] = 0.0, segments
+    program.upper[0], program.lower[count - 1] = 0.0, segments
     program.rows(np.stack([row, row + count, row + 2 * count], axis=1), [1.0, 1.0, -1.0], times, times)
-    step = np.array([float(max(calm, 1)) if m else 0.0 for m in moving])
-    program.rows(np.stack([row[1:], row[:-1]], axis=1), [1.0, -1.0], step, np.inf)
-    for columns, least, most in windows:
-        low = np.ceil(least * segments - ROUNDED) if np.isfinite(least) else -np.inf
-        high = np.floor(most * segments + ROUNDED) if np.isfinite(most) else np.inf
+    program.rows(np.stack([row[1:], row[:-1]], axis=1), [1.0, -1.0], steps, np.inf)
+    for window in windows:
+        low = np.ceil(window.minimum * segments - KNOT_TOLERANCE) if np.isfinite(window.minimum) else -np.inf
+        high = np.floor(window.maximum * segments + KNOT_TOLERANCE) if np.isfinite(window.maximum) else np.inf
         if low > high:
             return None
-        program.rows([[columns[-1] + 1, columns[0]]], [1.0, -1.0], low, high)
-    found = program.solve()
-    return None if found is None else [int(v) for v in np.rint(found[:count])]
+        program.rows([[window.legs[-1] + 1, window.legs[0]]], [1.0, -1.0], low, high)
+    solution = program.solve()
+    return None if solution is None else [int(v) for v in np.rint(solution[:count])]
 
 
-def centre_of(plan: Plan, knots: list[int], segments: int) -> Array:
-    """Where the centre is at the end of each segment when every leg is gone at one speed: (segments + 1, n)."""
-    here = plan.origin
-    found = np.empty((segments + 1, len(here)))
-    found[0] = here
-    for stop, a, b in zip(plan.stops, knots[:-1], knots[1:], strict=True):
-        points = np.concatenate([here[None], stop.way])
+def centre_along(plan: Plan, knots: Sequence[int], segments: int) -> Array:
+    """Return the centre at the ends of the segments when every leg is followed at a constant speed: (segments + 1, n)."""
+    position = plan.origin
+    centre = np.empty((segments + 1, len(position)))
+    centre[0] = position
+    for stop, begin, end in zip(plan.stops, knots[:-1], knots[1:], strict=True):
+        points = np.concatenate([position[None], stop.path])
         steps = np.abs(np.diff(points, axis=0)).max(axis=1) if len(points) > 1 else np.zeros(0)
-        way = np.concatenate([[0.0], np.cumsum(steps)])
-        for k in range(a + 1, b + 1):
-            at = way[-1] * (k - a) / (b - a)
-            q = min(int(np.searchsorted(way, at, side="right")) - 1, max(len(steps) - 1, 0))
-            part = (at - way[q]) / steps[q] if len(steps) and steps[q] > 0 else 0.0
-            found[k] = points[q] + (points[q + 1] - points[q]) * min(part, 1.0) if len(steps) else here
-        here = points[-1]
-        found[b] = here
-    return found
+        distances = np.concatenate([[0.0], np.cumsum(steps)])
+        for k in range(begin + 1, end + 1):
+            distance = distances[-1] * (k - begin) / (end - begin)
+            q = min(int(np.searchsorted(distances, distance, side="right")) - 1, max(len(steps) - 1, 0))
+            part = (distance - distances[q]) / steps[q] if len(steps) and steps[q] > 0 else 0.0
+            centre[k] = points[q] + (points[q + 1] - points[q]) * min(part, 1.0) if len(steps) else position
+        position = points[-1]
+        centre[end] = position
+    return centre
 
 
-def demands_of(
-    arena: Arena, mission: Mission, plan: Plan, knots: list[int], segments: int, lasting: bool = False
+def mission_obstacles(
+    arena: Arena, mission: Mission, plan: Plan, knots: Sequence[int], *, segments: int, widened: bool = False
 ) -> tuple[TimedObstacle, ...]:
-    """What each state asks, where it is asked, as sets that are avoided. lasting: what is asked for a moment alone for a segment
-    to either side of it."""
-    when = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
-    demands: list[TimedObstacle] = []
+    """Return what each state requires, while it must hold, as sets that the tube must stay clear of.
+
+    knots: of the start and of each stop. widened: whether a state that must hold at one moment must hold for a segment to either
+    side of it.
+    """
+    event_knots = {START: knots[0], **{stop.event: knot for stop, knot in zip(plan.stops, knots[1:], strict=True)}}
+    around = max(int(np.ceil(mission.start_delay * segments)), int(widened))
+    knot_margin = 2.0 * plan.speed / segments * KNOT_SHARE
+    obstacles: list[TimedObstacle] = []
     for number, hold in enumerate(plan.skeleton.holds):
-        wanted: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
-        room = np.zeros((segments, 4))
-        a, b = when[hold.first], when[hold.last]
-        around = max(int(np.ceil(mission.doubt * segments)), int(lasting))  # segments that it lasts to either side of its moment
-        if hold.at_once and not around:
-            room_here = 2.0 * plan.speed / segments * AT_A_KNOT
-            for k, c in ((a - 1, 3), (a, 0)):
-                if 0 <= k < segments:
-                    wanted[k, c], room[k, c] = True, room_here
-        else:
-            first, last = (a - around, b + around) if hold.first == hold.last else (a, b + max(around, 1) * hold.longer)
-            wanted[max(first, 0) : last] = True
-        if hold.last == END:
-            wanted[segments - 1, 3] = True
-        demands += mission.states[hold.state].demands(arena, f"{number}", wanted, room)
-    return tuple(demands)
+        first, last = event_knots[hold.first], event_knots[hold.last]
+        active, margin = _active_coefficients(hold, first, last, segments=segments, around=around, knot_margin=knot_margin)
+        obstacles += mission.states[hold.state].as_timed_obstacles(arena, f"{number}", active, margin)
+    return tuple(obstacles)
+
+
+def _active_coefficients(
+    hold: Hold, first: int, last: int, *, segments: int, around: int, knot_margin: float
+) -> tuple[npt.NDArray[np.bool_], Array]:
+    """Return at which Bezier coefficients a hold from a knot to a knot must hold, and with which margins: (segments, 4) each.
+
+    around: for how many segments it must hold to either side of its moment. knot_margin: the margin where that is 0.
+    """
+    active: npt.NDArray[np.bool_] = np.zeros((segments, 4), dtype=bool)
+    margin = np.zeros((segments, 4))
+    if hold.is_momentary and not around:
+        for k, coefficient in ((first - 1, 3), (first, 0)):
+            if 0 <= k < segments:
+                active[k, coefficient], margin[k, coefficient] = True, knot_margin
+    elif hold.first == hold.last:
+        active[max(first - around, 0) : last + around] = True
+    else:
+        active[max(first, 0) : last + max(around, 1) * hold.lasts_longer] = True
+    if hold.last == END:
+        active[segments - 1, 3] = True
+    return active, margin

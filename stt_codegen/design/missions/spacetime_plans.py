@@ -1,124 +1,164 @@
-"""When the events of a mission happen among sets that move: a way in space and time that carries them out in a given order.
+"""When the events of a mission happen among sets that move: a route in space and time on which they happen in a given order.
 
-The cells of search.py (spacetime/) once for every number of events that are done, a layer each. In a layer the centre keeps to
-what is held meanwhile; from one to the next it goes where the next event may happen, at a time at which it may. Bounds on the
-time between two events are not seen here: of a way that breaks one nothing is said.
+The cells of spacetime/ are used in layers, one for each number of events that are done. In a layer the centre stays in cells
+where the open holds are true. It goes to the next layer where the next event may happen, at a time at which it may. Time bounds
+between two chosen events are not part of the search: a route that breaks one is dropped. mission_search.py calls this.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.missions.plans import ROUNDED, Plan
+from stt_codegen.design.missions.plans import KNOT_TOLERANCE, Plan
 from stt_codegen.design.missions.skeleton import START
 from stt_codegen.design.missions.state_constraints import Mission
 from stt_codegen.design.spacetime import FAR, Cell, Field, fields
 from stt_codegen.task.mission import State
 
 Flags = npt.NDArray[np.bool_]
+Costs = npt.NDArray[np.int32]
+
+
+class EventRoute(NamedTuple):
+    """A route with its events: the knot of each event, the start's first, and the centre at the ends of segments (K + 1, n)."""
+
+    knots: list[int]
+    centre: Array
 
 
 @dataclass(frozen=True)
 class _Layers:
-    """What may be where: kept: the cells of every layer; there: of every event in its order, the start first; when: from which
-    segment's begin to which."""
+    """The search for a route through the layers. Events are numbered in their order, the start is 0.
+
+    allowed_cells: of each layer. event_cells: of each event. windows: the first and last knot of each event.
+    """
 
     field: Field
-    kept: list[Flags]
-    there: list[Flags]
-    when: list[tuple[int, int]]
+    allowed_cells: list[Flags]
+    event_cells: list[Flags]
+    windows: list[tuple[int, int]]
 
-    def way(self, quickest: int) -> tuple[list[int], list[Cell]] | None:
-        """The knots of the events, and the cell at every time; None where none is found."""
-        last, segments = len(self.there) - 1, len(self.field.free)
-        cost = [np.full(self.field.goal.shape, FAR, dtype=np.int32) for _ in self.there]
-        cost[0][self.field.first] = 0
-        found: list[list[npt.NDArray[np.int32]]] = []
-        for k in range(segments + 1):
-            for m in range(1, last + 1):
-                if self.when[m][0] <= k <= self.when[m][1]:
-                    cost[m] = np.where(self.there[m], np.minimum(cost[m], cost[m - 1]), cost[m])
-            found.append(cost)
-            if k < segments:
-                cost = [self._step(m, k, one, quickest) if one.min() < FAR else one for m, one in enumerate(cost)]
-        final = found[-1][last]
+    def cheapest_route(self, pace: int) -> tuple[list[int], list[Cell]] | None:
+        """Return the knots of the events and the cell at every knot; None where there is no route of at most `pace` cells."""
+        costs = self._costs(pace)
+        final = costs[-1][-1]
         if final.min() >= FAR:
             return None
         cell: Cell = tuple(int(v) for v in np.unravel_index(int(final.argmin()), final.shape))
-        m, cells, knots = last, [cell], [0] * (last + 1)
-        for k in range(segments, -1, -1):
-            while m and self.when[m][0] <= k <= self.when[m][1] and self.there[m][cell]:
-                if found[k][m - 1][cell] != found[k][m][cell]:
+        layer, cells, knots = len(self.event_cells) - 1, [cell], [0] * len(self.event_cells)
+        for k in range(len(self.field.free), -1, -1):
+            while self._may_happen(layer, k) and self.event_cells[layer][cell]:
+                if costs[k][layer - 1][cell] != costs[k][layer][cell]:
                     break
-                knots[m], m = k, m - 1
+                knots[layer], layer = k, layer - 1
             if k:
-                cell = self.field.before(cell, found[k - 1][m], int(found[k][m][cell]), self._free(m, k - 1), quickest)
+                free = self._free_cells(layer, k - 1)
+                cell = self.field.before(cell, costs[k - 1][layer], int(costs[k][layer][cell]), free, pace)
                 cells.append(cell)
         return knots, cells[::-1]
 
-    def _free(self, m: int, k: int) -> Flags:
-        return np.asarray(self.field.free[k] & self.kept[m])
+    def _costs(self, pace: int) -> list[list[Costs]]:
+        """Return the smallest cost to each cell by knot and layer; FAR where no route leads."""
+        cost = [np.full(self.field.goal.shape, FAR, dtype=np.int32) for _ in self.event_cells]
+        cost[0][self.field.first] = 0
+        costs: list[list[Costs]] = []
+        segments = len(self.field.free)
+        for k in range(segments + 1):
+            for layer in range(1, len(self.event_cells)):
+                if self._may_happen(layer, k):
+                    cost[layer] = np.where(self.event_cells[layer], np.minimum(cost[layer], cost[layer - 1]), cost[layer])
+            costs.append(cost)
+            if k < segments:
+                cost = [self._next_cost(layer, k, c, pace) if c.min() < FAR else c for layer, c in enumerate(cost)]
+        return costs
 
-    def _step(self, m: int, k: int, cost: npt.NDArray[np.int32], quickest: int) -> npt.NDArray[np.int32]:
-        return self.field.stepped(cost, self._free(m, k), self.field.after(k), quickest)
+    def _may_happen(self, event: int, k: int) -> bool:
+        """Return whether an event after the start may happen at knot k."""
+        return event > 0 and self.windows[event][0] <= k <= self.windows[event][1]
+
+    def _free_cells(self, layer: int, k: int) -> Flags:
+        return np.asarray(self.field.free[k] & self.allowed_cells[layer])
+
+    def _next_cost(self, layer: int, k: int, cost: Costs, pace: int) -> Costs:
+        return self.field.stepped(cost, self._free_cells(layer, k), self.field.after(k), pace)
 
 
-class _Holding:
-    """In which cells states hold."""
+class _StateCells:
+    """The cells in which the states of a mission hold."""
 
-    def __init__(self, mission: Mission, arena: Arena, one: Field, width: Array) -> None:
-        self.mission, self.half, self.reach, self.shape = mission, width / 2, arena.clearance + width / 2, one.goal.shape
-        self.points = np.stack(np.meshgrid(*one.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
-        self.known: dict[State, Flags] = {}
+    def __init__(self, mission: Mission, arena: Arena, field: Field, width: Array) -> None:
+        self.mission, self.half_width, self.reach = mission, width / 2, arena.clearance + width / 2
+        self.shape = field.goal.shape
+        self.points = np.stack(np.meshgrid(*field.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
+        self.cache: dict[State, Flags] = {}
 
-    def where(self, states: list[State]) -> Flags:
-        """The cells in which all of them hold."""
+    def cells_of(self, states: Iterable[State]) -> Flags:
+        """Return the cells in which all of these states hold."""
         cells = np.ones(self.shape, dtype=bool)
         for state in states:
-            if state not in self.known:
-                allowed = self.mission.states[state].allows(self.points, self.half, self.reach)
-                self.known[state] = allowed.reshape(self.shape)
-            cells &= self.known[state]
+            if state not in self.cache:
+                allowed = self.mission.states[state].holds_about(self.points, self.half_width, self.reach)
+                self.cache[state] = allowed.reshape(self.shape)
+            cells &= self.cache[state]
         return cells
 
 
-def way_with_events(
-    arena: Arena, mission: Mission, plan: Plan, centre: Array, width: Array, segments: int
-) -> tuple[list[int], Array] | None:
-    """The knot of each stop, the start's first, and the centre at the ends of segments (segments + 1, n); None where none is
-    found in which everything is in time."""
-    zone, events = plan.skeleton.zone, [START, *(stop.event for stop in plan.stops)]
-    assert zone is not None
-    for one in fields(arena, centre, width, segments, coarsely=True):
-        if len(one.cells.own) < arena.dimension:  # what holds would depend on the other dimensions
+def route_with_events(
+    arena: Arena, mission: Mission, plan: Plan, *, centre: Array, width: Array, segments: int
+) -> EventRoute | None:
+    """Return a route from `centre` (n,) on which the plan's events happen in time, in the plan's order; None where none is found.
+
+    width: (n,), of the tube.
+    """
+    events = [START, *(stop.event for stop in plan.stops)]
+    for field in fields(arena, centre, width, segments, coarsely=True):
+        if len(field.cells.own) < arena.dimension:  # where a state holds would depend on the axes outside of the slice
             return None
-        cells, holds = _Holding(mission, arena, one, width), plan.skeleton.holds
-        kept = []
-        for m in range(len(events)):
-            done = set(events[: m + 1])
-            kept.append(cells.where([h.state for h in holds if h.first in done and h.last not in done]))
-        there = [cells.where([h.state for h in holds if event in (h.first, h.last)]) for event in events]
-        kept[0][one.first] = there[0][one.first] = True
-        there[-1] = there[-1] & one.goal
-        when = [
-            (int(np.ceil(-zone[e, START] * segments - ROUNDED)), int(np.floor(zone[START, e] * segments + ROUNDED)))
-            for e in events
-        ]
-        found = _Layers(one, kept, there, when).way(one.paces[0])
-        if found is not None and _in_time(plan, events, found[0], segments):
-            way = one.cells.points(found[1])
-            way[0] = centre
-            return found[0], way
+        layers = _layers_of(plan, events, field, _StateCells(mission, arena, field, width))
+        route = layers.cheapest_route(field.paces[0])
+        if route is not None:
+            knots, cells = route
+            if _is_in_time(plan, events, knots, segments):
+                points = field.cells.points(cells)
+                points[0] = centre
+                return EventRoute(knots, points)
     return None
 
 
-def _in_time(plan: Plan, events: list[int], knots: list[int], segments: int) -> bool:
-    """Whether all bounds between events hold."""
-    at = dict(zip(events, knots, strict=True))
-    gaps = [(d, at[d.last] - at[d.first]) for d in plan.skeleton.differences]
-    return all(d.least * segments - ROUNDED <= gap <= d.most * segments + ROUNDED for d, gap in gaps)
+def _layers_of(plan: Plan, events: Sequence[int], field: Field, state_cells: _StateCells) -> _Layers:
+    """Return the layers of a plan: where its holds are true, and where and when its events may happen."""
+    zone, holds, segments = plan.skeleton.zone, plan.skeleton.holds, len(field.free)
+    assert zone is not None
+    allowed_cells = []
+    for layer in range(len(events)):
+        done = set(events[: layer + 1])
+        allowed_cells.append(state_cells.cells_of(h.state for h in holds if h.first in done and h.last not in done))
+    event_cells = [state_cells.cells_of(h.state for h in holds if event in (h.first, h.last)) for event in events]
+    allowed_cells[0][field.first] = event_cells[0][field.first] = True
+    event_cells[-1] = event_cells[-1] & field.goal
+    windows = [
+        (
+            int(np.ceil(-zone[event, START] * segments - KNOT_TOLERANCE)),
+            int(np.floor(zone[START, event] * segments + KNOT_TOLERANCE)),
+        )
+        for event in events
+    ]
+    return _Layers(field, allowed_cells, event_cells, windows)
+
+
+def _is_in_time(plan: Plan, events: Sequence[int], knots: Sequence[int], segments: int) -> bool:
+    """Return whether all time bounds hold for events at these knots."""
+    knot_of = dict(zip(events, knots, strict=True))
+    return all(
+        bound.minimum * segments - KNOT_TOLERANCE
+        <= knot_of[bound.last] - knot_of[bound.first]
+        <= bound.maximum * segments + KNOT_TOLERANCE
+        for bound in plan.skeleton.time_bounds
+    )

@@ -1,4 +1,7 @@
-"""The places between which a mission is planned, and the shortest legs between them while some states are held."""
+"""The waypoints between which a mission is planned, and the shortest legs between them while some states hold.
+
+orders.py and plans.py search among the waypoints. Their grown sets and their lines of sight are those of routes/.
+"""
 
 from __future__ import annotations
 
@@ -10,155 +13,178 @@ import numpy.typing as npt
 
 from stt_codegen.design.arena import Arena
 from stt_codegen.design.half_spaces import Array
-from stt_codegen.design.missions.skeleton import TINY
-from stt_codegen.design.missions.state_constraints import LABELS, Mission
-from stt_codegen.design.routes import STRAIGHT, obstacles_of, route_nodes
+from stt_codegen.design.missions.skeleton import TOLERANCE
+from stt_codegen.design.missions.state_constraints import LABEL_LIMIT, Mission
+from stt_codegen.design.routes import STRAIGHT, Obstacles, obstacles_of, route_nodes
 from stt_codegen.task.mission import State
 
-MOST_PAIRS = 576  # of regions of which the nearest points are places too
-CORNERS = 3  # dimensions in which all corners of a region are places
-ALL_LEGS = 300  # places between which all legs are found at once
-TINIEST = 1e-12  # between nodes at one place, for 0 is no edge of a graph
-THIN = 1e-7  # sets are so much smaller where a leg is looked along their edge
+PAIR_LIMIT = 576  # up to so many pairs of regions their nearest points are waypoints too
+CORNER_DIMENSION_LIMIT = 3  # up to so many dimensions all corners of a region are waypoints
+ALL_LEGS_LIMIT = 300  # up to so many waypoints all legs are computed at once
+MINIMUM_EDGE = 1e-12  # the length between nodes at one place, for 0 means no edge in a graph
+EDGE_ALLOWANCE = 1e-7  # sets are smaller by this where lines of sight are checked, so that a leg may run along an edge
 Flags = npt.NDArray[np.bool_]
+Predecessors = npt.NDArray[np.int32]
 
 
 @dataclass(kw_only=True)
-class Places:
-    """Where the centre of a tube of some width may be: nodes (N, n), the first that of the start, and which see each other. left:
-    how many labels may still be looked at in searches for an order of the visits among them."""
+class Waypoints:
+    """Where the centre of a tube of some width may be: nodes (N, n), the first one that of the start.
+
+    start: gamma(0), (2, n). width: (n,). labels_left: how many labels the searches for an order of the visits may still use.
+    """
 
     arena: Arena
     mission: Mission
     start: Array
     width: Array
-    left: int = LABELS
-    _sights: dict[State, Flags] = field(default_factory=dict)
+    labels_left: int = LABEL_LIMIT
+    _visibility: dict[State, Flags] = field(default_factory=dict)
     _graphs: dict[int, Array] = field(default_factory=dict)
-    _far: dict[bytes, Array] = field(default_factory=dict)
-    _legs: dict[tuple[int, int], tuple[Array, npt.NDArray[np.int32]]] = field(default_factory=dict)
+    _distance_bounds: dict[bytes, Array] = field(default_factory=dict)
+    _legs: dict[tuple[int, int], tuple[Array, Predecessors]] = field(default_factory=dict)
 
     @cached_property
     def reach(self) -> Array:
+        """Return how far a set must be from the centre, on each axis: the clearance and half of the width, (n,)."""
         return np.asarray(self.arena.clearance + self.width / 2)
 
     @cached_property
     def nodes(self) -> Array:
-        arena, half = self.arena, self.width / 2
-        space = np.stack([arena.space[0] + half, arena.space[1] - half])
-        centre = (self.start[0] + self.start[1]) / 2
-        grown = obstacles_of(arena, self.reach)
-        goal = np.stack([arena.target[0] + half, arena.target[1] - half])
-        found = [route_nodes(grown, space, goal, centre)]
-        middles = []
-        for asked in self.mission.states.values():
-            blocking = asked.obstacles(self.reach)
-            if blocking is not None:
-                found.append(route_nodes(blocking, space, goal, centre))
-            for piece in asked.pieces:
-                box = piece.centres(arena, half)
-                if box is not None:
-                    middles.append((box[0] + box[1]) / 2)
-                    found.append(self._corners(box, centre))
-        for asked in self.mission.states.values():  # the point of a region that is nearest to another region
-            boxes = [box for piece in asked.pieces if (box := piece.centres(arena, half)) is not None]
-            if len(boxes) * len(middles) <= MOST_PAIRS:
-                found += [np.clip(m, box[0], box[1])[None] for box in boxes for m in middles]
-        points = np.concatenate(found)
-        free = ~grown.inside(points) & ((points >= space[0] - TINY) & (points <= space[1] + TINY)).all(axis=1)
-        if len(arena.walls.bound):
-            free &= arena.walls.contain_boxes(points, half)
-        free[0] |= not grown.inside(points[:1])[0]
-        for state in self.mission.permanent:
-            asked = self.mission.states[state]
-            blocking = asked.obstacles(self.reach - THIN)
-            free &= asked.allows(points, half, self.reach) if blocking is None else ~blocking.inside(points)
-        first = points[0]
-        rest = np.unique(np.round(points[1:][free[1:]], 12), axis=0)
-        return np.concatenate([first[None], rest]) if free[0] else np.empty((0, len(first)))
+        """Return the waypoints (N, n) that are in the space, clear of the unsafe sets and in all permanent states.
 
-    @staticmethod
-    def _corners(box: Array, centre: Array) -> Array:
-        n = len(centre)
-        points = [(box[0] + box[1]) / 2, np.clip(centre, box[0], box[1])]
-        if n <= CORNERS:
-            points += [np.where(np.array([k >> i & 1 for i in range(n)]) == 1, box[1], box[0]) for k in range(1 << n)]
-        return np.array(points)
+        They are the nodes of a route among the unsafe sets and among the sets that the states exclude, the centres and corners of
+        regions and the points of regions that are nearest to another region. There are none where the start is not free.
+        """
+        half_width, centre = self.width / 2, (self.start[0] + self.start[1]) / 2
+        space, target = (np.stack([box[0] + half_width, box[1] - half_width]) for box in (self.arena.space, self.arena.target))
+        obstacles = obstacles_of(self.arena, self.reach)
+        points = np.concatenate([route_nodes(obstacles, space, target, centre), *self._region_points(space, target, centre)])
+        is_free = self._free(points, space, obstacles)
+        if not is_free[0]:
+            return np.empty((0, len(centre)))
+        further = np.unique(np.round(points[1:][is_free[1:]], 12), axis=0)
+        return np.concatenate([points[:1], further])
+
+    def _region_points(self, space: Array, target: Array, centre: Array) -> list[Array]:
+        """Return the waypoints that the states of the mission add, as arrays (P, n)."""
+        points, middles = [], []
+        boxes: list[list[Array]] = []  # of centres, for each state
+        for constraint in self.mission.states.values():
+            excluded = constraint.grown_obstacles(self.reach)
+            if excluded is not None:
+                points.append(route_nodes(excluded, space, target, centre))
+            pieces = (piece.box_of_centres(self.arena, self.width / 2) for piece in constraint.pieces)
+            boxes.append([box for box in pieces if box is not None])
+            middles += [(box[0] + box[1]) / 2 for box in boxes[-1]]
+            points += [_corners_of(box, centre) for box in boxes[-1]]
+        for state_boxes in boxes:  # the point of a region that is nearest to another region
+            if len(state_boxes) * len(middles) <= PAIR_LIMIT:
+                points += [np.clip(middle, box[0], box[1])[None] for box in state_boxes for middle in middles]
+        return points
+
+    def _free(self, points: Array, space: Array, obstacles: Obstacles) -> Flags:
+        """Return which points (P, n) are in the space, clear of the obstacles and in all permanent states: (P,)."""
+        is_clear = ~obstacles.inside(points)
+        is_free = is_clear & ((points >= space[0] - TOLERANCE) & (points <= space[1] + TOLERANCE)).all(axis=1)
+        if len(self.arena.walls.bound):
+            is_free &= self.arena.walls.contain_boxes(points, self.width / 2)
+        is_free[0] |= is_clear[0]  # gamma(0) is in the space, though a box of this width about its centre may not be
+        for state in self.mission.permanent_states:
+            constraint = self.mission.states[state]
+            excluded = constraint.grown_obstacles(self.reach - EDGE_ALLOWANCE)
+            if excluded is None:
+                is_free &= constraint.holds_about(points, self.width / 2, self.reach)
+            else:
+                is_free &= ~excluded.inside(points)
+        return np.asarray(is_free)
 
     @cached_property
-    def distance(self) -> Array:
-        """Between nodes, ties broken as for a route: (N, N)."""
-        found = np.zeros((len(self.nodes),) * 2)
+    def distances(self) -> Array:
+        """Return the distances between nodes, with ties decided as for a route: (N, N)."""
+        distances = np.zeros((len(self.nodes),) * 2)
         for k, node in enumerate(self.nodes):
             steps = np.abs(self.nodes - node)
             total = steps[:, 0].copy()
             for i in range(1, steps.shape[1]):
                 total += steps[:, i]
-            found[k] = self.arena.distance(steps) + STRAIGHT * total
-        return found
+            distances[k] = self.arena.distance(steps) + STRAIGHT * total
+        return distances
 
     @cached_property
-    def sight(self) -> Flags:
-        """Which nodes see each other past the unsafe sets: (N, N)."""
-        return self._seen(self.arena)
+    def visibility(self) -> Flags:
+        """Return between which nodes the straight line meets no unsafe set: (N, N)."""
+        return self._visibility_in(self.arena)
 
-    def _seen(self, arena: Arena) -> Flags:
-        """Past the unsafe sets of an arena, a little smaller than they are, so that a way along an edge is one."""
-        grown = obstacles_of(arena, self.reach - THIN)
-        found = np.ones((len(self.nodes),) * 2, dtype=bool)
+    def _visibility_in(self, arena: Arena) -> Flags:
+        """Return between which nodes the straight line meets none of an arena's unsafe sets, made a little smaller: (N, N)."""
+        obstacles = obstacles_of(arena, self.reach - EDGE_ALLOWANCE)
+        is_visible = np.ones((len(self.nodes),) * 2, dtype=bool)
         if len(arena.names):
             for k, node in enumerate(self.nodes[:-1]):
-                found[k, k + 1 :] = grown.visible(node, self.nodes[k + 1 :])
-        upper = np.triu(found)
+                is_visible[k, k + 1 :] = obstacles.visible(node, self.nodes[k + 1 :])
+        upper = np.triu(is_visible)
         return np.asarray(upper | upper.T)
 
     @cached_property
-    def allowed(self) -> dict[State, Flags]:
-        """At which nodes each state holds: (N,)."""
-        half = self.width / 2
-        return {state: asked.allows(self.nodes, half, self.reach) for state, asked in self.mission.states.items()}
+    def nodes_in_state(self) -> dict[State, Flags]:
+        """Return for each state at which nodes it holds: (N,)."""
+        half_width = self.width / 2
+        return {state: c.holds_about(self.nodes, half_width, self.reach) for state, c in self.mission.states.items()}
 
-    def sight_of(self, state: State) -> Flags:
-        """Between which nodes a state is kept all the way."""
-        if state not in self._sights:
-            asked, here = self.mission.states[state], self.passable(state)
-            seen = np.ones_like(self.sight) if asked.blocking is None else self._seen(asked.blocking)
-            self._sights[state] = seen & here[:, None] & here[None]
-        return self._sights[state]
+    def visibility_within(self, state: State) -> Flags:
+        """Return between which nodes a state holds all along the straight line: (N, N)."""
+        if state not in self._visibility:
+            constraint, is_passable = self.mission.states[state], self.passable_nodes(state)
+            excluded = constraint.complement
+            is_visible = np.ones_like(self.visibility) if excluded is None else self._visibility_in(excluded)
+            self._visibility[state] = is_visible & is_passable[:, None] & is_passable[None]
+        return self._visibility[state]
 
-    def passable(self, state: State) -> Flags:
-        """At which nodes a hold of the state may be open: for a union of boxes between two of them too."""
-        asked = self.mission.states[state]
-        grown = asked.obstacles(self.reach - THIN)
-        return self.allowed[state] if grown is None else ~grown.inside(self.nodes)
+    def passable_nodes(self, state: State) -> Flags:
+        """Return at which nodes the tube may be while a state holds, also across two boxes of a union: (N,)."""
+        obstacles = self.mission.states[state].grown_obstacles(self.reach - EDGE_ALLOWANCE)
+        return self.nodes_in_state[state] if obstacles is None else ~obstacles.inside(self.nodes)
 
     def _graph(self, states: int) -> Array:
-        """The lengths of what is in sight while these states are held, 0 where nothing is."""
+        """Return the lengths of the straight lines along which these states hold, 0 where there is none: (N, N)."""
         if states not in self._graphs:
-            seen = self.sight
+            is_visible = self.visibility
             for k, state in enumerate(self.mission.states):
-                seen = seen & self.sight_of(state) if states >> k & 1 else seen
-            self._graphs[states] = np.where(seen, self.distance + TINIEST, 0.0)
+                if states >> k & 1:
+                    is_visible = is_visible & self.visibility_within(state)
+            self._graphs[states] = np.where(is_visible, self.distances + MINIMUM_EDGE, 0.0)
         return self._graphs[states]
 
-    def legs(self, states: int, source: int) -> tuple[Array, npt.NDArray[np.int32]]:
-        """Distances from a node to all, and the node before each, while these states are held, a bit each in the mission's
-        order."""
+    def shortest_legs(self, states: int, source: int) -> tuple[Array, Predecessors]:
+        """Return the distances from a node to all nodes while these states hold, and the node before each one: (N,) each.
+
+        states: a bit for each state, in the mission's order.
+        """
         if (states, source) not in self._legs:
             from scipy.sparse.csgraph import dijkstra
 
-            if len(self.nodes) > ALL_LEGS:
+            if len(self.nodes) > ALL_LEGS_LIMIT:
                 self._legs[states, source] = dijkstra(self._graph(states), indices=source, return_predecessors=True)
             else:
-                lengths, before = dijkstra(self._graph(states), return_predecessors=True)
-                self._legs.update({(states, k): (lengths[k], before[k]) for k in range(len(self.nodes))})
+                lengths, predecessors = dijkstra(self._graph(states), return_predecessors=True)
+                self._legs.update({(states, k): (lengths[k], predecessors[k]) for k in range(len(self.nodes))})
         return self._legs[states, source]
 
-    def far(self, goals: Flags) -> Array:
-        """How far it is at least from every node to the nearest of some, whatever is held: (N,)."""
-        if (name := goals.tobytes()) not in self._far:
+    def distance_bounds(self, goals: Flags) -> Array:
+        """Return a lower bound on the distance from each node to the nearest of some nodes, whatever states hold: (N,)."""
+        if (key := goals.tobytes()) not in self._distance_bounds:
             from scipy.sparse.csgraph import dijkstra
 
             lengths = dijkstra(self._graph(0), indices=np.nonzero(goals)[0], min_only=True)
-            self._far[name] = np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))
-        return self._far[name]
+            self._distance_bounds[key] = np.asarray(lengths / (1 + STRAIGHT * self.arena.dimension))
+        return self._distance_bounds[key]
+
+
+def _corners_of(box: Array, centre: Array) -> Array:
+    """Return the middle of a box, its point nearest to the centre and, in few dimensions, its corners: (P, n)."""
+    n = len(centre)
+    points = [(box[0] + box[1]) / 2, np.clip(centre, box[0], box[1])]
+    if n <= CORNER_DIMENSION_LIMIT:
+        points += [np.where(np.array([k >> i & 1 for i in range(n)]) == 1, box[1], box[0]) for k in range(1 << n)]
+    return np.array(points)

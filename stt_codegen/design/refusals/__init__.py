@@ -1,5 +1,5 @@
-"""Why no tube is found, and which option would have to change, and how far."""
+"""Why no tube is found, which option would have to change, and how far."""
 
-from stt_codegen.design.refusals.advice import refusal
+from stt_codegen.design.refusals.advice import explain_refusal
 
-__all__ = ["refusal"]
+__all__ = ["explain_refusal"]
