@@ -58,13 +58,12 @@ PENDING = """
     stt_codegen/design_kinds.py
     stt_codegen/design/arena.py
     stt_codegen/design/linear_programs
-    stt_codegen/design/missions
     stt_codegen/design/paper_tubes
-    stt_codegen/design/refusals
     stt_codegen/design/routes
     stt_codegen/design/spacetime
     stt_codegen/design/spline_tubes
-    stt_codegen/design
+    stt_codegen/design/__init__.py
+    stt_codegen/design/refine.py
     stt_codegen/designs
     stt_codegen/emit
     stt_codegen/lemmas/emitted
