@@ -24,6 +24,7 @@ BANNED_ALONE = frozenset(
     "one other others each every place back room calm dear quick".split()
 )  # as a whole name; a part of a name may be one
 ALLOWED = frozenset("at_least at_most held_input held_inputs".split())  # terms of the field, as a part of a name or the whole
+KEYS_OF_TASKS = {("stt_codegen/task/mission/regions.py", "every")}  # fields that are keys of the task file, which stay
 
 # Of sentences: left the riddle or the synonym, right the word to use.
 BANNED_PHRASES = {
@@ -78,7 +79,6 @@ PENDING = """
     stt_codegen/reference.py
     stt_codegen/report
     stt_codegen/sampling
-    stt_codegen/task
     stt_codegen/theorem
     tests
     benchmarks
@@ -174,7 +174,7 @@ def test_names_say_what_a_value_is() -> None:
         f"{path}:{line}: {name}"
         for path, text in python_files().items()
         for line, name in bound_names(ast.parse(text))
-        if is_banned(name)
+        if is_banned(name) and (path, name) not in KEYS_OF_TASKS
     ]
     assert bad == []
 

@@ -332,7 +332,9 @@ def _with_errors(task: TaskTables, expansion: _Expansion, axis: ClosedAxis, imag
     step = period / 2 - 2 * ((task.plant.noise or Fraction(0)) + error) - 4 * error
     x, start = task.initial_state[i], task.start
     if step <= 0:
-        raise BadInput(f"plant.noise: is {decimal(task.plant.noise or Fraction(0))}, and then no turn of {name} can be told")
+        raise BadInput(
+            f"plant.noise: is {decimal(task.plant.noise or Fraction(0))}, and then turns of {name} cannot be distinguished"
+        )
     if max(x - start.lower[i], start.upper[i] - x) >= step:
         raise BadInput(
             f"initial_set: reaches half a turn from initial_state in {name}, and a first measurement is unwrapped from there; "

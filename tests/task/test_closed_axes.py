@@ -214,7 +214,7 @@ REFUSED = {
         {"initial_set": {"lower": [0.3, -0.5], "upper": [0.7, 3.1]}, "initial_state": [0.5, 3.0]},
         r"initial_set: reaches half a turn from initial_state in yaw",
     ),
-    "noise": ({"plant": {"noise": 1.6}}, r"plant\.noise: is 1\.6, and then no turn of yaw can be told"),
+    "noise": ({"plant": {"noise": 1.6}}, r"plant\.noise: is 1\.6, and then turns of yaw cannot be distinguished"),
     "far": (
         {"initial_state": [0.5, 1000], "initial_set": {"lower": [0.3, 999.9], "upper": [0.7, 1000.1]}},
         r"initial_set: more than 100 turns would be counted in yaw",

@@ -1,4 +1,4 @@
-"""Sets that a task takes from files and outlines: occupancy maps and concave rooms, as convex pieces."""
+"""Unsafe sets from occupancy maps and from outlines of concave rooms: both are split into convex pieces."""
 
 from stt_codegen.task.map.convex_pieces import Piece, count_free_cells_in, cover_cells
 from stt_codegen.task.map.floor_plans import FloorPlan, expand_outline, name_walls

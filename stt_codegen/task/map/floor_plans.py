@@ -1,12 +1,12 @@
-"""A concave room: state_space.outline and state_space.holes as the box around the outline, and convex unsafe sets that fill what
-the room leaves of that box.
+"""Concave rooms: a box and convex unsafe sets replace state_space.outline and state_space.holes.
 
     [state_space]
     outline = [[0, 0], [4, 0], [4, 2], [2, 2], [2, 4], [0, 4]]      # an L
     holes = [[[0.5, 0.5], [1, 0.5], [1, 1]]]                        # a pillar in it
 
-The sets are closed and have no gap between them: room and sets together are the box, and share only the room's boundary. All of
-this is exact. What is designed, proved and checked afterwards is about the box and the sets.
+The box is the one around the outline. The closed sets fill what the room leaves of it, without gaps: room and sets together are
+the box, and share only the room's boundary. All of this is exact. Design, proof and check are about the box and the sets. `Task`
+calls `expand_outline`.
 """
 
 from __future__ import annotations
@@ -33,14 +33,15 @@ from stt_codegen.task.schema import TaskTables
 from stt_codegen.task.sets import StateSpace, Vector
 
 PLANE = 2
-MAX_CORNERS = 400  # of an outline and its holes; whether sides meet is looked at pair by pair
+MAX_CORNERS = 400  # of an outline and its holes; sides are compared pair by pair
 IN_ORDER = "list every corner once, in order around it, so that no two sides touch"
 
 
 @dataclass(frozen=True)
 class FloorPlan:
-    """What a task says of its room. outline, holes: corners in order; axes: the two dimensions, by number; walls: the names of
-    the sets that fill what the room leaves of its box."""
+    """The outline of a task's room.
+
+    outline, holes: corners in order; axes: the two dimensions, by index; walls: the names of the sets outside of the room."""
 
     outline: tuple[Vector, ...]
     holes: tuple[tuple[Vector, ...], ...]
@@ -49,7 +50,7 @@ class FloorPlan:
 
 
 def expand_outline(task: TaskTables) -> tuple[dict[str, Any], FloorPlan]:
-    """The fields of a task with an outline as those of one without, and the room. Raises `BadInput`."""
+    """Return the fields of a task with a box and walls in place of its outline, and the floor plan. Raises `BadInput`."""
     space, n = task.state_space, len(task.initial_state)
     axes = _axes(task, space, n)
     outline = _corners("outline", space.outline or ())
@@ -60,49 +61,53 @@ def expand_outline(task: TaskTables) -> tuple[dict[str, Any], FloorPlan]:
     scale = lcm(*(v.denominator for polygon in (outline, *holes) for _, p in polygon for v in p))
     scaled = [_simple(_scaled(polygon, scale), polygon) for polygon in (outline, *holes)]
     _require_apart(scaled, [outline, *holes])
-    around = _ends(scaled[0])
+    box = _box_corners(scaled[0])
     pieces = [[tuple(Fraction(v, scale) for v in p) for p in piece] for piece in partition(scaled[0], scaled[1:])]
-    lower, upper = _edges(task, space, axes, [[Fraction(v, scale) for v in end] for end in around])
-    near = [p for p in pieces if _reaches(p, axes, lower, upper, task.tube.clearance)]
-    tables = _tables(task, near, axes if axes != (0, 1) or n > PLANE else None)
+    lower, upper = _edges(task, space, axes, [[Fraction(v, scale) for v in corner] for corner in box])
+    nearby = [p for p in pieces if _is_near(p, axes, lower, upper, reach=task.tube.clearance)]
+    tables = _wall_tables(task, nearby, axes if axes != (0, 1) or n > PLANE else None)
     fields = {name: getattr(task, name) for name in task.model_fields_set}
     fields |= {"state_space": {"lower": lower, "upper": upper}, "unsafe": [*task.unsafe, *tables]}
-    room = FloorPlan(
+    floor_plan = FloorPlan(
         tuple(p for _, p in outline), tuple(tuple(p for _, p in hole) for hole in holes), axes, tuple(t["name"] for t in tables)
     )
-    return fields, room
+    return fields, floor_plan
 
 
-def name_walls(problem: str, first: int, room: FloorPlan) -> str:
-    """A message about the walls by their names, which no file has by number. first: the number of the first wall."""
-    for k, name in enumerate(room.walls, first):
+def name_walls(problem: str, first: int, floor_plan: FloorPlan) -> str:
+    """Return a message with the names of walls, as the file does not have their indices. first: the index of the first wall."""
+    for k, name in enumerate(floor_plan.walls, first):
         words = f"{name}, which state_space.outline leaves out of its box"
         problem = problem.replace(f"unsafe[{k}] ({name})", words).replace(f"unsafe[{k}]", words)
     return problem
 
 
 def partition(outline: Sequence[Point], holes: Sequence[Sequence[Point]]) -> list[list[Point]]:
-    """Convex polygons that fill what an outline and its holes leave of the box around the outline. All simple and apart from one
-    another, the holes inside. The areas are counted up: what is missing or taken twice is an error of this program."""
+    """Return convex polygons that fill what an outline and its holes leave of the box around the outline.
+
+    Outline and holes must be simple and disjoint, the holes inside. The areas are summed up as a check of this program itself.
+    """
     pieces = [piece for polygon in (*pockets(outline), *holes) for piece in convex_pieces(polygon)]
-    (left, bottom), (right, top) = _ends(outline)
-    taken = sum(map(twice_area, pieces)) + abs(twice_area(outline)) - sum(abs(twice_area(hole)) for hole in holes)
-    if taken != 2 * (right - left) * (top - bottom):
+    (left, bottom), (right, top) = _box_corners(outline)
+    covered = sum(map(twice_area, pieces)) + abs(twice_area(outline)) - sum(abs(twice_area(hole)) for hole in holes)
+    if covered != 2 * (right - left) * (top - bottom):
         raise AssertionError("the convex pieces do not have the area that the room leaves")
     return pieces
 
 
 def pockets(outline: Sequence[Point]) -> list[list[Point]]:
-    """The simple polygons that an outline leaves of the box around it: between two neighbouring corners on the box, the way along
-    the box and the way back along the outline."""
+    """Return the simple polygons that an outline leaves of the box around it.
+
+    Each is between two consecutive corners on the box: it goes along the box, and back along the outline.
+    """
     polygon = list(outline) if twice_area(outline) > 0 else list(outline)[::-1]
-    (left, bottom), (right, top) = _ends(polygon)
+    (left, bottom), (right, top) = _box_corners(polygon)
     frame = [(left, bottom), (right, bottom), (right, top), (left, top)]
 
     def side(p: Point) -> int | None:
-        """On which side of the box a point is, its first corner included."""
-        on = (p[1] == bottom and p[0] < right, p[0] == right and p[1] < top, p[1] == top and p[0] > left, p[0] == left)
-        return next((k for k, touches in enumerate(on) if touches), None)
+        """Return the side of the box that a point is on, the first corner of a side included; None for a point inside."""
+        touching = (p[1] == bottom and p[0] < right, p[0] == right and p[1] < top, p[1] == top and p[0] > left, p[0] == left)
+        return next((k for k, touches in enumerate(touching) if touches), None)
 
     first = next(k for k, p in enumerate(polygon) if side(p) is not None)
     polygon = [*polygon[first:], *polygon[: first + 1]]
@@ -114,21 +119,21 @@ def pockets(outline: Sequence[Point]) -> list[list[Point]]:
         assert a is not None
         assert b is not None
         passed = [frame[(a + k) % 4] for k in range(1, (b - a) % 4 + 1)]
-        along = [polygon[begin], *(p for p in passed if p != polygon[end]), *polygon[begin + 1 : end + 1][::-1]]
-        if len(along) > 2 and twice_area(along):
-            polygons.append(along)
+        pocket = [polygon[begin], *(p for p in passed if p != polygon[end]), *polygon[begin + 1 : end + 1][::-1]]
+        if len(pocket) > 2 and twice_area(pocket):
+            polygons.append(pocket)
         begin = end
     return polygons
 
 
-def _ends(polygon: Sequence[Point]) -> tuple[Point, Point]:
-    """The lower left and the upper right corner of the box around it."""
+def _box_corners(polygon: Sequence[Point]) -> tuple[Point, Point]:
+    """Return the lower left and the upper right corner of the box around a polygon."""
     xs, ys = zip(*polygon, strict=True)
     return (min(xs), min(ys)), (max(xs), max(ys))
 
 
 def _axes(task: TaskTables, space: StateSpace, n: int) -> tuple[int, int]:
-    """The two dimensions of the outline, by number."""
+    """Return the two dimensions of the outline, by index. Raises `BadInput` where the outline's fields do not fit together."""
     names = task.axes or tuple(f"x{i + 1}" for i in range(n))
     if space.outline is None:
         raise BadInput("state_space.holes: are those of an outline; give outline too, or the holes as [[unsafe]]")
@@ -144,14 +149,14 @@ def _axes(task: TaskTables, space: StateSpace, n: int) -> tuple[int, int]:
 
 
 def _corners(field: str, points: Sequence[Vector]) -> list[tuple[str, Vector]]:
-    """The corners with the entry that each is from, without a corner that is listed again right after itself or at the end."""
+    """Return the corners, each with its entry in the file, without one that is repeated at once or at the end."""
     for k, p in enumerate(points):
         if len(p) != PLANE:
             raise BadInput(f"state_space.{field}[{k}]: has {len(p)} entries; two are needed, [x, y]")
-    kept = [(f"{field}[{k}]", p) for k, p in enumerate(points) if p != points[(k + 1) % len(points)]]
-    if len(kept) < PLANE + 1:
-        raise BadInput(f"state_space.{field}: has {len(kept)} different corners; at least three are needed")
-    return kept
+    corners = [(f"{field}[{k}]", p) for k, p in enumerate(points) if p != points[(k + 1) % len(points)]]
+    if len(corners) < PLANE + 1:
+        raise BadInput(f"state_space.{field}: has {len(corners)} different corners; at least three are needed")
+    return corners
 
 
 def _scaled(polygon: Sequence[tuple[str, Vector]], scale: int) -> list[Point]:
@@ -159,14 +164,14 @@ def _scaled(polygon: Sequence[tuple[str, Vector]], scale: int) -> list[Point]:
 
 
 def _simple(polygon: list[Point], entries: Sequence[tuple[str, Vector]]) -> list[Point]:
-    """The polygon. Raises `BadInput` where it crosses or touches itself, or has no area."""
-    where = entries[0][0].rpartition("[")[0]
+    """Return the polygon. Raises `BadInput` where it crosses or touches itself, or has no area."""
+    field = entries[0][0].rpartition("[")[0]
     if all(turn(polygon[0], polygon[1], p) == 0 for p in polygon):
-        raise BadInput(f"state_space.{where}: has no area, all of its corners are on one line; {IN_ORDER}")
-    met = touching_sides(polygon)
-    if met is not None:
-        problem = f"the side {_side(entries, met[0])} meets the side {_side(entries, met[1])}"
-        raise BadInput(f"state_space.{entries[met[1]][0]}: {problem}; {IN_ORDER}")
+        raise BadInput(f"state_space.{field}: has no area, all of its corners are on one line; {IN_ORDER}")
+    pair = touching_sides(polygon)
+    if pair is not None:
+        problem = f"the side {_side(entries, pair[0])} meets the side {_side(entries, pair[1])}"
+        raise BadInput(f"state_space.{entries[pair[1]][0]}: {problem}; {IN_ORDER}")
     return polygon
 
 
@@ -175,13 +180,13 @@ def _side(entries: Sequence[tuple[str, Vector]], k: int) -> str:
 
 
 def _require_apart(polygons: Sequence[list[Point]], entries: Sequence[Sequence[tuple[str, Vector]]]) -> None:
-    """Raises `BadInput` where a hole touches the outline or another hole, is outside of the one or in the other."""
-    wall = "a pillar at the wall is part of the outline: list its corners there, or give it as [[unsafe]] vertices"
+    """Raise `BadInput` where a hole touches the outline or another hole, or is outside of the outline or inside another hole."""
+    at_wall = "a pillar at the wall is part of the outline: list its corners there, or give it as [[unsafe]] vertices"
     for k, hole in enumerate(polygons[1:]):
-        for j, met, name in _meetings(polygons, k + 1):
-            problem = f"the side {_side(entries[k + 1], met[1])} meets the side {_side(entries[j], met[0])}"
-            right = wall if j == 0 else f"give {name} and this one as one hole, or one of them as [[unsafe]] vertices"
-            raise BadInput(f"state_space.{entries[k + 1][met[1]][0]}: {problem}; {right}")
+        for j, pair, name in _meetings(polygons, k + 1):
+            problem = f"the side {_side(entries[k + 1], pair[1])} meets the side {_side(entries[j], pair[0])}"
+            remedy = at_wall if j == 0 else f"give {name} and this one as one hole, or one of them as [[unsafe]] vertices"
+            raise BadInput(f"state_space.{entries[k + 1][pair[1]][0]}: {problem}; {remedy}")
         if not contains(polygons[0], hole[0]):
             raise BadInput(f"state_space.holes[{k}]: lies outside of the outline; leave it out, or move it inside")
         for j, larger in enumerate(polygons[1:]):
@@ -190,34 +195,34 @@ def _require_apart(polygons: Sequence[list[Point]], entries: Sequence[Sequence[t
 
 
 def _meetings(polygons: Sequence[list[Point]], k: int) -> Iterator[tuple[int, tuple[int, int], str]]:
-    """Sides of polygon k that meet those of one before it, which has a name."""
+    """Yield each polygon before polygon k that it meets: its index, the two sides, and its name in messages."""
     for j in range(k):
-        met = meeting_sides(sides_of(polygons[j]), sides_of(polygons[k]))
-        if met is not None:
-            yield j, met, f"holes[{j - 1}]" if j else "the outline"
+        pair = meeting_sides(sides_of(polygons[j]), sides_of(polygons[k]))
+        if pair is not None:
+            yield j, pair, f"holes[{j - 1}]" if j else "the outline"
 
 
 def _edges(
-    task: TaskTables, space: StateSpace, axes: tuple[int, int], around: Sequence[Sequence[Fraction]]
+    task: TaskTables, space: StateSpace, axes: tuple[int, int], box: Sequence[Sequence[Fraction]]
 ) -> tuple[list[Fraction], list[Fraction]]:
-    """The box of the state space: the one around the outline, which a given box cuts."""
+    """Return the lower and upper edges of the state space: the box around the outline, cut by `lower` and `upper` of the task."""
     n = len(task.initial_state)
     names = task.axes or tuple(f"x{i + 1}" for i in range(n))
-    rest = [i for i in range(n) if i not in axes]
-    known = {n: list(range(n)), n - PLANE: rest}  # of all dimensions, or of those that are not the outline's
-    edges = [{i: end[k] for k, i in enumerate(axes)} for end in around]
+    without_edges = [i for i in range(n) if i not in axes]  # dimensions that the outline does not have
+    dimensions_by_length = {n: list(range(n)), n - PLANE: without_edges}  # lower and upper may be of all, or of these only
+    edges = [{i: end[k] for k, i in enumerate(axes)} for end in box]
     for field in ("lower", "upper"):
         edge = getattr(space, field)
-        if len(edge) not in known or (not edge and rest):
+        if len(edge) not in dimensions_by_length or (not edge and without_edges):
             problem = f"has {len(edge)} entries" if edge else "is missing"
-            few = ", ".join(names[i] for i in rest)
+            few = ", ".join(names[i] for i in without_edges)
             raise BadInput(
                 f"state_space.{field}: {problem}; give one for {few or 'each dimension'}"
                 + (f", or for all of {', '.join(names)}" if few else ", or leave it out")
             )
     if len(space.lower) != len(space.upper):
         raise BadInput(f"state_space.upper: has {len(space.upper)} entries, lower has {len(space.lower)}; both must agree")
-    for k, i in enumerate(known[len(space.lower)]):
+    for k, i in enumerate(dimensions_by_length[len(space.lower)]):
         low, high = space.lower[k], space.upper[k]
         if low >= high:
             raise BadInput(f"state_space: lower[{k}] = {decimal(low)} is not below upper[{k}] = {decimal(high)}")
@@ -230,27 +235,28 @@ def _edges(
     return tuple([edge[i] for i in range(n)] for edge in edges)  # type: ignore[return-value]
 
 
-def _reaches(
-    piece: Sequence[Vector], axes: tuple[int, int], lower: Sequence[Fraction], upper: Sequence[Fraction], keep: Fraction
+def _is_near(
+    piece: Sequence[Vector], axes: tuple[int, int], lower: Sequence[Fraction], upper: Sequence[Fraction], *, reach: Fraction
 ) -> bool:
-    """Whether the box around a piece is within `keep` of the state space, touching included."""
+    """Whether the box around a piece is within `reach` of the state space, touching included."""
     spans = [(min(p[k] for p in piece), max(p[k] for p in piece)) for k in (0, 1)]
-    return all(a <= upper[i] + keep and lower[i] - keep <= b for (a, b), i in zip(spans, axes, strict=True))
+    return all(a <= upper[i] + reach and lower[i] - reach <= b for (a, b), i in zip(spans, axes, strict=True))
 
 
-def _tables(
+def _wall_tables(
     task: TaskTables, pieces: Sequence[Sequence[tuple[Fraction, ...]]], axes: tuple[int, int] | None
 ) -> list[dict[str, Any]]:
-    """The pieces as unsafe sets, called wall1, wall2, .. as far as these names are free."""
-    taken = {table.name for table in (*task.unsafe, *task.region)}
-    names = (name for name in (f"wall{k}" for k in range(1, len(pieces) + len(taken) + 1)) if name not in taken)
+    """Return the pieces as tables [[unsafe]], named wall1, wall2, .. without names that the task already has."""
+    stated_names = {table.name for table in (*task.unsafe, *task.region)}
+    numbered = (f"wall{k}" for k in range(1, len(pieces) + len(stated_names) + 1))
+    names = (name for name in numbered if name not in stated_names)
     tables = []
     for piece in pieces:
         table: dict[str, Any] = {"name": next(names)}
         if axes is not None:
             labels = task.axes or tuple(f"x{i + 1}" for i in range(len(task.initial_state)))
             table["axes"] = [labels[i] for i in axes]
-        lower, upper = ([pick(p[k] for p in piece) for k in (0, 1)] for pick in (min, max))
+        lower, upper = ([extreme(p[k] for p in piece) for k in (0, 1)] for extreme in (min, max))
         if len(piece) == 4 and all(v in (a, b) for p in piece for v, a, b in zip(p, lower, upper, strict=True)):
             tables.append(table | {"lower": lower, "upper": upper})
         else:

@@ -1,13 +1,13 @@
-"""The table [map] of a task file: occupancy maps, replaced by the unsafe sets that they are when the file is read.
+"""The table [map] of a task file: when the file is read, unsafe sets replace the occupancy maps.
 
     [map]
-    file = "hall.yaml"          # beside the task file; or a list: the floor's map, then masks of what to keep out of
+    file = "hall.yaml"          # beside the task file; or a list: the floor's map, then masks of areas to avoid
     axes = ["x", "y"]           # the dimensions of the map; absent: those of a task in the plane
     as = "boxes"                # or "polygons": fewer sets, which may take free cells too
     free = "white"              # or "thresholds": greys that the thresholds make free are free
 
-A state is free where the first map, which must cover the state space, and each further map that covers it say so. What is proved
-is about the sets. `to_toml` is the task with them spelled out, which a checker can read.
+A state is free where the first map says so, and every further map that covers it. The first map must cover the state space. The
+proofs are about the sets. `to_toml` prints the task with these sets, which a checker can read.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MAX_MAPS = 16
 
 @dataclass(frozen=True)
 class MapTable:
-    """What [map] says, checked. files: the floor's map, then masks."""
+    """The checked table [map]. files: the floor's map, then masks."""
 
     files: tuple[str, ...]
     axes: tuple[str, ...] | None
@@ -44,14 +44,14 @@ class MapTable:
 
 
 class Expansion(NamedTuple):
-    """A task's document without [map], with its sets, and what its reader should know of the maps."""
+    """The data of a task with sets in place of [map], and notes on the maps for its reader."""
 
     document: dict[str, Any]
     notes: tuple[str, ...]
 
 
 def table_of(value: Any) -> MapTable:
-    """Raises `BadInput` for what is no such table."""
+    """Return the checked table of a value. Raises `BadInput` where it is no table [map]."""
     if not isinstance(value, dict):
         raise BadInput(f"map: is {kind_of(value)}; a table is needed")
     for name in value:
@@ -68,42 +68,34 @@ def table_of(value: Any) -> MapTable:
 
 
 def input_files(path: Path) -> list[Path]:
-    """The task file itself, its maps and their images: what no output may replace. path: a task file that was read before."""
+    """Return the task file, its maps and their images, which no output may replace. path: a task file that was read before."""
     value = tomllib.loads(path.read_bytes().decode("utf-8-sig"), parse_float=Decimal).get("map")
     maps = [] if value is None else [path.parent / file for file in table_of(value).files]
     return [path, *maps, *(read_header(file).image for file in maps)]
 
 
 def _files_of(value: Mapping[str, Any]) -> tuple[str, ...]:
-    """The paths of the maps' YAML files."""
-    wanted = "give the path of the map's .yaml, from the task file's folder, or a list of such paths, the floor's map first"
+    """Return the paths of the maps' YAML files."""
+    remedy = "give the path of the map's .yaml, from the task file's folder, or a list of such paths, the floor's map first"
     files = value.get("file")
     if isinstance(files, str):
         return (files,)
     if not isinstance(files, list):
-        raise BadInput(f"map.file: {'is missing' if files is None else f'is {kind_of(files)}'}; {wanted}")
+        raise BadInput(f"map.file: {'is missing' if files is None else f'is {kind_of(files)}'}; {remedy}")
     for path in files:
         if not isinstance(path, str):
-            raise BadInput(f"map.file: has {kind_of(path)} in its list; {wanted}")
+            raise BadInput(f"map.file: has {kind_of(path)} in its list; {remedy}")
     if not 0 < len(files) <= MAX_MAPS:
         raise BadInput(f"map.file: lists {len(files)} maps; list 1 to {MAX_MAPS}")
     return tuple(files)
 
 
 def expand_maps(document: dict[str, Any], task: TaskTables, folder: Path) -> Expansion:
-    """The document of a task with [map] as one without: with the unsafe sets of the maps. task: the same, without the maps."""
-    from stt_codegen.task.map.convex_pieces import cover_cells, require_cover, unsafe_tables, window_near, within
+    """Return the data of a task with the unsafe sets of its maps in place of [map]. task: the task without [map]."""
+    from stt_codegen.task.map.convex_pieces import cover_cells, require_cover, unsafe_cells_in, unsafe_tables, window_near
 
     table = table_of(document["map"])
-    names = table.axes or task.axis_names
-    if len(names) != PLANE or len(set(names)) < PLANE or not set(names) <= set(task.axis_names):
-        problem = f"are {', '.join(names)}" if table.axes else "are missing"
-        raise BadInput(f"map.axes: {problem}; name two different ones of {', '.join(task.axis_names)}")
-    closed = next((name for name in names if name in (task.periodic or {})), None)
-    if closed is not None:
-        raise BadInput(
-            f"map.axes: are {', '.join(names)}, and {closed} closes (periodic); a map has no turns, leave {closed} out"
-        )
+    names = _axes_of_map(table, task)
     indices = [task.axis_names.index(name) for name in names]
     axes = names if task.dimension > PLANE or indices != [0, 1] else None
     lower, upper = ([edges[i] for i in indices] for edges in (task.state_space.lower, task.state_space.upper))
@@ -113,20 +105,34 @@ def expand_maps(document: dict[str, Any], task: TaskTables, folder: Path) -> Exp
         if number == 1:
             require_cover(chart, lower, upper, names)
         window = window_near(chart, lower, upper, task.tube.clearance)
-        pieces = cover_cells(within(chart, window), table.kind)
+        pieces = cover_cells(unsafe_cells_in(chart, window), table.kind)
         tables += unsafe_tables(chart, pieces, axes, "map " if len(table.files) == 1 else f"map {number}.")
         notes += [note for note in (chart.grey_note(window),) if note]
-    rest = {name: value for name, value in document.items() if name != "map"}
-    taken = {str(unsafe.get("name")) for unsafe in rest.get("unsafe", []) if isinstance(unsafe, dict)}
+    fields = {name: value for name, value in document.items() if name != "map"}
+    stated_names = {str(unsafe.get("name")) for unsafe in fields.get("unsafe", []) if isinstance(unsafe, dict)}
     with about("map"):
-        clash = next((t["name"] for t in tables if t["name"] in taken), None)
+        clash = next((t["name"] for t in tables if t["name"] in stated_names), None)
         if clash is not None:
             raise BadInput(f"{clash!r} is the name of an unsafe set already; the map's are called {tables[0]['name']}, ..")
-    return Expansion({**rest, "unsafe": [*rest.get("unsafe", []), *_decimals(tables)]}, tuple(notes))
+    return Expansion({**fields, "unsafe": [*fields.get("unsafe", []), *_decimals(tables)]}, tuple(notes))
+
+
+def _axes_of_map(table: MapTable, task: TaskTables) -> tuple[str, ...]:
+    """Return the names of the map's two dimensions. Raises `BadInput` where they are no two open axes of the task."""
+    names = table.axes or task.axis_names
+    if len(names) != PLANE or len(set(names)) < PLANE or not set(names) <= set(task.axis_names):
+        problem = f"are {', '.join(names)}" if table.axes else "are missing"
+        raise BadInput(f"map.axes: {problem}; name two different ones of {', '.join(task.axis_names)}")
+    closed = next((name for name in names if name in (task.periodic or {})), None)
+    if closed is not None:
+        raise BadInput(
+            f"map.axes: are {', '.join(names)}, and {closed} closes (periodic); a map has no turns, leave {closed} out"
+        )
+    return names
 
 
 def _decimals(value: Any) -> Any:
-    """Fractions as the decimals of a task file."""
+    """Return a value with its fractions as the decimals of a task file."""
     if isinstance(value, dict):
         return {k: _decimals(v) for k, v in value.items()}
     if isinstance(value, list):
@@ -135,18 +141,18 @@ def _decimals(value: Any) -> Any:
 
 
 def to_toml(document: Mapping[str, Any]) -> str:
-    """A task's data as TOML."""
+    """Return a task's data as the text of a TOML file."""
     lines = [f"{name} = {_plain(v)}" for name, v in document.items() if not _is_table(v)]
 
     def tables(prefix: str, inner: Mapping[str, Any]) -> None:
         for name, value in inner.items():
             if not _is_table(value):
                 continue
-            place = f"{prefix}{name}"
+            header = f"{prefix}{name}"
             for table in value if isinstance(value, list) else [value]:
-                lines.extend(["", f"[[{place}]]" if isinstance(value, list) else f"[{place}]"])
+                lines.extend(["", f"[[{header}]]" if isinstance(value, list) else f"[{header}]"])
                 lines.extend(f"{k} = {_plain(v)}" for k, v in table.items() if not _is_table(v))
-                tables(f"{place}.", table)
+                tables(f"{header}.", table)
 
     tables("", document)
     return "\n".join(lines) + "\n"

@@ -1,6 +1,7 @@
-"""The YAML file of an occupancy map, as the map server of ROS 2 reads it, within bounds.
+"""Read the YAML file of an occupancy map as the map server of ROS 2 does, within bounds.
 
-Size, depth and aliases are looked at before anything is made of the text: a few hundred bytes of aliases can stand for gigabytes.
+Size, depth and aliases are checked before any value is built, because a few hundred bytes of aliases can stand for gigabytes.
+occupancy.py and upright.py call `read_header`.
 """
 
 from __future__ import annotations
@@ -14,8 +15,8 @@ from typing import Any, Literal, get_args
 
 from stt_codegen.errors import BadInput
 
-LARGEST_FILE = 16384  # bytes
-DEEPEST = 4  # levels of lists and tables; a map needs two
+FILE_SIZE_LIMIT = 16384  # bytes
+DEPTH_LIMIT = 4  # levels of lists and tables; a map needs two
 KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh", "mode")
 REQUIRED = ("image", "resolution", "origin", "occupied_thresh", "free_thresh")
 BOOLEANS = {word: word in ("1", "true", "yes", "on", "y") for word in ("0", "1", *"true yes on y false no off n".split())}
@@ -26,7 +27,10 @@ MODES: tuple[Mode, ...] = get_args(Mode)
 
 @dataclass(frozen=True, kw_only=True)
 class MapHeader:
-    """What the file says, checked. resolution: side of a cell, units; origin: lower left corner; yaw: radians from x to y."""
+    """The checked fields of the file.
+
+    resolution: side of a cell, in units; origin: lower left corner; yaw: rotation from x to y, in radians; occupied_above and
+    free_below: thresholds of the occupancy p, from 0 to 1."""
 
     path: Path
     image: Path
@@ -82,14 +86,16 @@ def read_header(path: Path) -> MapHeader:
 
 
 def _fields(path: Path) -> dict[str, Any]:
-    """The top table. Numbers stay text, so that they are read as exact decimals."""
+    """Return the fields of the file. Numbers stay text, so that they are read as exact decimals.
+
+    Raises `BadInput` where it is no YAML table, exceeds the bounds, repeats a key or lacks one."""
     import yaml
 
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)
-        if len(data) > LARGEST_FILE:
-            raise BadInput(f"{path}: has more than {LARGEST_FILE} bytes; give the .yaml of a map, which has a few lines")
+            data = file.read(FILE_SIZE_LIMIT + 1)
+        if len(data) > FILE_SIZE_LIMIT:
+            raise BadInput(f"{path}: has more than {FILE_SIZE_LIMIT} bytes; give the .yaml of a map, which has a few lines")
         text = data.decode("utf-8-sig")
         _require_bounded(path, text)
         node = yaml.compose(text, Loader=yaml.BaseLoader)
@@ -100,9 +106,9 @@ def _fields(path: Path) -> dict[str, Any]:
         raise BadInput(f"{path}: is no YAML: {str(error).splitlines()[0]}") from None
     if not isinstance(fields, dict):
         raise BadInput(f"{path}: is no map; image, resolution, origin and two thresholds are needed")
-    double, count = Counter(str(key.value) for key, _ in node.value).most_common(1)[0] if node.value else ("", 0)
+    repeated, count = Counter(str(key.value) for key, _ in node.value).most_common(1)[0] if node.value else ("", 0)
     if count > 1:
-        raise BadInput(f"{path}: {double:.40}: stands twice; leave one line of it")
+        raise BadInput(f"{path}: {repeated:.40}: stands twice; leave one line of it")
     missing = [name for name in REQUIRED if name not in fields]
     if missing:
         raise BadInput(f"{path}: {missing[0]}: is missing; a map has {', '.join(KEYS)}")
@@ -110,7 +116,7 @@ def _fields(path: Path) -> dict[str, Any]:
 
 
 def _require_bounded(path: Path, text: str) -> None:
-    """Refuse aliases and deep nesting by the parser's events, before anything is made of them."""
+    """Raise `BadInput` at an alias or deep nesting, from the events of the parser, before a value is built."""
     import yaml
 
     depth = 0
@@ -119,11 +125,14 @@ def _require_bounded(path: Path, text: str) -> None:
             raise BadInput(f"{path}: line {event.start_mark.line + 1}: has an alias (*{event.anchor:.40}); write its value out")
         depth += isinstance(event, yaml.CollectionStartEvent)
         depth -= isinstance(event, yaml.CollectionEndEvent)
-        if depth > DEEPEST:
-            raise BadInput(f"{path}: line {event.start_mark.line + 1}: is nested more than {DEEPEST} deep; a map is a flat table")
+        if depth > DEPTH_LIMIT:
+            raise BadInput(
+                f"{path}: line {event.start_mark.line + 1}: is nested more than {DEPTH_LIMIT} deep; a map is a flat table"
+            )
 
 
 def _number(path: Path, field: str, text: Any) -> Fraction:
+    """Return the exact value of a field. Raises `BadInput` where its text is no decimal."""
     try:
         value = Decimal(text)
         if value.is_finite() and -20 < value.adjusted() < 20 and len(value.as_tuple().digits) < 40:

@@ -1,12 +1,12 @@
-"""An occupancy map: which cells are free, occupied, unknown.
+"""Read an occupancy map: which cells are free, occupied or unknown.
 
-A pixel v of 0 to 255 is occupied with p = (255 - v) / 255, or v / 255 where the map is negated, or v / 100 in mode raw. A cell
-with p above `occupied_thresh` is occupied, one with p below `free_thresh` free, any other unknown. Map servers differ in colours
-(mean or luminance), ties and transparency. Free is here what all of them call free: every colour is below the threshold, and the
-pixel is opaque.
+The occupancy of a pixel v of 0 to 255 is p = (255 - v) / 255, or v / 255 where the map is negated, or v / 100 in mode raw. A cell
+with p above `occupied_thresh` is occupied, one with p below `free_thresh` is free, any other is unknown. Map servers differ in
+colours (mean or luminance), ties and transparency. Here a cell is free where all of them call it free: every colour is below the
+threshold, and the pixel is opaque.
 
-Savers write an unknown cell as grey 205, p = 0.196, which free_thresh 0.25 would make free. So "white" takes p below `WHITE`
-alone as free; "thresholds" takes all that the thresholds make free.
+Savers write an unknown cell as grey 205, p = 0.196, which free_thresh 0.25 would make free. So the rule "white" takes only cells
+with p below `WHITE` as free, and "thresholds" takes all that the thresholds make free. `expand_maps` calls `read_map`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.task.map.map_yaml import MapHeader, read_header
 
-MOST_CELLS = 4096  # of a side
+SIDE_CELLS_LIMIT = 4096
 WHITE = Fraction(2, 100)  # p below this is white: grey 250 to 255, savers write 254
 OPAQUE = 255
 LEVELS = 256
@@ -33,17 +33,19 @@ COLOURS = 3
 
 Cells = npt.NDArray[np.bool_]
 Window = tuple[slice, slice]
-PieceKind = Literal["boxes", "polygons"]  # as what a map is taken
+PieceKind = Literal["boxes", "polygons"]  # the sets that cover the unsafe cells of a map
 KINDS: tuple[PieceKind, ...] = get_args(PieceKind)
-FreeRule = Literal["white", "thresholds"]  # what of that which the thresholds make free is free
+FreeRule = Literal["white", "thresholds"]  # which of the cells that the thresholds make free are free
 FREE_RULES: tuple[FreeRule, ...] = get_args(FreeRule)
 ALL: Window = (slice(None), slice(None))
 
 
 @dataclass(frozen=True, kw_only=True)
 class OccupancyMap:
-    """Cells [x, y] from the lower left corner on. grey: free by the thresholds, but not white; they are among `unknown` where
-    `free_rule` is "white". shade: of each pixel the colour that is the most occupied."""
+    """An occupancy map. Cells are indexed [x, y] from the lower left corner.
+
+    grey: the cells that are free by the thresholds but not white; they are unknown where `free_rule` is "white". shade: for each
+    cell the one of its colours with the largest occupancy."""
 
     header: MapHeader
     free_rule: FreeRule
@@ -59,7 +61,7 @@ class OccupancyMap:
 
     @property
     def image(self) -> Path:
-        """The image beside it."""
+        """The image that the YAML file names."""
         return self.header.image
 
     @property
@@ -69,12 +71,12 @@ class OccupancyMap:
 
     @property
     def resolution(self) -> Fraction:
-        """The side of a cell, units."""
+        """The side of a cell, in units."""
         return self.header.resolution
 
     @property
     def unsafe(self) -> Cells:
-        """What is not known to be free."""
+        """The cells that are not known to be free."""
         return self.occupied | self.unknown
 
     @property
@@ -84,11 +86,11 @@ class OccupancyMap:
         return x, y
 
     def grey_levels(self, window: Window = ALL) -> dict[int, int]:
-        """How many cells of a window have each grey that only the thresholds make free, the darkest first."""
+        """Return the number of cells in a window by each grey that only the thresholds make free, the darkest first."""
         return dict(sorted(Counter(self.shade[window][self.grey[window]].tolist()).items()))
 
     def grey_note(self, window: Window = ALL) -> str | None:
-        """What is made of these cells, and what to write if it should be the opposite; None where there are none."""
+        """Return a note on how grey cells of a window are read, and how to choose the opposite; None where there are none."""
         levels = self.grey_levels(window)
         if not levels:
             return None
@@ -106,14 +108,14 @@ class OccupancyMap:
         )
 
     def _threshold_without(self, window: Window) -> Fraction:
-        """The largest threshold of three decimals by which no grey cell of a window is free."""
+        """Return the largest threshold of three decimals with which no grey cell of a window is free."""
         shares = _shares(self.header)
         worst = min(shares[level] for level in self.grey_levels(window))
         return Fraction(worst * 1000 // 1, 1000)
 
 
 def read_map(path: Path, free_rule: FreeRule = "white") -> OccupancyMap:
-    """A map by its YAML file, with the image beside it. Raises `BadInput` where it is missing, rotated, or too large."""
+    """Return the map of a YAML file and its image. Raises `BadInput` where one is missing or wrong, rotated, or too large."""
     header = read_header(path)
     if header.yaw:
         command = f"stt-codegen map {quote(str(path))} --upright {quote(str(path.with_name(path.stem + '_upright.yaml')))}"
@@ -125,11 +127,11 @@ def read_map(path: Path, free_rule: FreeRule = "white") -> OccupancyMap:
 
 
 def cells_of(header: MapHeader, free_rule: FreeRule = "white") -> OccupancyMap:
-    """The cells of a map by its header, in the frame of the image."""
+    """Return the map of a header, in the frame of the image, whatever its yaw."""
     darkest, total, opaque = _pixels(header)
     full = 100 if header.mode == "raw" else LEVELS - 1
     shares = _shares(header)
-    # tables of exact comparisons: no rounding decides whether a cell is free
+    # tables by grey level, made of exact comparisons, so that no rounding decides whether a cell is free
     below = np.array([p < header.free_below for p in shares])
     white = np.array([p < min(header.free_below, WHITE) for p in shares])
     steps = range(COLOURS * (LEVELS - 1) + 1)
@@ -149,7 +151,7 @@ def _dark_is_free(header: MapHeader) -> bool:
 
 
 def _shares(header: MapHeader) -> list[Fraction]:
-    """p of every level; above 1 it is no occupancy."""
+    """Return the occupancy p of every grey level; above 1 it is none."""
     if header.mode == "raw":
         return [Fraction(v, 100) for v in range(LEVELS)]
     full = LEVELS - 1
@@ -157,19 +159,28 @@ def _shares(header: MapHeader) -> list[Fraction]:
 
 
 def _pixels(header: MapHeader) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.uint16], Cells]:
-    """The colour of every pixel that is the most occupied, the sum of its colours, and which are opaque; rows from the top."""
+    """Return for every pixel the colour with the largest occupancy, the sum of its colours, and whether it is opaque.
+
+    Rows are from the top. Raises `BadInput` where the image cannot be read exactly."""
     from PIL import Image
 
-    Image.MAX_IMAGE_PIXELS = None  # its size is looked at here
+    Image.MAX_IMAGE_PIXELS = None  # the size is checked below
     image = header.image
     try:
         with Image.open(image) as opened:
-            if max(opened.size) > MOST_CELLS:
-                raise BadInput(f"{image}: has {opened.size[0]} x {opened.size[1]} cells; at most {MOST_CELLS} a side are taken")
-            coded = str(getattr(opened, "tile", ""))
-            if opened.mode.startswith(("I", "F")) or ";16" in coded:  # Pillow would cut the lower 8 off
+            if max(opened.size) > SIDE_CELLS_LIMIT:
+                raise BadInput(
+                    f"{image}: has {opened.size[0]} x {opened.size[1]} cells; at most {SIDE_CELLS_LIMIT} a side are taken"
+                )
+            encoding = str(getattr(opened, "tile", ""))
+            if opened.mode.startswith(("I", "F")) or ";16" in encoding:  # Pillow would drop the lower 8 bits
                 raise BadInput(f"{image}: has more than 8 bits a colour; save it with 8")
-            if opened.format == "PPM" and "'ppm" in coded and opened.mode != "1" and (LEVELS - 1) not in _ends_of_tiles(opened):
+            if (
+                opened.format == "PPM"
+                and "'ppm" in encoding
+                and opened.mode != "1"
+                and (LEVELS - 1) not in _largest_greys(opened)
+            ):
                 raise BadInput(f"{image}: its largest grey is not 255, and to scale it would round greys; save it with 255")
             if "A" in opened.getbands() or "transparency" in opened.info:
                 _require_clear_alpha(header)
@@ -182,13 +193,13 @@ def _pixels(header: MapHeader) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.ui
     return darkest, colours.sum(axis=-1, dtype=np.uint16), np.asarray(pixels[..., COLOURS] == OPAQUE)
 
 
-def _ends_of_tiles(opened: Any) -> set[object]:
-    """The last arguments of the decoders of an opened image: for a PGM not in bytes up to 255 its largest grey."""
+def _largest_greys(opened: Any) -> set[object]:
+    """Return the last arguments of an opened image's decoders: for a PGM that is not in bytes, the largest grey."""
     return {tile[3][-1] for tile in opened.tile if isinstance(tile[3], tuple)}
 
 
 def _require_clear_alpha(header: MapHeader) -> None:
-    """Refuse the map whose alpha some map servers take as a fourth colour, by which nothing of it is free."""
+    """Raise `BadInput` where some map servers would take alpha as a fourth colour, so that no cell is free."""
     if header.mode == "trinary" and header.negate:
         raise BadInput(
             f"{header.image}: has transparency, and the map is negated in mode trinary, where map servers disagree; save the "

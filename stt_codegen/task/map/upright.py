@@ -1,7 +1,7 @@
-"""A rotated occupancy map as an upright one with cells of the same size, in which nothing is free that was not.
+"""Turn a rotated occupancy map into an upright one with cells of the same size, in which no unsafe point becomes free.
 
 An upright cell is free where every rotated cell that it may touch is free and on the map. So walls grow by up to a cell's
-diagonal, and none is lost, as thin ones are where each pixel takes the value of the nearest.
+diagonal, and no thin wall is lost, as it would be if each pixel took the value of the nearest one. The command `map` calls it.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ import numpy as np
 from stt_codegen.decimals import decimal
 from stt_codegen.errors import BadInput
 from stt_codegen.task.map.map_yaml import read_header
-from stt_codegen.task.map.occupancy import MOST_CELLS, Cells, FreeRule, cells_of
+from stt_codegen.task.map.occupancy import SIDE_CELLS_LIMIT, Cells, FreeRule, cells_of
 
-ROUNDING = 1e-6  # cells; doubles err by less than 1e-9 of one among at most 3 * 4096 a side
+ROUNDING = 1e-6  # cells; the error of doubles is below 1e-9 cells for the at most 3 * 4096 cells a side
 FULL_TURN = 7  # radians, more than 2 pi
 FREE, UNKNOWN = 254, 205  # the greys of savers
 
 
 def write_upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -> dict[str, int]:
-    """Write `target` (.yaml) and the .png beside it; return how many cells are free now, and were before.
+    """Write the upright map to `target` (.yaml) and the .png beside it; return the numbers of free cells after and before.
 
-    Raises `BadInput` where the map is not rotated, the upright one is too large, or a file of that name exists."""
+    Raises `BadInput` where the map is not rotated, the upright map is too large, or a file of that name exists."""
     from PIL import Image
 
     header, image = read_header(path), target.with_suffix(".png")
@@ -40,7 +40,7 @@ def write_upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -
     if present is not None:
         raise BadInput(f"--upright: {present} exists; give another name")
     chart = cells_of(header, free_rule)
-    first, unsafe = turned(chart.unsafe, float(header.yaw))
+    first, unsafe = rotate_cells(chart.unsafe, float(header.yaw))
     pixels = np.where(unsafe, UNKNOWN, FREE).astype(np.uint8)
     origin = ", ".join(decimal(o + k * header.resolution) for o, k in zip(header.origin, first, strict=True))
     lines = [f"image: {image.name}", f"resolution: {decimal(header.resolution)}", f"origin: [{origin}, 0.0]", "negate: 0"]
@@ -53,18 +53,22 @@ def write_upright_map(path: Path, target: Path, free_rule: FreeRule = "white") -
     return {"free": int((~unsafe).sum()), "free_before": int((~chart.unsafe).sum())}
 
 
-def turned(unsafe: Cells, yaw: float) -> tuple[tuple[int, int], Cells]:
-    """The lower left cell, counted from the map's own corner, and the unsafe cells of the upright map. yaw: radians."""
+def rotate_cells(unsafe: Cells, yaw: float) -> tuple[tuple[int, int], Cells]:
+    """Return the lower left cell of the upright map, counted from the corner of the rotated map, and its unsafe cells.
+
+    yaw: the rotation of the map, in radians. Raises `BadInput` where the upright map is too large."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     corners = np.array([[x, y] for x in (0, unsafe.shape[0]) for y in (0, unsafe.shape[1])])
     ends = corners @ np.array([[cos, sin], [-sin, cos]])
     first, last = np.floor(ends.min(axis=0)).astype(int), np.ceil(ends.max(axis=0)).astype(int)
-    if (last - first).max() > MOST_CELLS:
+    if (last - first).max() > SIDE_CELLS_LIMIT:
         width, height = last - first
-        raise BadInput(f"--upright: the upright map has {width} x {height} cells; at most {MOST_CELLS} a side are taken, cut it")
-    padded = np.pad(unsafe, 1, constant_values=True)  # nothing is known beyond the map
+        raise BadInput(
+            f"--upright: the upright map has {width} x {height} cells; at most {SIDE_CELLS_LIMIT} a side are taken, cut it"
+        )
+    padded = np.pad(unsafe, 1, constant_values=True)  # beyond the map no cell is known to be free
     sums = np.pad(padded.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    half = (abs(cos) + abs(sin)) / 2 + ROUNDING  # of the box about an upright cell, in the map's own frame
+    half = (abs(cos) + abs(sin)) / 2 + ROUNDING  # half width of the box about an upright cell, in the frame of the rotated map
     upright = np.ones((last[0] - first[0], last[1] - first[1]), dtype=bool)
     y = np.arange(first[1], last[1]) + 0.5
     for column in range(upright.shape[0]):
@@ -77,6 +81,6 @@ def turned(unsafe: Cells, yaw: float) -> tuple[tuple[int, int], Cells]:
 
 
 def _cells_between(low: np.ndarray, high: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Indices into sums of padded cells, of which `count` are the map's: from, and up to but without."""
+    """Return the first and last index into the sums over padded cells of an interval of cells. count: the cells of the map."""
     first = np.clip(np.floor(low).astype(int), -1, count) + 1
     return first, np.clip(np.floor(high).astype(int), -1, count) + 2
