@@ -1,4 +1,4 @@
-"""The command line: which commands there are, and how an error becomes an exit code.
+"""The command line: the commands, and the exit code of each error.
 
 0 good, 1 drift or a failed comparison, 2 bad input, 3 not certified or infeasible, 4 a needed tool is missing, 5 internal.
 One command a file; imports stay inside the commands, so that --help answers at once.
@@ -29,8 +29,8 @@ for _command in (*design_commands.COMMANDS, *check_commands.COMMANDS):
     app.command(_command.__name__.rstrip("_"))(_command)
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(is_requested: bool) -> None:
+    if is_requested:
         from stt_codegen import __version__
 
         print(f"stt-codegen {__version__}")
@@ -46,12 +46,12 @@ def _options(
     pass
 
 
-# Typer's own words for a wrong command line are a Click UsageError, which it does not export; its subclass is.
+# Typer raises Click's UsageError for a wrong command line. It does not export that class, only a subclass.
 UsageError: Any = typer.BadParameter.__mro__[1]
 
 
 def _exit_code(commands: typer.Typer, program: str) -> int:
-    """The exit code of the command asked for. The context is made here, because `app()` would answer a closed pipe with 1."""
+    """Run the command and return its exit code. `app()` would return 1 for a closed pipe, so the context is made here."""
     command = typer.main.get_command(commands)
     try:
         with command.make_context(program, sys.argv[1:]) as context:
@@ -82,7 +82,7 @@ def run(commands: typer.Typer, program: str) -> None:
         if "--json" in sys.argv:
             print_json({"error": str(error), "exit_code": error.exit_code})
         sys.exit(error.exit_code)
-    except BrokenPipeError:  # the reader has seen enough
+    except BrokenPipeError:  # the reader closed the pipe, which is no error
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(0)
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What the commands share: arguments, and how they speak. Results go to stdout, progress and messages to stderr."""
+"""Arguments that several commands have, and how they print. Results go to stdout, progress and messages to stderr."""
 
 from __future__ import annotations
 
@@ -47,42 +47,42 @@ PACKAGES = ("plain", "cmake", "arduino", "platformio", *(t.key for t in TARGETS 
 def one_of(names: Sequence[str], explanation: str) -> Any:
     """Return an option whose value is one of these names, which its help lists."""
 
-    def known(value: str) -> str:
+    def require_known(value: str) -> str:
         if value not in names:
             raise typer.BadParameter(f"{value!r} is none of {', '.join(names)}")
         return value
 
-    return typer.Option(metavar=f"[{'|'.join(names)}]", help=explanation, callback=known)
+    return typer.Option(metavar=f"[{'|'.join(names)}]", help=explanation, callback=require_known)
 
 
 def say(text: str) -> None:
-    """Progress and messages, on stderr."""
+    """Print progress or a message to stderr."""
     print(text, file=sys.stderr, flush=True)
 
 
 def print_json(document: Any) -> None:
-    """A result, on stdout."""
+    """Print a result to stdout."""
     print(json.dumps(document, indent=2, allow_nan=False))
 
 
 def counted(number: int, thing: str) -> str:
-    """3 folders, 1 folder."""
+    """Write a number with its noun: 3 folders, 1 folder."""
     return f"{number} {thing}" + ("" if number == 1 else "s")
 
 
 @contextmanager
 def patience(what: str) -> Iterator[None]:
-    """A line on stderr after a second, and then every two, while something takes longer."""
+    """Print a line to stderr after a second and then every two seconds, until the block ends."""
     done = threading.Event()
     begin = time.perf_counter()
 
-    def tell() -> None:
+    def print_progress() -> None:
         pause = 1.0
         while not done.wait(pause):
             say(f"  {what}: {time.perf_counter() - begin:.0f} s ...")
             pause = 2.0
 
-    thread = threading.Thread(target=tell, daemon=True)
+    thread = threading.Thread(target=print_progress, daemon=True)
     thread.start()
     try:
         yield

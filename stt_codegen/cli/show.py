@@ -1,4 +1,4 @@
-"""What the command line prints of designs, bounds and comparisons, as tables for people; --json has the same as data."""
+"""Tables of designs, bounds, closed loops and comparisons that the command line prints; --json has the same as data."""
 
 from __future__ import annotations
 
@@ -21,30 +21,55 @@ from stt_codegen.report import BoundsReport, DesignReport, Sampling, TradeReport
 
 class _Console(Console):
     def on_broken_pipe(self) -> None:
-        """Rich leaves with exit code 1 here; a reader who has seen enough is no error."""
+        """Leave a closed pipe to `main.run`; Rich would end with exit code 1."""
         raise BrokenPipeError
 
 
 def _console() -> Any:
-    """Where tables go: as wide as the terminal, or 120 columns in a file."""
+    """Return a console as wide as the terminal, or of 120 columns in a file."""
     return _Console(highlight=False, width=None if sys.stdout.isatty() else 120)
 
 
 def show_design(report: DesignReport) -> None:
+    """Print a design: tube, notes, properties, inputs, sampling and cost."""
     console = _console()
+    _show_tube(console, report)
+    _show_design_notes(console, report)
+    _show_properties(console, report)
+    limits = report.input
+    if limits.largest_u is not None:
+        saturated = f", saturated at {', '.join(f'{u:g}' for u in limits.u_max)}" if limits.u_max else ""
+        console.print(f"  |u| up to {limits.largest_u:.4g} at the clamp{saturated}")
+    if limits.sampling is not None:
+        _show_sampling(console, limits.sampling, limits.tick_period)
+    cost = report.cost
+    kinds = ", ".join(f"{count} {kind}" for kind, count in cost.operations.items())
+    code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
+    console.print(f"  one {' + '.join(cost.functions)} step: {cost.operations_total} operations ({kinds})")
+    console.print(f"  {cost.table_bytes} B of tables{code}")
+    if report.picture is not None:
+        console.print(f"  picture: {report.picture}")
+
+
+def _show_tube(console: Any, report: DesignReport) -> None:
+    """Print the verdict, and the tube's width, speed and cycle."""
     verdict = "[green]certified[/green]" if report.certified else "[red]NOT CERTIFIED[/red]"
     console.print(f"[bold]{report.task}[/bold]: {report.design} tube, {verdict}, {report.seconds} s")
-    named = any(name != f"x{i + 1}" for i, name in enumerate(report.axes))
-    names = [f"{escape(name)} " if named else "" for name in report.axes]
+    has_axis_names = any(name != f"x{i + 1}" for i, name in enumerate(report.axes))
+    names = [f"{escape(name)} " if has_axis_names else "" for name in report.axes]
     units = [f" {unit}/s" if unit else "" for unit in report.units]
     speed = ", ".join(f"{a}{v:.4g}{unit}" for a, v, unit in zip(names, report.speed_bound, units, strict=True))
     console.print(
         f"  {report.parameters} over {report.prescribed_time:g} s; least width {report.least_width:.4g}; "
-        f"speed of an edge at most {speed}" + ("" if named else " by dimension")
+        f"speed of an edge at most {speed}" + ("" if has_axis_names else " by dimension")
     )
     if report.cycle is not None:
         begin, end = report.cycle
         console.print(f"  for ever: after {begin:g} s it repeats itself every {end - begin:g} s, C2 also where it begins again")
+
+
+def _show_design_notes(console: Any, report: DesignReport) -> None:
+    """Print the notes about how the tube was certified, which starts it covers, and those of the task."""
     if report.method == "sampled":
         console.print(
             "  [yellow]note[/yellow]: checked at samples only, which proves nothing between them; the smooth maximum narrows "
@@ -63,6 +88,10 @@ def show_design(report: DesignReport) -> None:
         )
     for note in report.notes:
         _indented(console, f"[yellow]note[/yellow]: {escape(note)}")
+
+
+def _show_properties(console: Any, report: DesignReport) -> None:
+    """Print the certified properties with their margins, and the entries of the mission."""
     table = Table(box=None, pad_edge=True, header_style="bold")
     for heading in ("", "property", "holds", "margin", "smallest at"):
         table.add_column(heading, justify="right" if heading == "margin" else "left")
@@ -70,25 +99,12 @@ def show_design(report: DesignReport) -> None:
         holds = "[green]yes[/green]" if p.holds else "[red]NO[/red]"
         table.add_row(f"{p.title} ({p.property})", p.statement, holds, f"{p.margin:.3g}" if p.margin else "", p.where)
     console.print(table)
-    for one in report.mission:
-        _indented(console, f"mission {one.entry}, {escape(sentence(one))}")
-    law = report.input
-    if law.largest_u is not None:
-        saturated = f", saturated at {', '.join(f'{u:g}' for u in law.u_max)}" if law.u_max else ""
-        console.print(f"  |u| up to {law.largest_u:.4g} at the clamp{saturated}")
-    if law.sampling is not None:
-        _sampling(console, law.sampling, law.tick_period)
-    cost = report.cost
-    kinds = ", ".join(f"{count} {kind}" for kind, count in cost.operations.items())
-    code = f", {cost.host_code_bytes} B of code on this host (-Os)" if cost.host_code_bytes else ""
-    console.print(f"  one {' + '.join(cost.functions)} step: {cost.operations_total} operations ({kinds})")
-    console.print(f"  {cost.table_bytes} B of tables{code}")
-    if report.picture is not None:
-        console.print(f"  picture: {report.picture}")
+    for proof in report.mission:
+        _indented(console, f"mission {proof.entry}, {escape(sentence(proof))}")
 
 
 def show_trade(report: TradeReport) -> None:
-    """Tubes of one task side by side, the widest first."""
+    """Print several tubes of a task, the widest first."""
     console = _console()
     console.print(f"[bold]{report.task}[/bold]: what a tube's width costs; none of these is beaten in all three")
     table = Table(box=None, pad_edge=True, header_style="bold")
@@ -105,7 +121,7 @@ def show_trade(report: TradeReport) -> None:
 
 
 def _indented(console: Any, line: str) -> None:
-    """A line two columns in; where it is too long, the rest two farther in."""
+    """Print a line with an indent of two columns; where it is too long, its rest has an indent of four."""
     text = line.lstrip(" ")
     depth = 2 + len(line) - len(text)
     first, *rest = Text.from_markup(text).wrap(console, console.width - depth - 2)
@@ -114,14 +130,23 @@ def _indented(console: Any, line: str) -> None:
         console.print(Text(" " * (depth + 2 * (k > 0))) + part)
 
 
-def _sampling(console: Any, sampling: Sampling, tick_period: float | None) -> None:
+def _show_sampling(console: Any, sampling: Sampling, tick_period: float | None) -> None:
     for line in sampling_lines(sampling, tick_period):
         _indented(console, "  " * line.under + ("[yellow]note[/yellow]: " if line.note else "") + escape(line.text))
 
 
 def show_bounds(report: BoundsReport) -> None:
-    """What `prove TASK` found: hypotheses, then bounds by dimension, then the sampled statements."""
+    """Print the answer of `prove TASK`: hypotheses, bounds by dimension, and the proved periods."""
     console = _console()
+    _show_hypotheses(console, report)
+    _show_bound_table(console, report)
+    _show_proved_periods(console, report)
+    _show_sampling(console, report.sampling, None)
+    _show_plant_table(console, report)
+
+
+def _show_hypotheses(console: Any, report: BoundsReport) -> None:
+    """Print the hypotheses, and whether each holds."""
     noise = f", x measured to {report.noise:g}" if report.noise else ""
     noise += f", u {time_told(report.latency)} after its sample" if report.latency else ""
     console.print(f"[bold]{report.task}[/bold], {report.design}, with {escape(report.plant)}{noise}")
@@ -132,7 +157,11 @@ def show_bounds(report: BoundsReport) -> None:
         table.add_row(escape(h.name), escape(h.statement), "[green]yes[/green]" if h.holds else "[red]NO[/red]")
     console.print(table)
     console.print(f"  for all starts with {report.sampling.starts}:")
-    tube, plant, free = report.tube, report.plant_over_the_tube, report.continuous
+
+
+def _show_bound_table(console: Any, report: BoundsReport) -> None:
+    """Print the bounds of tube, plant and continuous control, a column for each axis."""
+    tube, plant, continuous = report.tube, report.plant_over_the_tube, report.continuous
     rows = {
         "tube, lowest": tube.lower,
         "tube, highest": tube.upper,
@@ -142,8 +171,8 @@ def show_bounds(report: BoundsReport) -> None:
         "|f + w|": plant.push,
         "g_ii, least": plant.g_diagonal_least,
         "|g_ij|, largest": plant.g_cross_largest,
-        "eps* (continuous)": free.epsilon_star,
-        "|u| (continuous)": free.u,
+        "eps* (continuous)": continuous.epsilon_star,
+        "|u| (continuous)": continuous.u,
     }
     numbers = Table(box=None, header_style="bold")
     numbers.add_column("bound")
@@ -152,29 +181,38 @@ def show_bounds(report: BoundsReport) -> None:
     for name, values in rows.items():
         numbers.add_row(name, *map(_or_none, values))
     console.print(numbers)
-    console.print(f"  |eps|, all of it (continuous): {_or_none(free.epsilon_star_norm)}")
-    if None in (*free.epsilon_star, free.epsilon_star_norm):
+    console.print(f"  |eps|, all of it (continuous): {_or_none(continuous.epsilon_star_norm)}")
+    if None in (*continuous.epsilon_star, continuous.epsilon_star_norm):
         console.print(
             "  none: nothing below eps(e_max) is shown for continuous control, by component not where inputs are coupled"
         )
+
+
+def _show_proved_periods(console: Any, report: BoundsReport) -> None:
+    """Print the period that each form of the sampling conditions proves."""
     for name, p in report.sampled.items():
         if p is None:
             console.print(f"  sampled, {name}: proves no period")
             continue
-        where = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
-        short = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
-        console.print(f"  sampled, {name}: {time_told(p.period)}, |e| below {few(p.e)}; {where}{short}")
-    _sampling(console, report.sampling, None)
-    if report.proposed is not None:
-        if report.proposed.reason:
-            _indented(console, f"no \\[plant] can state this plant: {escape(report.proposed.reason)}")
-            return
-        console.print("  as bounds in the task:")
-        for line in report.proposed.lines:
-            console.print(f"    {line}", markup=False, soft_wrap=True)
-        if report.filter:
-            own = by_component(report.filter)
-            console.print(f'  (for lambda = {own}: state tube.filter too, for "auto" goes by these bounds)', markup=False)
+        tightest = f"tightest at {p.time[0]:.4g} to {p.time[1]:.4g} s" + (f", x{p.dimension}" if p.dimension else "")
+        note = "; conservative: adversaries need 4 times as long or more" if name == "general" else ""
+        console.print(f"  sampled, {name}: {time_told(p.period)}, |e| below {few(p.e)}; {tightest}{note}")
+
+
+def _show_plant_table(console: Any, report: BoundsReport) -> None:
+    """Print the table [plant] that states the bounds of a plant with equations, or why there is none."""
+    proposed = report.proposed
+    if proposed is None:
+        return
+    if proposed.reason:
+        _indented(console, f"no \\[plant] can state this plant: {escape(proposed.reason)}")
+        return
+    console.print("  as bounds in the task:")
+    for line in proposed.lines:
+        console.print(f"    {line}", markup=False, soft_wrap=True)
+    if report.filter:
+        rate = by_component(report.filter)
+        console.print(f'  (for lambda = {rate}: state tube.filter too, for "auto" goes by these bounds)', markup=False)
 
 
 def _or_none(value: float | None) -> str:
@@ -182,33 +220,18 @@ def _or_none(value: float | None) -> str:
 
 
 def show_run(report: RunReport) -> None:
-    """What came of a closed loop, and what had been proved for it."""
+    """Print the result of a closed loop, and what was proved for it beforehand."""
     console = _console()
-    task, run, s = report.controller.task, report.run, report.scenario
+    task, run = report.controller.task, report.run
     verdict = "[green]fulfilled[/green]" if report.fulfilled else "[red]MISSED[/red]"
-    each = [s.strength * v for v in s.shares] or [s.strength]
-    under = [f"|w| <= {by_component(each)} ({s.disturbance})" if s.strength else "no disturbance"]
-    under += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
-    if s.noise:
-        under.append(f"x measured to {s.noise:g}")
-    if s.noise_v:
-        under.append(f"v measured to {s.noise_v:g}")
-    if s.lag:
-        under.append(f"u through a lag of {time_told(s.lag)}")
-    if s.latency:
-        under.append(f"u {time_told(s.latency)} late")
-    if s.lost:
-        under.append(f"up to {s.lost} lost in a row")
-    if any(c is not None for c in task.courses):
-        under.append(f"clock of the sets {s.clock}")
-    kind = report.controller.design.kind
-    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {escape(report.plant)}: {verdict}; {', '.join(under)}")
+    kind, conditions = report.controller.design.kind, ", ".join(_conditions(report))
+    console.print(f"[bold]{task.name}[/bold] ({kind}) drives {escape(report.plant)}: {verdict}; {conditions}")
     hit = "none" if run.hit is None else f"[red]{run.hit} at {run.hit_at:.4g} s[/red]"
     left = "never" if run.left_at is None else f"[red]at {run.left_at:.4g} s[/red]"
     reached = "in the target" if run.reached else f"[red]not in the target, at {_numbers(run.last)}[/red]"
-    then = f"{time_told(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
-    where = "" if task.target_set is None else f"; {then} {reached}"
-    console.print(f"  unsafe sets entered: {hit}; state space left: {left}{where}")
+    end = f"{time_told(run.waited)} after t_c, for the tube waited," if run.waited else "at t_c"
+    arrival = "" if task.target_set is None else f"; {end} {reached}"
+    console.print(f"  unsafe sets entered: {hit}; state space left: {left}{arrival}")
     if task.mission:
         not_done = ", ".join(f"{k} ({escape(task.mission[k - 1].title())})" for k in run.missed)
         console.print(f"  mission: {f'[red]entry {not_done} missed[/red]' if run.missed else 'carried out, at every sample'}")
@@ -222,12 +245,33 @@ def show_run(report: RunReport) -> None:
         console.print(f"  {path}")
 
 
+def _conditions(report: RunReport) -> list[str]:
+    """Return the conditions of a run in words: disturbance, rate, gain, noise, lag, latency, lost samples."""
+    task, s = report.controller.task, report.scenario
+    bounds = [s.strength * v for v in s.shares] or [s.strength]
+    conditions = [f"|w| <= {by_component(bounds)} ({s.disturbance})" if s.strength else "no disturbance"]
+    conditions += [f"{s.rate:g} Hz", f"gain {by_component(task.gain)}"]
+    if s.noise:
+        conditions.append(f"x measured to {s.noise:g}")
+    if s.noise_v:
+        conditions.append(f"v measured to {s.noise_v:g}")
+    if s.lag:
+        conditions.append(f"u through a lag of {time_told(s.lag)}")
+    if s.latency:
+        conditions.append(f"u {time_told(s.latency)} late")
+    if s.lost:
+        conditions.append(f"up to {s.lost} lost in a row")
+    if any(c is not None for c in task.courses):
+        conditions.append(f"clock of the sets {s.clock}")
+    return conditions
+
+
 def _numbers(values: Sequence[float]) -> str:
     return ", ".join(f"{v:.4g}" if math.isfinite(v) else "beyond numbers" for v in values)
 
 
 def show_agreement(title: str, rows: Sequence[Row]) -> None:
-    """A comparison in which every row holds, in one line: who was compared, and which came nearest to its bound."""
+    """Print a comparison in which every row holds as a line: the backends, and the quantity nearest to its bound."""
     nearest = max(rows, key=lambda r: r.share)
     print(
         f"{title}: {', '.join(dict.fromkeys(r.backend for r in rows))} agree with the reference within derived bounds, "
@@ -237,7 +281,7 @@ def show_agreement(title: str, rows: Sequence[Row]) -> None:
 
 
 def show_rows(title: str, rows: Sequence[Row]) -> None:
-    """A comparison with the reference as a table."""
+    """Print a comparison with the reference as a table."""
     heading = f"{title}: largest distance from the reference"
     table = Table(box=None, header_style="bold", title=heading, title_justify="left")
     for name in ("backend", "quantity", "values", "error", "ulp", "of its bound", ""):

@@ -1,4 +1,4 @@
-"""Commands that check what was made, a file each; `COMMANDS` lists them."""
+"""Commands that check a controller, a file each; `COMMANDS` lists them."""
 
 from stt_codegen.cli.check_commands.certify import certify
 from stt_codegen.cli.check_commands.check import check

@@ -1,4 +1,4 @@
-"""`certify`: the stand-alone checker."""
+"""`certify`: run the stand-alone checker on a task, a C file and a certificate."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ def certify(
     from stt_codegen.certify.checker import main as check_files
     from stt_codegen.errors import BadInput
 
-    said, failed = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(failed):
+    verdict, problem = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(verdict), contextlib.redirect_stderr(problem):
         code = check_files([str(task), str(source), str(certificate)])
-    if failed.getvalue():
-        raise BadInput(failed.getvalue().strip())
+    if problem.getvalue():
+        raise BadInput(problem.getvalue().strip())
     if json:
-        print_json({"holds": code == 0, "message": said.getvalue().strip()})
+        print_json({"holds": code == 0, "message": verdict.getvalue().strip()})
     else:
-        print(said.getvalue(), end="")
+        print(verdict.getvalue(), end="")
     if code:
         raise typer.Exit(code)

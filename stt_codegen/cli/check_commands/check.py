@@ -1,4 +1,4 @@
-"""`check`: make every recorded controller again and compare."""
+"""`check`: build every recorded controller again and compare it with its files."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ def check(
     accept: Annotated[bool, typer.Option("--accept", help="write what the tool makes now, instead of comparing")] = False,
     json: Json = False,
 ) -> None:
-    """Make every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference."""
+    """Build every recorded controller again and compare with the files on disk, both ways. Exit code 1 on any difference."""
     from stt_codegen.record import check as checks
 
     progress = (lambda name: say(f"  {name}")) if sys.stderr.isatty() else (lambda _: None)
     if accept:
-        count = checks.accept(folder, progress)
-        written, dropped = count
+        written, dropped = checks.accept(folder, progress)
         note = f", {dropped} dropped (their task files are gone)" if dropped else ""
         print_json({"written": written, "dropped": dropped}) if json else print(
             f"{folder}: {counted(written, 'folder')} written{note}"
         )
         return
-    found = checks.check(folder, progress)
+    differences = checks.check(folder, progress)
     tools = checks.changed_tools(folder)
     if json:
         print_json(
             {
-                "differences": [{"path": d.path, "what": d.what, "numbers": d.numbers, "diff": list(d.diff)} for d in found],
+                "differences": [
+                    {"path": d.path, "what": d.what, "numbers": d.numbers, "diff": list(d.diff)} for d in differences
+                ],
                 "changed_tools": tools,
             }
         )
     else:
-        for d in found:
+        for d in differences:
             print(f"{d.path}: {d.what}" + (f" ({d.numbers})" if d.numbers else ""))
             for line in d.diff:
                 print(f"    {line}")
         for line in tools:
             print(f"note: other version than recorded: {line}")
-        if found:
-            print(
-                f"\n{counted(len(found), 'difference')}. To accept what the tool makes now:  stt-codegen check {folder} --accept"
-            )
+        if differences:
+            count = counted(len(differences), "difference")
+            print(f"\n{count}. To accept what the tool makes now:  stt-codegen check {folder} --accept")
         else:
             print(f"{folder}: {counted(checks.folders(folder), 'folder')}, no difference")
-    if found:
+    if differences:
         raise typer.Exit(1)

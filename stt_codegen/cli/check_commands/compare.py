@@ -1,4 +1,4 @@
-"""`compare`: every backend against the reference."""
+"""`compare`: compare every backend with the reference."""
 
 from __future__ import annotations
 

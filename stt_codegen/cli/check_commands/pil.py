@@ -1,4 +1,4 @@
-"""`pil`: processor in the loop."""
+"""`pil`: processor in the loop, on an emulated board."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def pil(
     rust: Annotated[bool, typer.Option("--rust", help="the emitted Rust in place of the C, on an ARM board")] = False,
     json: Json = False,
 ) -> None:
-    """Processor in the loop: run the emitted code on an emulated board, compare with the reference, count what a call takes."""
+    """Processor in the loop: run the emitted code on an emulated board, compare it with the reference, count each call's cost."""
     from dataclasses import asdict
 
     with patience(f"running {task} on {board}"):

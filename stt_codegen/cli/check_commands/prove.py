@@ -1,4 +1,4 @@
-"""`prove`: the lemma book, and the bounds of one task."""
+"""`prove`: prove the lemma book, or evaluate the bounds of a task."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import typer
 from stt_codegen.cli.options import DesignOption, Json, Latency, Noise, PlantOption, ScalarOption, patience, print_json, say
 from stt_codegen.errors import BadInput
 
-BOOK = Path("generated/lemmas.md")  # of a repository that keeps one
+BOOK = Path("generated/lemmas.md")  # where a repository keeps the book
 
 
 def prove(
@@ -24,7 +24,7 @@ def prove(
         ),
     ] = None,
     check: Annotated[bool, typer.Option("--check", help="compare with what is on disk, instead of writing it")] = False,
-    fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas, also those proved before with these sources")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="prove all lemmas again, even with the same sources")] = False,
     plant: PlantOption = None,
     noise: Noise = None,
     latency: Latency = None,
@@ -32,28 +32,29 @@ def prove(
     scalar: ScalarOption = None,
     json: Json = False,
 ) -> None:
-    """Prove, or refute, what the controllers rest on, about the expressions that are printed; with a TASK, evaluate the
-    hypotheses and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
+    """Prove or refute the lemmas that controllers rest on, about the printed expressions; with a TASK, evaluate the hypotheses
+    and bounds for its tube and plant. Exit code 1 when a lemma is open or a hypothesis fails."""
     if task is None:
         if plant is not None or noise or latency or design is not None or scalar is not None:
-            told = "--plant, --noise, --latency, --design and --scalar belong to a TASK"
-            raise BadInput(f"prove: {told}; the book is about every task")
+            options = "--plant, --noise, --latency, --design and --scalar"
+            raise BadInput(f"prove: {options} belong to a TASK; the book is about every task")
         if out is None and not BOOK.is_file():
             raise BadInput(f"prove: there is no {BOOK} here, which the book replaces; say with --out where it goes (.md or .tex)")
         good = _prove_book(out or BOOK, check, fresh, json)
     else:
         if fresh:
-            raise BadInput("prove: --fresh is for the lemma book; bounds of a TASK are always made anew")
+            raise BadInput("prove: --fresh is for the lemma book; bounds of a TASK are always computed again")
         from stt_codegen.pipeline import build
 
         with patience(f"designing {task}"):
             controller = build(task, design, scalar)
-        good = _prove_task(controller, plant, (noise, latency), out or Path(), check, json)
+        good = _prove_task(controller, plant, (noise, latency), folder=out or Path(), check=check, as_json=json)
     if not good:
         raise typer.Exit(1)
 
 
 def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
+    """Prove the lemmas and write the book, or compare it with what is on disk; return whether all is well."""
     from stt_codegen.lemmas import Verdict, page, prove_all
     from stt_codegen.record import write_files
 
@@ -76,19 +77,23 @@ def _prove_book(out: Path, check: bool, fresh: bool, json: bool) -> bool:
             print(f"{sum(e.verdict is verdict for e in entries):4d} {verdict.value}")
         for e in still_open:
             print(f"open: {e.lemma.name}: {'; '.join(e.outcome.evidence)}")
-        print(f"{out}: {_compared(out, check, differs)}")
+        print(f"{out}: {_file_state(out, check, differs)}")
     return not still_open and not differs
 
 
-def _compared(path: Path, check: bool, differs: bool) -> str:
+def _file_state(path: Path, check: bool, differs: bool) -> str:
     if differs:
         return f"{'differs' if path.is_file() else 'is missing'}; run without --check to write it"
-    return "as it should be" if check else "written"
+    return "up to date" if check else "written"
 
 
 def _prove_task(
-    controller: Any, plant: str | None, errors: tuple[float | None, float | None], folder: Path, check: bool, as_json: bool
+    controller: Any, plant: str | None, errors: tuple[float | None, float | None], *, folder: Path, check: bool, as_json: bool
 ) -> bool:
+    """Evaluate hypotheses and bounds of a task and write them, or compare them with the file; return whether all is well.
+
+    errors: noise and latency; None is the task's.
+    """
     from stt_codegen.cli.show import show_bounds
     from stt_codegen.plants import plant_of
     from stt_codegen.record import write_files
@@ -108,5 +113,5 @@ def _prove_task(
         print_json({**report.document(), "file_differs": differs})
     else:
         show_bounds(report)
-        print(f"{path}: {_compared(path, check, differs)}")
+        print(f"{path}: {_file_state(path, check, differs)}")
     return report.good and not differs

@@ -1,4 +1,4 @@
-"""`theorem`: Coq asked about an emitted controller."""
+"""`theorem`: ask Coq whether the theorems about an emitted controller hold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def theorem(
     source: Annotated[Path, typer.Argument(metavar="FILE.c", help="the emitted C file; its certificate lies beside it")],
     json: Json = False,
 ) -> None:
-    """Write the theorems of a refined tube anew from task, header, C and certificate, and ask coqc whether they hold. Exit code
+    """Write the theorems of a refined tube from task, header, C and certificate, and ask coqc whether they hold. Exit code
     1 when one does not, 4 without Coq."""
     from stt_codegen.theorem import ask
 

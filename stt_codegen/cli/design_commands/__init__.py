@@ -1,4 +1,4 @@
-"""Commands that make something from a task, a file each; `COMMANDS` lists them."""
+"""Commands that read a task and write or show something, a file each; `COMMANDS` lists them."""
 
 from stt_codegen.cli.design_commands.design import design
 from stt_codegen.cli.design_commands.generate import generate

@@ -53,7 +53,7 @@ def design(
 
 
 def _compare_tubes(task: Path, design: str | None, scalar: str | None, picture: Path | None, json: bool) -> None:
-    """Width against speed against period over several tubes of the task."""
+    """Show what several tubes of the task trade: width, speed, and longest proved period."""
     with patience(f"designing tubes for {task}"):
         from stt_codegen.errors import about
         from stt_codegen.report import trade_report

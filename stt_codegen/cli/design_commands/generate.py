@@ -1,9 +1,10 @@
-"""`generate`: write controllers."""
+"""`generate`: build the controllers of tasks and write them, as plain files, packages, or records that `check` compares."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,6 +22,10 @@ from stt_codegen.cli.options import (
 )
 from stt_codegen.errors import BadInput
 from stt_codegen.program.targets import optional_targets
+
+if TYPE_CHECKING:
+    from stt_codegen.pipeline import EmittedController
+    from stt_codegen.task import Task
 
 
 def generate(
@@ -49,67 +54,104 @@ def generate(
     json: Json = False,
 ) -> None:
     """Write the C and Python controller of each task with its certificate: <name>.h, .c, .py, .certificate.json."""
-    from stt_codegen.pipeline import build
-    from stt_codegen.plants import plant_of
-    from stt_codegen.record import folder_of, interface_of, keep_apart, keep_certified, keep_inputs, sketch_notes, write_files
-    from stt_codegen.record import package as packed
-    from stt_codegen.record import record as record_controller
+    from stt_codegen.record import interface_of, sketch_notes
 
+    _require_compatible(out=out, record=record, package=package, theorem=theorem)
+    controllers = _build_all(tasks, design=design, scalar=scalar, uncertified=uncertified, package=package)
+    contents = _files_of_all(controllers, package=package, plant=plant, theorem=theorem)
+    _require_safe_targets(controllers, contents, record, out or Path())
+    folders = _write_all(controllers, contents, record=record, out=out or Path(), uncertified=uncertified)
+    written = []
+    for (_, controller), files, folder in zip(controllers, contents, folders, strict=True):
+        name = controller.task.name
+        for note in [*_notes(controller), *(sketch_notes(controller) if package in ("arduino", "platformio") else ())]:
+            say(f"note: {name}: {note}")
+        certified = controller.certificate.holds
+        written.append({"task": name, "certified": certified, "folder": str(folder), "files": list(files)})
+        if not json:
+            print(f"{name}: {'certified' if certified else 'NOT CERTIFIED'}; {', '.join(files)} in {folder}")
+            if package == "ros2":
+                print(f"{name}: {interface_of(controller.task)}")
+    if json:
+        print_json({"written": written})
+
+
+def _require_compatible(*, out: Path | None, record: Path | None, package: str, theorem: bool) -> None:
+    """Raise `BadInput` where two options exclude each other."""
     if record is not None and package != "plain":
         raise BadInput("--record and --package: give one of them; recorded folders hold the plain files")
     if out is not None and record is not None:
         raise BadInput("--out and --record: give one of them")
     if theorem and (record is not None or package != "plain"):
         raise BadInput("--theorem: is written beside the plain files; leave out --record and --package")
+
+
+def _build_all(
+    tasks: list[Path], *, design: str | None, scalar: str | None, uncertified: bool, package: str
+) -> list[tuple[Path, EmittedController]]:
+    """Build the controller of each task, all of them before any is written."""
+    from stt_codegen.pipeline import build
+
     language = package if package in [t.key for t in optional_targets()] else None
-    made = []
-    for task in tasks:  # all of them, before any is written
+    controllers = []
+    for task in tasks:
         with patience(f"designing {task}"):
-            made.append((task, build(task, design, scalar, uncertified, language)))
-    packages = []
-    for _, controller in made:
+            controllers.append((task, build(task, design, scalar, uncertified, language)))
+    return controllers
+
+
+def _files_of_all(
+    controllers: list[tuple[Path, EmittedController]], *, package: str, plant: str | None, theorem: bool
+) -> list[dict[str, bytes]]:
+    """Return the contents of the files of each controller by path, in the package's layout."""
+    from stt_codegen.plants import plant_of
+    from stt_codegen.record import package as package_files
+
+    contents = []
+    for task, controller in controllers:
         model = None if plant is None else plant_of(plant, controller.task.dimension, controller.task.order)
-        packages.append(packed(controller, package, model))
-    if theorem:
-        packages = [
-            {**files, **_theorem(task.read_bytes(), controller.task.name, files)}
-            for (task, controller), files in zip(made, packages, strict=True)
-        ]
-    placed = [
+        files = package_files(controller, package, model)
+        contents.append({**files, **_theorem_file(task.read_bytes(), controller.task.name, files)} if theorem else files)
+    return contents
+
+
+def _require_safe_targets(
+    controllers: list[tuple[Path, EmittedController]], contents: list[dict[str, bytes]], record: Path | None, out: Path
+) -> None:
+    """Raise `BadInput` where a file would replace a task, a certified controller, or a file of another task."""
+    from stt_codegen.record import folder_of, keep_apart, keep_certified, keep_inputs
+
+    targets = [
         files if record is None else {f"{folder_of(controller)}/{path}": data for path, data in files.items()}
-        for (_, controller), files in zip(made, packages, strict=True)
+        for (_, controller), files in zip(controllers, contents, strict=True)
     ]
-    keep_apart([controller.task.name for _, controller in made], placed)
-    for files in placed:
-        keep_inputs([(record or out or Path()) / path for path in files], tasks)
-        keep_certified(record or out or Path(), files)
-    if record is None:
-        write_files(out or Path(), {path: data for files in packages for path, data in files.items()})
-    written = []
-    for (task, controller), files in zip(made, packages, strict=True):
-        _tell_what_is_not_proved(controller)
-        for note in sketch_notes(controller) if package in ("arduino", "platformio") else ():
-            say(f"note: {controller.task.name}: {note}")
-        folder = out or Path() if record is None else record_controller(record, task, controller, uncertified)
-        written.append(
-            {
-                "task": controller.task.name,
-                "certified": controller.certificate.holds,
-                "folder": str(folder),
-                "files": list(files),
-            }
-        )
-        if not json:
-            verdict = "certified" if controller.certificate.holds else "NOT CERTIFIED"
-            print(f"{controller.task.name}: {verdict}; {', '.join(files)} in {folder}")
-            if package == "ros2":
-                print(f"{controller.task.name}: {interface_of(controller.task)}")
-    if json:
-        print_json({"written": written})
+    keep_apart([controller.task.name for _, controller in controllers], targets)
+    folder = out if record is None else record
+    for files in targets:
+        keep_inputs([folder / path for path in files], [task for task, _ in controllers])
+        keep_certified(folder, files)
 
 
-def _theorem(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes]:
-    """<name>.v, from what is written: the task spelled out where it has a map or an outline."""
+def _write_all(
+    controllers: list[tuple[Path, EmittedController]],
+    contents: list[dict[str, bytes]],
+    *,
+    record: Path | None,
+    out: Path,
+    uncertified: bool,
+) -> list[Path]:
+    """Write every file, or record every controller; return the folder of each."""
+    from stt_codegen.record import record as record_controller
+    from stt_codegen.record import write_files
+
+    if record is not None:
+        return [record_controller(record, task, controller, uncertified) for task, controller in controllers]
+    write_files(out, {path: data for files in contents for path, data in files.items()})
+    return [out] * len(controllers)
+
+
+def _theorem_file(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes]:
+    """Return <name>.v with the theorems about the files; a task with a map or an outline is read as it is spelled out."""
     from stt_codegen.emit import spelled_name
     from stt_codegen.theorem import theorem_text
 
@@ -120,34 +162,35 @@ def _theorem(task: bytes, name: str, files: dict[str, bytes]) -> dict[str, bytes
     return {f"{name}.v": text}
 
 
-def _tell_what_is_not_proved(controller: Any) -> None:
-    """Notes on stderr about gain, limits and tick of a refined tube: what `design` would say of them. P9 is a demand, no note."""
-    from stt_codegen.report import task_notes
+def _notes(controller: EmittedController) -> Iterator[str]:
+    """Yield what a refined tube's certificate does not prove, and what the task does not say: notes that `design` prints too."""
+    from stt_codegen.report import Analysis, task_notes
 
     task = controller.task
-    for text in task_notes(task):
-        say(f"note: {task.name}: {text}")
+    yield from task_notes(task)
+    yield from _set_notes(task)
+    if task.control.period is not None or controller.design.is_stateful or not controller.certificate.holds:
+        return  # a period that is stated must be proved, and needs no note
+    analysis = Analysis(controller)
+    unproved = [h.statement for h in analysis.hypotheses() if h.name in ("sampling", "saturation") and not h.holds]
+    if analysis.period is None:
+        unproved.append(f"a sampling period, from every start with {analysis.starts}")
+    yield from (f"not shown for {analysis.name}: {statement}; see `stt-codegen design`" for statement in unproved)
+
+
+def _set_notes(task: Task) -> Iterator[str]:
+    """Yield notes about a round target, and about unsafe sets outside the state space."""
+    from stt_codegen.task.sets import FAN_CORNER_DISTANCES
+
     target = task.as_stated.target_set
     if target is not None and target.centre is not None:
-        from stt_codegen.task.sets import FAN_CORNER_DISTANCES
-
         faces = len(target.half_spaces())
         share = 100 / float(FAN_CORNER_DISTANCES[len(target.centre)])
-        say(f"note: {task.name}: reached is a polytope of {faces} faces in the target's ball, {share:.1f} % as wide")
+        yield f"reached is a polytope of {faces} faces in the target's ball, {share:.1f} % as wide"
     outside: dict[str, bool] = {}
     for j, (grown, course) in enumerate(zip(task.obstacles, task.courses, strict=True)):
         field, space = task.unsafe_field(j), task.state_space  # a set is outside where all of its images are
         outside[field] = outside.get(field, True) and course is None and grown.is_apart_from(space.lower, space.upper)
     for convex, is_outside in zip(task.as_stated.unsafe, outside.values(), strict=True):
         if is_outside:
-            say(f"note: {task.name}: {convex.name} lies outside the state space")
-    if task.control.period is not None or controller.design.is_stateful or not controller.certificate.holds:
-        return
-    from stt_codegen.report import Analysis
-
-    analysis = Analysis(controller)
-    told = [h.statement for h in analysis.hypotheses() if h.name in ("sampling", "saturation") and not h.holds]
-    if analysis.period is None:
-        told.append(f"a sampling period, from every start with {analysis.starts}")
-    for statement in told:
-        say(f"note: {task.name}: not shown for {analysis.name}: {statement}; see `stt-codegen design`")
+            yield f"{convex.name} lies outside the state space"

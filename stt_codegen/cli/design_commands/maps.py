@@ -1,4 +1,4 @@
-"""`map`: what an occupancy map is taken as."""
+"""`map`: the unsafe sets that stand for an occupancy map."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def map_(
     ] = None,
     json: Json = False,
 ) -> None:
-    """Show the sets that a whole occupancy map is taken as, how many and what they cover, and draw them. A task with [map] takes
+    """Show the unsafe sets that stand for an occupancy map, how many and what they cover, and draw them. A task with [map] uses
     those near its state space."""
     if upright is not None:
         _turn_upright(file, upright, free, json)
@@ -43,12 +43,12 @@ def map_(
     if json:
         print_json({**report.document(), "picture": str(path)})
         return
-    counts, found = report.counts, report.found
-    width, height = found.occupied.shape
-    print(f"{file}: {width} x {height} cells of {float(found.resolution):g}")
-    print(f"  from {', '.join(f'{float(v):g}' for v in found.origin)} to {', '.join(f'{float(v):g}' for v in found.upper)}")
+    counts, grid = report.counts, report.found
+    width, height = grid.occupied.shape
+    print(f"{file}: {width} x {height} cells of {float(grid.resolution):g}")
+    print(f"  from {', '.join(f'{float(v):g}' for v in grid.origin)} to {', '.join(f'{float(v):g}' for v in grid.upper)}")
     print(f"  {counts['occupied']} occupied, {counts['unknown']} unknown, {counts['free']} free; occupied and unknown are unsafe")
-    if note := found.grey_note():
+    if note := grid.grey_note():
         print(f"  note: {note}")
     unsafe = counts["occupied"] + counts["unknown"]
     more = f", {report.gained / unsafe:.1%} of the unsafe ones" if unsafe else ""
@@ -57,7 +57,7 @@ def map_(
 
 
 def _turn_upright(file: Path, target: Path, free: Literal["white", "thresholds"], json: bool) -> None:
-    """Write a rotated map as an upright one."""
+    """Write a rotated map as an upright one, in which no cell is free that was not."""
     with patience(f"turning {file}"):
         from stt_codegen.task.map import write_upright_map
 

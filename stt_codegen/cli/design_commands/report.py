@@ -1,10 +1,11 @@
-"""`report`: one page about a controller, to look at, to drive, and to hand over."""
+"""`report`: one page about a controller, with pictures, the C to drive, and the evidence."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -19,6 +20,11 @@ from stt_codegen.cli.options import (
     print_json,
     say,
 )
+from stt_codegen.errors import BadInput
+
+if TYPE_CHECKING:
+    from stt_codegen.pipeline import EmittedController
+    from stt_codegen.report.page import Check
 
 
 def report(
@@ -35,20 +41,12 @@ def report(
     uncertified: Uncertified = False,
 ) -> None:
     """Write one HTML page about a controller: the tube over time, the C to drive, certificate, evidence. It needs no network.
-    Exit code 1 when something that was run for the evidence is not as it should be."""
-    from stt_codegen.errors import BadInput
-    from stt_codegen.plants import plant_of
-    from stt_codegen.record import write_files
-
-    if out is not None and out.suffix.lower() not in (".html", ".htm"):
-        raise BadInput(f"--out {out}: is no page; use a name that ends in .html")
-    for name in board or ():
-        from stt_codegen.board.summary import require_board
-
-        require_board(name)
+    Exit code 1 when a check that was run for the evidence fails."""
+    _require_page_and_boards(out, board or ())
     begin = time.perf_counter()
     with patience(f"designing {task}"):
         from stt_codegen.pipeline import build
+        from stt_codegen.plants import plant_of
         from stt_codegen.report import design_report
         from stt_codegen.task import load_task
 
@@ -59,29 +57,50 @@ def report(
     with patience(f"compiling and comparing {controller.task.name}"):
         from stt_codegen.report.page import evidence, page
 
-        ran = []
-        for name in board or ():
-            from stt_codegen.board.summary import on_board
-
-            ran.append(on_board(controller, name))
-        shown = evidence(controller, task, ran)
-        text = page(controller, figures, shown, model)
+        evidence_shown = evidence(controller, task, _run_on_boards(controller, board or ()))
+        text = page(controller, figures, evidence_shown, model)
     path = out or Path(f"{controller.task.name}.report.html")
-    write_files(path.parent, {path.name: text})
+    _write_page(path, text)
     if json:
-        seconds = round(time.perf_counter() - begin, 3)
         print_json(
             {
                 "task": controller.task.name,
                 "page": str(path),
                 "bytes": len(text),
-                "seconds": seconds,
-                "evidence_holds": shown.good,
+                "seconds": round(time.perf_counter() - begin, 3),
+                "evidence_holds": evidence_shown.good,
             }
         )
     else:
         print(f"{controller.task.name}: {path}, {len(text)} bytes; open it in a browser")
-    if not shown.good:
-        failed = [one.name for one in shown.checks if one.good is False] + [f"MISRA rule {rule}" for rule in shown.unlisted]
-        say(f"note: {controller.task.name}: not as it should be: {', '.join(failed)}; the page's evidence has more")
+    if not evidence_shown.good:
+        failed = [check.name for check in evidence_shown.checks if check.good is False]
+        failed += [f"MISRA rule {rule}" for rule in evidence_shown.unlisted]
+        say(f"note: {controller.task.name}: failed: {', '.join(failed)}; the page's evidence has more")
         raise typer.Exit(1)
+
+
+def _require_page_and_boards(out: Path | None, boards: Sequence[str]) -> None:
+    """Raise `BadInput` for a page that is no HTML file, or for an unknown board."""
+    if out is not None and out.suffix.lower() not in (".html", ".htm"):
+        raise BadInput(f"--out {out}: is no page; use a name that ends in .html")
+    for name in boards:
+        from stt_codegen.board.summary import require_board
+
+        require_board(name)
+
+
+def _run_on_boards(controller: EmittedController, boards: Sequence[str]) -> list[Check]:
+    """Run the C on each emulated board and compare it with the reference."""
+    checks = []
+    for name in boards:
+        from stt_codegen.board.summary import on_board
+
+        checks.append(on_board(controller, name))
+    return checks
+
+
+def _write_page(path: Path, text: bytes) -> None:
+    from stt_codegen.record import write_files
+
+    write_files(path.parent, {path.name: text})

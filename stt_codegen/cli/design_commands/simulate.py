@@ -1,4 +1,4 @@
-"""`simulate`: drive a plant."""
+"""`simulate`: run the emitted C in closed loop with a plant."""
 
 from __future__ import annotations
 
@@ -48,7 +48,8 @@ def simulate(
     start: Annotated[str | None, typer.Option(metavar="X1,X2,...", help="x(0) in place of initial_state")] = None,
     seed: Annotated[int, typer.Option(min=0, help="of all that is random")] = 0,
     gain: Annotated[
-        str | None, typer.Option(help='another control.gain, or "best": of those proved for the rate that with the most room')
+        str | None,
+        typer.Option(help='another control.gain, or "best": the proved gain with the largest margin'),
     ] = None,
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="write <name>.loop.csv and <name>.loop.png here")] = None,
     axes: Axes = None,
@@ -57,10 +58,10 @@ def simulate(
     uncertified: Uncertified = False,
     json: Json = False,
 ) -> None:
-    """Drive a plant with the emitted C, held between samples: what is hit, left, reached. Exit code 1 when the task is missed."""
+    """Simulate a plant in closed loop with the emitted C, held between samples. Exit code 1 when the task is missed."""
     with patience(f"simulating {task}"):
         from stt_codegen.loop import Request, doubtful
-        from stt_codegen.loop import simulate as drive
+        from stt_codegen.loop import simulate as run_loop
         from stt_codegen.pipeline import build
 
         request = Request(
@@ -69,7 +70,7 @@ def simulate(
             seed=seed, gain=gain, axes=tuple(axes or ()), clock=clock,
         )  # fmt: skip
         controller = build(task, design, scalar, uncertified)
-        report = drive(controller, request, out)
+        report = run_loop(controller, request, out)
     for name in doubtful(controller.task):
         say(f"note: {controller.task.name}: {name}, grown by the body, is judged by a set that holds it; a collision may be none")
     if json:
