@@ -34,8 +34,7 @@ USED_ELSEWHERE = {
 
 # Names that two or more classes have today. A name leaves the list when its classes are renamed, and none is added.
 REPEATED = """
-    Claim Difference Entry Extremes Filter Formula Frame Law Lines Loop Piece Row Sampling Search
-    Setting Shape Table _Reader _Walk
+    Claim Extremes Filter Frame Lines Loop Row Sampling Search Shape Table _Reader _Walk
 """
 
 
