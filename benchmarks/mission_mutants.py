@@ -34,7 +34,7 @@ from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import build_program, design_tube
 from stt_codegen.task.load import load_task, parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until, regions_of
-from stt_codegen.task.mission.regions import RegionUnion, State
+from stt_codegen.task.mission.regions import RegionUnion, StateFormula
 from stt_codegen.task.task import Task
 
 Array = Any
@@ -177,7 +177,7 @@ def evaluated(formula: Formula, t: Array, atoms: dict[InRegion, Array], endless:
     """Where the formula may hold, at the samples: what is between two of them counts as the better; endless: and
     what is after the last one."""
     match formula:
-        case State(inner):
+        case StateFormula(inner):
             return evaluated(inner, t, atoms, endless)
         case InRegion():
             return atoms[formula]
@@ -250,7 +250,7 @@ def broken(task: Task, design: RefinedDesign, dice: Random) -> bool:
 
 
 def regions_of_states(formula: Formula) -> Iterator[InRegion]:
-    if isinstance(formula, State):
+    if isinstance(formula, StateFormula):
         yield from regions_of(formula.inner)
         return
     parts = getattr(formula, "parts", None) or [getattr(formula, k) for k in ("part", "first", "last") if hasattr(formula, k)]

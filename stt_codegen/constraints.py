@@ -22,7 +22,7 @@ from functools import cache
 from stt_codegen.designs import LOWER, MINIMUM_WIDTH, UPPER
 from stt_codegen.program import round_down
 from stt_codegen.task import Task
-from stt_codegen.task.mission import InRegion, State, complement_boxes, regions_of
+from stt_codegen.task.mission import InRegion, StateFormula, complement_boxes, regions_of
 from stt_codegen.task.sets import BoxSet, ConvexSet, Course, HalfSpace, Normal, Unsafe, UnsafeSet, Vector
 
 Term = tuple[int, int, int]  # dimension, side, coefficient: a whole number, any rational constraint has a multiple of these
@@ -117,7 +117,7 @@ def avoidances(task: Task) -> tuple[Avoidance, ...]:
     return tuple(result)
 
 
-def mission_avoidances(task: Task, state: State) -> tuple[Avoidance, ...]:
+def mission_avoidances(task: Task, state: StateFormula) -> tuple[Avoidance, ...]:
     """Return P10, at the moments at which a state formula of the mission must hold: of each avoidance one alternative.
 
     To be in a region is to be behind all of its faces. To be out of one, with the body and the clearance, is P4. Of boxes with

@@ -16,7 +16,7 @@ import numpy as np
 
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
-from stt_codegen.task.mission.regions import State
+from stt_codegen.task.mission.regions import StateFormula
 from stt_codegen.task.sets.shapes import UnsafeSet
 from stt_codegen.task.task import Task
 
@@ -96,7 +96,7 @@ class Encoding:
     def add(self, formula: Formula, at: int, on: int) -> None:
         """That the formula holds at a sample where the column `on` is 1."""
         match formula:
-            case State(inner):
+            case StateFormula(inner):
                 self.add(inner, at, on)
             case InRegion(region, kept):
                 box = self.task.regions[region]
@@ -184,7 +184,7 @@ def between(task: Task, path: Array) -> float:
         assert isinstance(unsafe, UnsafeSet)
         bad |= _in(points, unsafe)
     for formula in task.formulas:
-        if isinstance(formula, Always) and isinstance(formula.part, State) and isinstance(formula.part.inner, Or):
+        if isinstance(formula, Always) and isinstance(formula.part, StateFormula) and isinstance(formula.part.inner, Or):
             boxes = [task.regions[p.region] for p in formula.part.inner.parts if isinstance(p, InRegion)]
             bad |= ~np.any([_in(points, box, 1e-6) for box in boxes if isinstance(box, UnsafeSet)], axis=0)
     return float(bad.mean())

@@ -10,7 +10,7 @@ from fractions import Fraction
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
 from stt_codegen.properties import OF_THE_EDGES, SECONDS, Property
-from stt_codegen.task.mission import Formula, State
+from stt_codegen.task.mission import Formula, StateFormula
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class MissionProof:
     ever."""
 
     formula: Formula
-    spans: dict[State, tuple[tuple[int, int], ...]]
+    spans: dict[StateFormula, tuple[tuple[int, int], ...]]
     margin: int
     time_margin: int
     witnesses: tuple[tuple[Witness, ...], ...]

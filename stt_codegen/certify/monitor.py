@@ -21,11 +21,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, State, Until, states_of
+from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, StateFormula, Until, state_formulas_of
 
 Time = Fraction | float  # seconds, or an infinity
 Span = tuple[Time, Time]  # from, to, both included
-Proved = Mapping[State, Sequence[Span]]  # disjoint, in order
+Proved = Mapping[StateFormula, Sequence[Span]]  # disjoint, in order
 
 
 def united(spans: Sequence[Span]) -> list[Span]:
@@ -57,7 +57,7 @@ def satisfied(formula: Formula, proved: Proved, cycle: Cycle | None = None) -> l
     """The times at which the formula holds. proved: where each state is known to hold; ends may be infinite. cycle: of a tube
     that repeats itself, until when these are told, and the answer."""
     match formula:
-        case State():
+        case StateFormula():
             return list(proved[formula])
         case And(parts):
             found = satisfied(parts[0], proved, cycle)
@@ -157,7 +157,7 @@ class Cycle:
 class Witness:
     """A time at which a part of the mission is served: the state holds from `begin` to `end`, seconds."""
 
-    state: State
+    state: StateFormula
     begin: Time
     end: Time
 
@@ -168,7 +168,7 @@ def witnesses(formula: Formula, proved: Proved, cycle: Cycle | None = None, now:
     if cycle is not None and now > cycle.end:
         now = cycle.begin + (Fraction(now) - cycle.begin) % cycle.length
     match formula:
-        case State():
+        case StateFormula():
             yield Witness(formula, *next((a, b) for a, b in proved[formula] if a <= now <= b))
         case And(parts):
             for part in parts:
@@ -177,11 +177,11 @@ def witnesses(formula: Formula, proved: Proved, cycle: Cycle | None = None, now:
             good = next(p for p in parts if any(a <= now <= b for a, b in satisfied(p, proved, cycle)))
             yield from witnesses(good, proved, cycle, now)
         case Always(over, part):
-            if isinstance(part, State):
+            if isinstance(part, StateFormula):
                 yield from witnesses(part, proved, cycle, now + over.begin)
             else:  # again and again: all of them, of a cycle those of the first
                 last = math.inf if cycle is None else cycle.end
-                for state in states_of(part):
+                for state in state_formulas_of(part):
                     yield from (Witness(state, u, v) for u, v in proved[state] if v >= now + over.begin and u < last)
         case Eventually(over, part):
             a, b = _ends(over)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from stt_codegen.certify import Cycle, Span, Time, holds
 from stt_codegen.task import Task
-from stt_codegen.task.mission import And, Formula, InRegion, Or, states_of
+from stt_codegen.task.mission import And, Formula, InRegion, Or, state_formulas_of
 from stt_codegen.task.sets import Unsafe, UnsafeBall
 
 Array = npt.NDArray[np.float64]
@@ -22,7 +22,9 @@ def missed(task: Task, t: Array, x: Array, cycle: Cycle | None = None) -> tuple[
     """The entries of the mission, from 1, that a trajectory does not satisfy: at times t (T,), states x (T, n). Between two
     samples at which a state holds it is taken to hold; after the last one x stands, or, with a cycle, does again and again what
     it did in the last one of that length."""
-    spans = {state: _spans(t, _holds(task, state.inner, x), cycle is None) for f in task.formulas for state in states_of(f)}
+    spans = {
+        state: _spans(t, _holds(task, state.inner, x), cycle is None) for f in task.formulas for state in state_formulas_of(f)
+    }
     end = Fraction(float(t[-1]))
     last = None if cycle is None else Cycle(end - cycle.length, end)
     return tuple(k for k, f in enumerate(task.formulas, 1) if not holds(f, spans, cycle=last))

@@ -18,7 +18,15 @@ from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, create_
 from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.properties import Property
-from stt_codegen.task.mission import AnyRegion, Formula, MissionEntry, RegionUnion, conjunction, expand_unions, with_states
+from stt_codegen.task.mission import (
+    AnyRegion,
+    Formula,
+    MissionEntry,
+    RegionUnion,
+    conjunction,
+    expand_unions,
+    with_state_formulas,
+)
 from stt_codegen.task.sets import (
     AnyUnsafe,
     Box,
@@ -451,7 +459,7 @@ class TaskTables(Table):
         regions = self.regions
         boxes = frozenset(name for name, region in regions.items() if isinstance(region, UnsafeSet))
         meanings = (entry.meaning(self.prescribed_time, self.repeat) for entry in self.mission)
-        return tuple(with_states(expand_unions(meaning, regions), boxes) for meaning in meanings)
+        return tuple(with_state_formulas(expand_unions(meaning, regions), boxes) for meaning in meanings)
 
     @property
     def formula(self) -> Formula | None:

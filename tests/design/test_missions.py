@@ -45,7 +45,7 @@ from stt_codegen.task.mission.formulas import (
     negation,
 )
 from stt_codegen.task.mission.grammar import parse_formula
-from stt_codegen.task.mission.regions import State, states_of, with_states
+from stt_codegen.task.mission.regions import StateFormula, state_formulas_of, with_state_formulas
 from tests.benchmarks.test_peers import needs
 from tests.support.controllers import ROOT, built
 
@@ -113,7 +113,7 @@ def truth(formula: Formula, signal: Signal) -> np.ndarray[Any, Any]:
         return range(t + 2 * int(over.begin), t + 2 * int(over.end) + 1)
 
     match formula:
-        case State(inner):
+        case StateFormula(inner):
             return truth(inner, signal)
         case InRegion(region, kept):
             return signal[region] != kept
@@ -190,10 +190,10 @@ def spans(bits: np.ndarray[Any, Any]) -> list[tuple[Any, Any]]:
     return found
 
 
-def proved_of(formula: Formula, signal: Signal) -> dict[State, list[tuple[Any, Any]]]:
+def proved_of(formula: Formula, signal: Signal) -> dict[StateFormula, list[tuple[Any, Any]]]:
     """What can be proved of each state: closed intervals on which it holds."""
     found = {}
-    for state in states_of(formula):
+    for state in state_formulas_of(formula):
         bits = truth(state.inner, signal)
         for k in range(1, GRID - 1, 2):  # of what is open only its closed parts
             bits[k] &= bits[k - 1] and bits[k + 1]
@@ -204,7 +204,7 @@ def proved_of(formula: Formula, signal: Signal) -> dict[State, list[tuple[Any, A
 @given(formulas(4), st.fixed_dictionaries({name: signals() for name in NAMES}))
 @settings(max_examples=300, deadline=None)
 def test_what_the_algebra_says_holds_does(formula: Formula, signal: Signal) -> None:
-    stated = with_states(formula, frozenset(NAMES))
+    stated = with_state_formulas(formula, frozenset(NAMES))
     at_once = satisfied(stated, proved_of(stated, signal))
     told = truth(formula, signal)
     for k in range(GRID):
@@ -219,7 +219,7 @@ def test_of_closed_sets_it_says_all_that_holds(formula: Formula, signal: Signal)
     from stt_codegen.task.mission.formulas import replace_regions
 
     plain = replace_regions(formula, lambda one: InRegion(one.region))
-    stated = with_states(plain, frozenset())
+    stated = with_state_formulas(plain, frozenset())
     at_once = satisfied(stated, proved_of(stated, signal))
     told = truth(plain, signal)
     for k in range(0, GRID, 2):
@@ -229,7 +229,7 @@ def test_of_closed_sets_it_says_all_that_holds(formula: Formula, signal: Signal)
 @given(formulas(3), st.fixed_dictionaries({name: signals() for name in NAMES}), st.integers(-2, 2))
 @settings(max_examples=200, deadline=None)
 def test_the_margin_in_time_covers_a_clock_that_is_off(formula: Formula, signal: Signal, off: int) -> None:
-    stated = with_states(formula, frozenset(NAMES))
+    stated = with_state_formulas(formula, frozenset(NAMES))
     proved = proved_of(stated, signal)
     if holds(stated, proved, Fraction(2)):
         moved = {s: [(a + off, b + off) for a, b in found] for s, found in proved.items()}
@@ -250,8 +250,8 @@ def test_a_tube_keeps_off_what_is_left_over_exactly_where_it_lies_in_the_union(d
     formula = data.draw(st.sampled_from(["a or b", "a or b or c", "a or not b", "a and b or c", "not a or not b"]))
     head = COURIER[: COURIER.index("unsafe")].replace("upper = [8, 6]", "upper = [12, 12]")
     task = parse_task(f'{head}region = [{regions}]\nmission = [{{ formula = "{formula}" }}]\n[tube]\nclearance = 0\n')
-    sets = [one for state in states_of(task.formula) for one in mission_avoidances(task, state)]  # type: ignore[arg-type]
-    parts = {str(s): [one for one in sets if one.name == str(s)] for s in states_of(task.formula)}  # type: ignore[arg-type]
+    sets = [one for state in state_formulas_of(task.formula) for one in mission_avoidances(task, state)]  # type: ignore[arg-type]
+    parts = {str(s): [one for one in sets if one.name == str(s)] for s in state_formulas_of(task.formula)}  # type: ignore[arg-type]
     low = [data.draw(st.integers(0, 9)) + 0.25 for _ in range(2)]
     high = [v + data.draw(st.integers(0, 3)) + 0.5 for v in low]
     kept = {
@@ -592,7 +592,7 @@ def test_the_checker_and_the_tool_agree_on_another_mission(change: tuple[str, st
 def as_rtamt(formula: Formula, end: float) -> str:
     """A formula in the language of rtamt (Nickovic and Yamaguchi, 2020), each region a signal that is 0 or more inside."""
     match formula:
-        case State(inner):
+        case StateFormula(inner):
             return as_rtamt(inner, end)
         case InRegion(region, kept):
             return f"({region} < 0)" if kept else f"({region} >= 0)"

@@ -33,7 +33,7 @@ from stt_codegen.sampling.order_two import filtered_extremes
 from stt_codegen.sampling.windows import extremes
 from stt_codegen.task.load import parse_task
 from stt_codegen.task.mission.formulas import Always, And, Eventually, Formula, InRegion, Interval, Or, Until
-from stt_codegen.task.mission.regions import State, states_of, with_states
+from stt_codegen.task.mission.regions import StateFormula, state_formulas_of, with_state_formulas
 from tests.design.test_missions import NAMES, checked, formulas
 from tests.support.controllers import ROOT, built
 
@@ -66,7 +66,7 @@ def truth(formula: Formula, signal: Mapping[str, Any]) -> Any:
         return range(t + 2 * int(over.begin), last + 1)
 
     match formula:
-        case State(inner):
+        case StateFormula(inner):
             return truth(inner, signal)
         case InRegion(region, kept):
             return signal[region] != kept
@@ -103,10 +103,10 @@ def signals() -> Any:
     return st.lists(st.booleans(), min_size=PLACES, max_size=PLACES).map(closed)
 
 
-def proved_of(formula: Formula, signal: Mapping[str, Any]) -> dict[State, list[tuple[Any, Any]]]:
+def proved_of(formula: Formula, signal: Mapping[str, Any]) -> dict[StateFormula, list[tuple[Any, Any]]]:
     """The closed intervals on which each state holds, until END."""
-    found: dict[State, list[tuple[Any, Any]]] = {}
-    for state in states_of(formula):
+    found: dict[StateFormula, list[tuple[Any, Any]]] = {}
+    for state in state_formulas_of(formula):
         bits = truth(state.inner, signal)
         spans: list[tuple[Any, Any]] = [(Fraction(k, 2), Fraction(k, 2)) for k in range(0, PLACES + 1, 2) if bits[folded(k)]]
         whole = [k for k in range(1, PLACES, 2) if bits[k] and bits[k - 1] and bits[folded(k + 1)]]
@@ -149,7 +149,7 @@ def endless(formula: Formula, drawn: list[bool]) -> Formula:
 def in_tuples(formula: Formula) -> Any:
     """As the stand-alone checker has formulas."""
     match formula:
-        case State(inner):
+        case StateFormula(inner):
             return in_tuples(inner)
         case InRegion(region, kept):
             return ("out" if kept else "in", region)
@@ -174,7 +174,7 @@ def test_what_the_algebra_says_of_a_cycle_holds_for_ever(case: Any) -> None:
     says the same."""
     formula, drawn, signal = case
     formula = endless(formula, drawn)
-    stated = with_states(formula, frozenset())
+    stated = with_state_formulas(formula, frozenset())
     proved, cycle = proved_of(stated, signal), Cycle(Fraction(BEGIN), Fraction(END))
     found, true = holds(stated, proved, cycle=cycle), bool(truth(formula, signal)[0])
     assert not found or true, str(formula)
@@ -190,7 +190,7 @@ def test_the_margin_in_time_covers_a_clock_that_is_off_in_every_cycle(case: Any,
     """By the margin, in halves of a second, every state may begin and end later or earlier, in the lead-in and in each cycle. The
     checker takes the same off."""
     formula, drawn, signal = case
-    stated = with_states(endless(formula, drawn), frozenset())
+    stated = with_state_formulas(endless(formula, drawn), frozenset())
     proved, cycle = proved_of(stated, signal), Cycle(Fraction(BEGIN), Fraction(END))
     found = holds(stated, proved, Fraction(margin, 2), cycle)
     known = {in_tuples(state): spans for state, spans in proved.items()}
@@ -204,7 +204,7 @@ def test_the_margin_in_time_covers_a_clock_that_is_off_in_every_cycle(case: Any,
 
 
 def test_a_cycle_in_which_something_does_not_happen_is_no_cycle_in_which_it_does() -> None:
-    state, cycle = State(InRegion("a")), Cycle(Fraction(BEGIN), Fraction(END))
+    state, cycle = StateFormula(InRegion("a")), Cycle(Fraction(BEGIN), Fraction(END))
     again = Always(Interval(), Eventually(Interval(Fraction(0), Fraction(5)), state))
     lead: list[tuple[Any, Any]] = [(Fraction(1), Fraction(2))]
     assert not holds(again, {state: lead}, cycle=cycle)

@@ -26,7 +26,7 @@ from stt_codegen.decimals import decimal
 from stt_codegen.designs import Design, RefinedDesign
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import State, states_of
+from stt_codegen.task.mission import StateFormula, state_formulas_of
 
 PARTS = 8  # of a segment, in which slack is looked for
 SLICES = 1024  # of a segment: how finely the ends of intervals are told
@@ -64,13 +64,13 @@ def certify_mission(task: Task, design: RefinedDesign, unit_error: int) -> tuple
     formula = task.formula
     if formula is None:
         return (), None
-    held = {state: held_of(design, mission_avoidances(task, state)) for state in states_of(formula)}
+    held = {state: held_of(design, mission_avoidances(task, state)) for state in state_formulas_of(formula)}
     slice_, last = design.prescribed_time / design.segments / SLICES, design.segments * SLICES
     needed = math.ceil(clock_error(task) / slice_)
 
     cycle = cycle_of(design)
 
-    def spans_of(least: int) -> dict[State, list[Span]]:
+    def spans_of(least: int) -> dict[StateFormula, list[Span]]:
         return {state: _timed(one.spans(least), last, slice_, cycle) for state, one in held.items()}
 
     def shown(least: int, slices: int) -> bool:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stt_codegen.design.missions.skeleton import END, SEAM, START, TOLERANCE, Hold, Skeleton, TimeBound
-from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, State, Until
+from stt_codegen.task.mission import Always, And, Eventually, Formula, Interval, Or, StateFormula, Until
 
 EXTRA_WITNESSES = 2  # of "again and again" beyond the smallest number that can do
 SKELETON_LIMIT = 400  # skeletons that are considered
@@ -96,7 +96,7 @@ class _Expansion:
     def require(self, formula: Formula, first: int, last: int, skeleton: Skeleton) -> Iterator[Skeleton]:
         """Yield the skeleton with what makes the formula hold at all times from the event `first` to the event `last`."""
         match formula:
-            case State():
+            case StateFormula():
                 yield skeleton.with_hold(Hold(formula, first, last))
             case And(parts):
                 yield from self._require_in_turn([(part, first, last) for part in dict.fromkeys(parts)], skeleton)

@@ -23,7 +23,7 @@ from stt_codegen.decimals import decimal
 from stt_codegen.design.half_spaces import Array
 from stt_codegen.errors import BadInput
 from stt_codegen.task import Task
-from stt_codegen.task.mission import InRegion, State
+from stt_codegen.task.mission import InRegion, StateFormula
 
 START, END, SEAM = 0, 1, 2
 TOLERANCE = 1e-9  # times and lengths that differ by less are equal
@@ -47,7 +47,7 @@ class TimeBound:
 class Hold:
     """A state that holds from one event to another; lasts_longer: also for a little longer, as a margin for the clock."""
 
-    state: State
+    state: StateFormula
     first: int
     last: int
     lasts_longer: bool = False

@@ -20,7 +20,7 @@ from stt_codegen.design.missions.plans import KNOT_TOLERANCE, Plan
 from stt_codegen.design.missions.skeleton import START
 from stt_codegen.design.missions.state_constraints import Mission
 from stt_codegen.design.spacetime import FAR, Cell, Field, fields
-from stt_codegen.task.mission import State
+from stt_codegen.task.mission import StateFormula
 
 Flags = npt.NDArray[np.bool_]
 Costs = npt.NDArray[np.int32]
@@ -97,9 +97,9 @@ class _StateCells:
         self.mission, self.half_width, self.reach = mission, width / 2, arena.clearance + width / 2
         self.shape = field.goal.shape
         self.points = np.stack(np.meshgrid(*field.cells.axes, indexing="ij"), axis=-1).reshape(-1, arena.dimension)
-        self.cache: dict[State, Flags] = {}
+        self.cache: dict[StateFormula, Flags] = {}
 
-    def cells_of(self, states: Iterable[State]) -> Flags:
+    def cells_of(self, states: Iterable[StateFormula]) -> Flags:
         """Return the cells in which all of these states hold."""
         cells = np.ones(self.shape, dtype=bool)
         for state in states:

@@ -27,7 +27,7 @@ from stt_codegen.design.routes import Obstacles, obstacles_of
 from stt_codegen.errors import NotCertified
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import And, Formula, InRegion, Or, State, states_of
+from stt_codegen.task.mission import And, Formula, InRegion, Or, StateFormula, state_formulas_of
 from stt_codegen.task.sets import Unsafe
 
 WINDOW_MARGIN = 5e-4  # of t_c by which every window is narrower here, so that the clock has a margin
@@ -125,7 +125,7 @@ class Mission:
     """
 
     skeletons: tuple[Skeleton, ...]
-    states: dict[State, StateConstraint]
+    states: dict[StateFormula, StateConstraint]
     start_delay: float = 0.0
     fallbacks: tuple[Skeleton, ...] = ()
     label_limit: int = LABEL_LIMIT
@@ -136,7 +136,7 @@ class Mission:
         return (*self.skeletons, *self.fallbacks)
 
     @cached_property
-    def permanent_states(self) -> tuple[State, ...]:
+    def permanent_states(self) -> tuple[StateFormula, ...]:
         """Return the states that hold at all times, whatever the skeleton."""
         lasting = [{h.state for h in s.holds if (h.first, h.last) == (START, END)} for s in self.all_skeletons]
         return tuple(state for state in self.states if lasting and all(state in states for states in lasting))
@@ -158,7 +158,7 @@ def require_start(mission: Mission, start: Array) -> None:
             )
 
 
-def _is_avoidance(state: State) -> bool:
+def _is_avoidance(state: StateFormula) -> bool:
     return isinstance(state.inner, InRegion) and state.inner.is_negated
 
 
@@ -172,7 +172,7 @@ def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Miss
     formula = task.formula if formula is None else formula
     if formula is None:
         return None
-    states = {state: _constraint_of(task, arena, state) for state in states_of(formula)}
+    states = {state: _constraint_of(task, arena, state) for state in state_formulas_of(formula)}
     start_delay = float(task.start_delay / task.prescribed_time)
     t_c, margin = task.prescribed_time, window_margin(task)
     if task.repeat:
@@ -181,7 +181,7 @@ def mission_of(task: Task, arena: Arena, formula: Formula | None = None) -> Miss
     return Mission(tuple(expand_formula(formula, t_c, margin, start_delay)), states, start_delay)
 
 
-def _constraint_of(task: Task, arena: Arena, state: State) -> StateConstraint:
+def _constraint_of(task: Task, arena: Arena, state: StateFormula) -> StateConstraint:
     """Return a state of the task's mission as a constraint in the arena's units."""
     avoidances, inner = mission_avoidances(task, state), state.inner
     choices = tuple(_choice_of(avoidance.alternatives, arena) for avoidance in avoidances)
@@ -238,7 +238,7 @@ def _pieces_of(task: Task, arena: Arena, formula: Formula) -> list[ConvexPiece]:
     """Return boxes in each of which a formula of boxes holds; a tube across several of them may satisfy it too."""
     if isinstance(formula, InRegion):
         constraints = [
-            constraint for avoidance in mission_avoidances(task, State(formula)) for constraint in avoidance.alternatives
+            constraint for avoidance in mission_avoidances(task, StateFormula(formula)) for constraint in avoidance.alternatives
         ]
         return (
             [_piece_of([constraint], arena) for constraint in constraints]
@@ -254,7 +254,7 @@ def _pieces_of(task: Task, arena: Arena, formula: Formula) -> list[ConvexPiece]:
     return [ConvexPiece(box, unbounded) for box in boxes if (box[0] < box[1]).all()]
 
 
-def _complement_of(task: Task, arena: Arena, state: State, choices: tuple[HalfSpaceChoice, ...]) -> Arena:
+def _complement_of(task: Task, arena: Arena, state: StateFormula, choices: tuple[HalfSpaceChoice, ...]) -> Arena:
     """Return the arena whose unsafe sets are where a state does not hold; the arena's clearance is subtracted from the bounds."""
     n, count = arena.dimension, len(choices)
     unsafe, normals, bounds, set_index = np.empty((count, 2, n)), [], [], []

@@ -16,7 +16,7 @@ from stt_codegen.design.half_spaces import Array
 from stt_codegen.design.missions.skeleton import TOLERANCE
 from stt_codegen.design.missions.state_constraints import LABEL_LIMIT, Mission
 from stt_codegen.design.routes import STRAIGHT, Obstacles, obstacles_of, route_nodes
-from stt_codegen.task.mission import State
+from stt_codegen.task.mission import StateFormula
 
 PAIR_LIMIT = 576  # up to so many pairs of regions their nearest points are waypoints too
 CORNER_DIMENSION_LIMIT = 3  # up to so many dimensions all corners of a region are waypoints
@@ -39,7 +39,7 @@ class Waypoints:
     start: Array
     width: Array
     labels_left: int = LABEL_LIMIT
-    _visibility: dict[State, Flags] = field(default_factory=dict)
+    _visibility: dict[StateFormula, Flags] = field(default_factory=dict)
     _graphs: dict[int, Array] = field(default_factory=dict)
     _distance_bounds: dict[bytes, Array] = field(default_factory=dict)
     _legs: dict[tuple[int, int], tuple[Array, Predecessors]] = field(default_factory=dict)
@@ -127,12 +127,12 @@ class Waypoints:
         return np.asarray(upper | upper.T)
 
     @cached_property
-    def nodes_in_state(self) -> dict[State, Flags]:
+    def nodes_in_state(self) -> dict[StateFormula, Flags]:
         """Return for each state at which nodes it holds: (N,)."""
         half_width = self.width / 2
         return {state: c.holds_about(self.nodes, half_width, self.reach) for state, c in self.mission.states.items()}
 
-    def visibility_within(self, state: State) -> Flags:
+    def visibility_within(self, state: StateFormula) -> Flags:
         """Return between which nodes a state holds all along the straight line: (N, N)."""
         if state not in self._visibility:
             constraint, is_passable = self.mission.states[state], self.passable_nodes(state)
@@ -141,7 +141,7 @@ class Waypoints:
             self._visibility[state] = is_visible & is_passable[:, None] & is_passable[None]
         return self._visibility[state]
 
-    def passable_nodes(self, state: State) -> Flags:
+    def passable_nodes(self, state: StateFormula) -> Flags:
         """Return at which nodes the tube may be while a state holds, also across two boxes of a union: (N,)."""
         obstacles = self.mission.states[state].grown_obstacles(self.reach - EDGE_ALLOWANCE)
         return self.nodes_in_state[state] if obstacles is None else ~obstacles.inside(self.nodes)

@@ -19,7 +19,7 @@ from stt_codegen.design.missions import Mission, Waypoints, describe_conflict, m
 from stt_codegen.design.spline_tubes import Search, segments_tried
 from stt_codegen.properties import Property
 from stt_codegen.task import Task
-from stt_codegen.task.mission import MissionEntry, State, regions_of
+from stt_codegen.task.mission import MissionEntry, StateFormula, regions_of
 
 HALVINGS = 4  # to find a time that would do
 HasTube = Callable[[Task], bool]  # whether a tube within its limits is found for a task
@@ -53,7 +53,7 @@ def explain_unmet_mission(task: Task, arena: Arena, has_tube: HasTube) -> str:
     return f"{refusal}{tried}; widen regions or windows, or lower tube.min_width or tube.clearance"
 
 
-def _unreachable_state(search: Search, mission: Mission) -> State | None:
+def _unreachable_state(search: Search, mission: Mission) -> StateFormula | None:
     """Return a state that every skeleton needs, that is in a region, and that holds at no waypoint; None where there is none."""
     anytime = Mission((), mission.states)  # without skeletons, so that no permanent state excludes waypoints
     waypoints = Waypoints(arena=search.arena, mission=anytime, start=search.start, width=search.width(0.0))

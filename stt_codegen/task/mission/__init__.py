@@ -20,10 +20,10 @@ from stt_codegen.task.mission.regions import (
     AnyRegion,
     MissionEntry,
     RegionUnion,
-    State,
+    StateFormula,
     expand_unions,
-    states_of,
-    with_states,
+    state_formulas_of,
+    with_state_formulas,
 )
 
 __all__ = [
@@ -39,13 +39,13 @@ __all__ = [
     "MissionEntry",
     "Or",
     "RegionUnion",
-    "State",
+    "StateFormula",
     "Until",
     "complement_boxes",
     "conjunction",
     "expand_unions",
     "intervals_of",
     "regions_of",
-    "states_of",
-    "with_states",
+    "state_formulas_of",
+    "with_state_formulas",
 ]

@@ -128,7 +128,7 @@ class MissionEntry(Table):
 
 
 @dataclass(frozen=True)
-class State(Formula):
+class StateFormula(Formula):
     """A formula without time that is decided as a unit: one region, or boxes joined by "and" and "or".
 
     Boxes are decided in every cell of the grid of their edges, so that a tube may lie in two boxes at once."""
@@ -152,23 +152,23 @@ def expand_unions(formula: Formula, regions: Mapping[str, Unsafe | RegionUnion])
     return replace_regions(formula, members)
 
 
-def with_states(formula: Formula, boxes: frozenset[str]) -> Formula:
-    """Return the formula with a `State` for every part that is decided as a unit. boxes: the regions that are boxes."""
+def with_state_formulas(formula: Formula, boxes: frozenset[str]) -> Formula:
+    """Return the formula with a `StateFormula` for every part that is decided as a unit. boxes: the regions that are boxes."""
     match formula:
         case InRegion():
-            return State(formula)
+            return StateFormula(formula)
         case And(parts):
-            return And(tuple(with_states(p, boxes) for p in parts))
+            return And(tuple(with_state_formulas(p, boxes) for p in parts))
         case Or(parts):
             if _has_only(formula, boxes):
-                return State(formula)
-            return Or(tuple(with_states(p, boxes) for p in parts))
+                return StateFormula(formula)
+            return Or(tuple(with_state_formulas(p, boxes) for p in parts))
         case Always(over, part):
-            return Always(over, with_states(part, boxes))
+            return Always(over, with_state_formulas(part, boxes))
         case Eventually(over, part):
-            return Eventually(over, with_states(part, boxes))
+            return Eventually(over, with_state_formulas(part, boxes))
         case Until(over, first, last):
-            return Until(over, with_states(first, boxes), with_states(last, boxes))
+            return Until(over, with_state_formulas(first, boxes), with_state_formulas(last, boxes))
     raise TypeError(formula)
 
 
@@ -179,13 +179,13 @@ def _has_only(formula: Formula, boxes: frozenset[str]) -> bool:
     return isinstance(formula, And | Or) and all(_has_only(p, boxes) for p in formula.parts)
 
 
-def states_of(formula: Formula) -> Iterator[State]:
+def state_formulas_of(formula: Formula) -> Iterator[StateFormula]:
     """Return the states of a formula in order, each once."""
-    return iter(dict.fromkeys(_states(formula)))
+    return iter(dict.fromkeys(_iterate_state_formulas(formula)))
 
 
-def _states(formula: Formula) -> Iterator[State]:
-    if isinstance(formula, State):
+def _iterate_state_formulas(formula: Formula) -> Iterator[StateFormula]:
+    if isinstance(formula, StateFormula):
         yield formula
     for part in parts_of(formula):
-        yield from _states(part)
+        yield from _iterate_state_formulas(part)
