@@ -25,7 +25,7 @@ from stt_codegen.report.outlines import outline
 from stt_codegen.report.pictures.tube_pictures import draw
 from stt_codegen.task.checks.field_checks import first_problem
 from stt_codegen.task.load import parse_task
-from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Normal, Vector, axes, minimum_over_box
+from stt_codegen.task.sets.convex_sets import BoxSet, ConvexSet, Normal, Vector, axis_normals, minimum_over_box
 from stt_codegen.task.sets.shapes import Unsafe, UnsafeSet
 from stt_codegen.task.task import Task
 from tests.support.controllers import built
@@ -43,7 +43,7 @@ class Polygon(ConvexSet):
 
     @property
     def normals(self) -> tuple[Normal, ...]:
-        found = list(axes(2))
+        found = list(axis_normals(2))
         for (a, b), (c, d) in zip(self.corners, self.corners[1:] + self.corners[:1], strict=True):
             turned = (d - b, a - c)
             whole = [int(v * lcm(*(w.denominator for w in turned))) for v in turned]

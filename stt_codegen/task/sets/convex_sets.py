@@ -29,15 +29,15 @@ ZERO = Fraction(0)
 BOX_CORNERS_DIMENSION_LIMIT = 10  # in more dimensions a box has too many corners to go through them all
 
 
-def axis(dimension: int, i: int, sign: int) -> Normal:
+def axis_normal(dimension: int, i: int, sign: int) -> Normal:
     """Return the normal +e_i or -e_i."""
     return tuple(sign if k == i else 0 for k in range(dimension))
 
 
 @cache
-def axes(dimension: int) -> tuple[Normal, ...]:
+def axis_normals(dimension: int) -> tuple[Normal, ...]:
     """Return -e_1, +e_1, -e_2, +e_2, ..: the normal below a set in dimension 1, the one above it, and so on."""
-    return tuple(axis(dimension, i, sign) for i in range(dimension) for sign in (-1, 1))
+    return tuple(axis_normal(dimension, i, sign) for i in range(dimension) for sign in (-1, 1))
 
 
 class ConvexSet(ABC):
@@ -52,7 +52,7 @@ class ConvexSet(ABC):
     @property
     @abstractmethod
     def normals(self) -> tuple[Normal, ...]:
-        """The normals that are worth a try, the 2n of `axes` first; those of a polytope's faces must be among them."""
+        """The normals that are worth a try, the 2n of `axis_normals` first; those of a polytope's faces must be among them."""
 
     @abstractmethod
     def support(self, normal: Normal) -> Fraction:
@@ -97,7 +97,7 @@ class ConvexSet(ABC):
 
     def span(self, i: int) -> tuple[Fraction, Fraction]:
         """Return the minimum and the maximum of x_i over the set."""
-        return -self.support(axis(self.dimension, i, -1)), self.support(axis(self.dimension, i, 1))
+        return -self.support(axis_normal(self.dimension, i, -1)), self.support(axis_normal(self.dimension, i, 1))
 
     def grown(self, half: Sequence[Fraction]) -> ConvexSet:
         """Return the Minkowski sum of the set and the box of these half extents.
@@ -140,7 +140,7 @@ class BoxSet(ConvexSet):
 
     @property
     def normals(self) -> tuple[Normal, ...]:
-        return axes(self.dimension)
+        return axis_normals(self.dimension)
 
     @cached_property
     def faces(self) -> tuple[tuple[Normal, Fraction], ...]:
@@ -201,7 +201,7 @@ class Prism(ConvexSet):
 
     @cached_property
     def normals(self) -> tuple[Normal, ...]:
-        return tuple(dict.fromkeys([*axes(self.dimension), *(self._embedded(n) for n in self.base.normals)]))
+        return tuple(dict.fromkeys([*axis_normals(self.dimension), *(self._embedded(n) for n in self.base.normals)]))
 
     def support(self, normal: Normal) -> Fraction:
         over_intervals = (

@@ -19,7 +19,7 @@ from itertools import pairwise, product
 from math import gcd, lcm
 from typing import TypeVar
 
-from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, RouteCorner, Vector, axes, minimum_over_box
+from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, RouteCorner, Vector, axis_normals, minimum_over_box
 
 HalfSpace = tuple[Normal, Fraction]  # all x with normal.x <= offset
 PLANE, SOLID = 2, 3
@@ -186,7 +186,7 @@ class Polytope(ConvexSet):
         """The axes, the faces and, in three dimensions, the normals to an edge and an axis.
 
         In up to three dimensions these are the faces of the Minkowski difference of a box and the set."""
-        normals = dict.fromkeys(axes(self.dimension))
+        normals = dict.fromkeys(axis_normals(self.dimension))
         normals.update(dict.fromkeys(normal for normal, _ in self.hull.faces))
         if self.dimension == SOLID:
             normals.update(dict.fromkeys(self._edge_normals()))

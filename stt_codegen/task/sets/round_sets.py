@@ -17,7 +17,7 @@ from fractions import Fraction
 from functools import cache, cached_property
 from itertools import combinations, pairwise, permutations, product
 
-from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, PlanePoints, RouteCorner, Vector, axes
+from stt_codegen.task.sets.convex_sets import ZERO, ConvexSet, Normal, PlanePoints, RouteCorner, Vector, axis_normals
 from stt_codegen.task.sets.polytopes import PLANE, SOLID, HalfSpace, cut_box, dot, primitive_normal, route_corners_of
 
 SIZE_BITS = 32  # size(n) is the smallest multiple of 2**-SIZE_BITS that is not below |n|_2
@@ -45,7 +45,7 @@ def size(normal: tuple[int, ...]) -> Fraction:
 @cache
 def fan(dimension: int, coarse: bool = False) -> tuple[Normal, ...]:
     """Return the normals that are tried for a ball: the axes, then all permutations and signs of a few vectors."""
-    normals, patterns = dict.fromkeys(axes(dimension)), (COARSE if coarse else FAN).get(dimension)
+    normals, patterns = dict.fromkeys(axis_normals(dimension)), (COARSE if coarse else FAN).get(dimension)
     if patterns is None:  # between every two axes, and between all of them, while that is not too many
         pairs = combinations(range(dimension), 2) if dimension <= PAIRED_DIMENSION_LIMIT else ()
         unsigned = [tuple(int(i in pair) for i in range(dimension)) for pair in pairs]
@@ -60,7 +60,7 @@ def fan(dimension: int, coarse: bool = False) -> tuple[Normal, ...]:
 @cache
 def _unit_ball_corners(dimension: int) -> tuple[Vector, ...]:
     """Return the vertices of a polytope that contains the unit ball."""
-    normals = fan(dimension, coarse=True) if dimension <= SOLID else axes(dimension)
+    normals = fan(dimension, coarse=True) if dimension <= SOLID else axis_normals(dimension)
     corner = (Fraction(1),) * dimension
     half_spaces = [(n, size(n)) for n in normals if sum(map(abs, n)) > 1]
     return tuple(v.point for v in cut_box(tuple(-c for c in corner), corner, half_spaces))
@@ -70,7 +70,7 @@ def _unit_ball_corners(dimension: int) -> tuple[Vector, ...]:
 def fan_across(direction: Normal) -> tuple[Normal, ...]:
     """Return normals perpendicular to a direction in three dimensions, as dense as those of `fan` in the plane."""
     flattest = min(range(SOLID), key=lambda i: abs(direction[i]))
-    first = _cross(direction, axes(SOLID)[2 * flattest + 1])
+    first = _cross(direction, axis_normals(SOLID)[2 * flattest + 1])
     second = _cross(direction, first)
     parts = RATIO_PARTS << int(size(second) / size(first)).bit_length()
     ratio = Fraction(round(parts * size(first) / size(second)), parts)  # makes both vectors nearly equally long
@@ -109,7 +109,7 @@ class Segment(ConvexSet):
     @cached_property
     def normals(self) -> tuple[Normal, ...]:
         """The axes and the normals to the segment in the plane of two axes: the faces of the segment grown by a box."""
-        normals = dict.fromkeys(axes(self.dimension))
+        normals = dict.fromkeys(axis_normals(self.dimension))
         if len(self.ends) > 1:
             direction, _ = primitive_normal([b - a for a, b in zip(*self.ends, strict=True)])
             for i, j in combinations(range(self.dimension), 2):
@@ -195,7 +195,7 @@ class RoundSet(ConvexSet):
     @cached_property
     def route_corners(self) -> tuple[RouteCorner, ...]:
         if self.dimension > SIGNED_DIMENSION_LIMIT:  # 2^n corners are too many, so a route bends at the ends of the axes
-            ends = [(p, n) for p in self.ends for n in axes(self.dimension)]
+            ends = [(p, n) for p in self.ends for n in axis_normals(self.dimension)]
             return tuple((tuple(v + self.ball_radius * c for v, c in zip(p, n, strict=True)), n) for p, n in ends)
         return route_corners_of(_CoarseRoundSet(self))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import product
 
-from stt_codegen.task.sets.convex_sets import ConvexSet, Normal, Vector, axes
+from stt_codegen.task.sets.convex_sets import ConvexSet, Normal, Vector, axis_normals
 
 
 class Diamond(ConvexSet):
@@ -20,7 +20,7 @@ class Diamond(ConvexSet):
 
     @property
     def normals(self) -> tuple[Normal, ...]:
-        return tuple(dict.fromkeys([*axes(self.dimension), *product((1, -1), repeat=self.dimension)]))
+        return tuple(dict.fromkeys([*axis_normals(self.dimension), *product((1, -1), repeat=self.dimension)]))
 
     def support(self, normal: Normal) -> Fraction:
         return sum((c * v for c, v in zip(normal, self.middle, strict=True)), Fraction(0)) + self.reach * max(map(abs, normal))
