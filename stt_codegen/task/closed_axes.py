@@ -97,7 +97,7 @@ def turns_problem(task: TaskTables) -> str | None:
     return None
 
 
-class _Expansion:
+class _TurnExpansion:
     """The expansion of a task with closed axes: the turns chosen for each axis, and the edges of the state space."""
 
     def __init__(self, task: TaskTables) -> None:
@@ -279,7 +279,7 @@ def expand_turns(task: TaskTables) -> tuple[dict[str, Any], tuple[ClosedAxis, ..
     """Return the changed fields of a task with its turns expanded, its closed axes, and for each unsafe set its source.
 
     Raises `BadInput` where the task has no such expansion."""
-    expansion = _Expansion(task)
+    expansion = _TurnExpansion(task)
     space = task.state_space.model_copy(update={"lower": tuple(expansion.lower), "upper": tuple(expansion.upper)})
     target = expansion.moved_target(task.model_copy(update={"state_space": space}))
     sets = [expansion.as_points(j, table) for j, table in enumerate(task.unsafe)]
@@ -311,7 +311,9 @@ def _require_free_names(task: TaskTables, images: list[tuple[Unsafe, SetImage]])
         named[table.name] = image.source
 
 
-def _with_errors(task: TaskTables, expansion: _Expansion, axis: ClosedAxis, images: list[tuple[SetImage, Unsafe]]) -> ClosedAxis:
+def _with_errors(
+    task: TaskTables, expansion: _TurnExpansion, axis: ClosedAxis, images: list[tuple[SetImage, Unsafe]]
+) -> ClosedAxis:
     """Return a closed axis with the turns of its images, the error of unwrapping and the largest step between measurements.
 
     Unwrapping adds k periods P to a measurement y, |y| <= P. k P is off by |k| drift and, as P is rounded to the scalar,
