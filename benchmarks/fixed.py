@@ -56,7 +56,7 @@ def rows_of(name: str, boards: list[str], points: int) -> tuple[list[list[str]],
     """The rows of one task, and whether every board gave the Python's bits."""
     task = limited(load_task(ROOT / "tasks" / f"{name}.toml"))
     made, good = build_task(task), True
-    tick, *states = ticks_and_states(made, points)
+    tick, *states = ticks_and_states(made, made.design, points)
     status, u = GeneratedPython(made).call("control", tick, *states)
     unit = float(made.design.unit)  # type: ignore[union-attr]
     t = np.minimum(tick * float(task.emit.tick_period or 0), float(task.prescribed_time)).astype(np.float32)

@@ -177,7 +177,7 @@ def counted(controller: EmittedController, count: int) -> int:
     """The most cycles of `control` that were seen, near the tube and in it."""
     board, task = Emulated(controller, BOARDS["avr"], ("-Os",)), controller.task
     if controller.program.tick is not None:
-        tick, *states = ticks_and_states(controller, count)
+        tick, *states = ticks_and_states(controller, controller.design, count)
         board.call("control", tick, *states)
     else:
         dice = np.random.default_rng(1)

@@ -24,6 +24,7 @@ from stt_codegen import pipeline
 from stt_codegen.arrays import as_floats
 from stt_codegen.certify import Certificate, Finding
 from stt_codegen.design import fitted_tube, spline_tube
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, MissingTool, NotCertified, SttError
 from stt_codegen.program.targets.python.runner import load_module
@@ -198,7 +199,8 @@ def certify_tube(
         raise BadInput("certify_tube: give points or samples")
     task = _load_if_path(task)
     if not task.tube.capabilities.accepts_user_tubes:
-        raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, "refined"')
+        kinds = kinds_offering("accepts_user_tubes", quoted=True)
+        raise BadInput(f'tube.design: is "{task.tube.design}"; a tube of your own is a spline, {kinds}')
     tube = spline_tube(task, points) if samples is None else fitted_tube(task, *_require_three_arrays(samples))
     return _controller(pipeline.build_task(task, uncertified, tube))
 
@@ -368,7 +370,8 @@ class Controller(pipeline.EmittedController):
         [True, False]
         """
         if not self.design.capabilities.emits_covered_starts:
-            raise BadInput(f"{self.task.name}: only a refined tube says which starts are covered; this one is {self.design.kind}")
+            kinds = kinds_offering("emits_covered_starts")
+            raise BadInput(f"{self.task.name}: only a {kinds} tube says which starts are covered; this one is {self.design.kind}")
         (inside,) = self._at("covered", 0.0, x, v)
         return inside
 

@@ -24,6 +24,7 @@ class Capabilities:
     counts_ticks: bool = False  # emit.tick_period
     drives_order_two: bool = False  # plants whose u makes accelerations
     follows_moving_sets: bool = False  # sets and targets that move, or exist for a while
+    has_cycle_estimate: bool = False  # about how long a step takes on an Uno
     has_exact_claims: bool = False  # whole numbers in its certificate, which the stand-alone checker and Coq read
     has_integer_form: bool = False  # emit.scalar = "fixed"
     inlines_logarithm: bool = False  # emit.math = "inline"
@@ -33,6 +34,7 @@ class Capabilities:
     scales_input: bool = False  # control.saturate = "scale"
     emits_covered_starts: bool = False  # the emitted `covered`
     waits_outside: bool = False  # control.outside other than "return"
+    runs_in_ros2_and_fmu: bool = False  # --package ros2 and --package fmu, which step no alpha
     unread_options: frozenset[str] = frozenset()  # fields of [tube.adaptive] that its design does not read
 
 
@@ -45,6 +47,7 @@ CAPABILITIES: Mapping[DesignKind, Capabilities] = {
         counts_ticks=True,
         drives_order_two=True,
         follows_moving_sets=True,
+        has_cycle_estimate=True,
         has_exact_claims=True,
         has_integer_form=True,
         inlines_logarithm=True,
@@ -54,7 +57,14 @@ CAPABILITIES: Mapping[DesignKind, Capabilities] = {
         scales_input=True,
         emits_covered_starts=True,
         waits_outside=True,
+        runs_in_ros2_and_fmu=True,
     ),
     "adaptive": Capabilities(unread_options=frozenset({"bump_steepness"})),
     "literal": Capabilities(unread_options=frozenset({"target_margin"})),
 }
+
+
+def kinds_offering(capability: str, quoted: bool = False) -> str:
+    """Return the kinds that offer a capability, for a message: one name, or several joined by "or"."""
+    names = [kind for kind, offered in CAPABILITIES.items() if getattr(offered, capability)]
+    return " or ".join(f'"{name}"' if quoted else name for name in names)

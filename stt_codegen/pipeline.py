@@ -23,14 +23,15 @@ Imports run one way: pyproject.toml has the order of all rooms, tests/test_layer
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
 
 from stt_codegen.certify import Certificate
 from stt_codegen.decimals import decimal
-from stt_codegen.design_kinds import DesignKind
-from stt_codegen.designs import Design, RefinedDesign, require_adaptive, require_refined
+from stt_codegen.design_kinds import DesignKind, kinds_offering
+from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
 from stt_codegen.errors import BadInput, NotCertified, about, noted
 from stt_codegen.program import Program
 from stt_codegen.task import Task, load_task
@@ -91,15 +92,17 @@ def require_supported(task: Task) -> None:
     offered = task.tube.capabilities
     if task.emit.math == "inline" and not offered.inlines_logarithm:
         raise BadInput(
-            f'emit.math: "inline" is for refined tubes; {task.tube.design} ones need exp and log1p of the C library, use "libm"'
+            f'emit.math: "inline" is for {kinds_offering("inlines_logarithm")} tubes; {task.tube.design} ones need exp and log1p '
+            'of the C library, use "libm"'
         )
     if task.emit.tick_period is not None and not offered.counts_ticks:
         raise BadInput(
-            "emit.tick_period: is for refined tubes, whose time is a table index; the circumvent functions of "
-            f"{task.tube.design} ones take seconds, leave it out"
+            f"emit.tick_period: is for {kinds_offering('counts_ticks')} tubes, whose time is a table index; the circumvent "
+            f"functions of {task.tube.design} ones take seconds, leave it out"
         )
     if task.control.period is not None and not offered.proves_periods:
-        raise BadInput(f"control.period: is proved for refined tubes only; leave it out for a {task.tube.design} one")
+        kinds = kinds_offering("proves_periods")
+        raise BadInput(f"control.period: is proved for {kinds} tubes only; leave it out for a {task.tube.design} one")
 
 
 def require_design_for(task: Task, tube: Design) -> None:
@@ -126,15 +129,8 @@ def require_design_for(task: Task, tube: Design) -> None:
 
 def with_chosen_gain(task: Task, design: Design) -> Task:
     """Return the task with the gain that is chosen for this tube, where the task leaves it open ("auto")."""
-    if not task.has_automatic_gain or not design.capabilities.proves_periods:
-        return task
-    from stt_codegen.certify.sampled import choose_gain
-    from stt_codegen.controller import errors_of_tube
-
-    refined = require_refined(design)
-    if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
-        return task.with_gain(choose_gain(task, refined, *errors_of_tube(refined, None, task.emit.tick_period)))
-    return task.with_gain(choose_gain(task, refined, *errors_of_tube(refined, build_program(task, refined))))
+    choose_gain = STAGES[design.kind].choose_gain
+    return task if choose_gain is None or not task.has_automatic_gain else task.with_gain(choose_gain(task, design))
 
 
 def design_tube(task: Task) -> Design:
@@ -167,11 +163,15 @@ def render_files(task: Task, design: Design, program: Program, certificate: Cert
 
 @dataclass(frozen=True)
 class Stages:
-    """The functions that design, program and certify a tube of one kind."""
+    """The functions that design, program and certify a tube of one kind.
+
+    choose_gain: the gain for the tube, by component, where the task leaves it open; None for a kind that proves no periods.
+    """
 
     design_tube: Callable[[Task], Design]
     build_program: Callable[[Task, Design], Program]
     certify: Callable[[Task, Design, Program], Certificate]
+    choose_gain: Callable[[Task, Design], Sequence[Fraction]] | None = None
 
 
 def _design_refined(task: Task) -> Design:
@@ -193,14 +193,23 @@ def with_enough_allowance(task: Task, design: RefinedDesign) -> RefinedDesign:
     return design if wider_design is None or not certify_edges(task, wider_design).holds else wider_design
 
 
-def _refined_program(task: Task, design: Design) -> Program:
+def _refined_program(task: Task, design: RefinedDesign) -> Program:
     if task.emit.scalar == "fixed":
         from stt_codegen.controller.integers import fixed_program
 
-        return within_32_bits(fixed_program(task, require_refined(design)))
+        return within_32_bits(fixed_program(task, design))
     from stt_codegen.controller import refined_program
 
-    return refined_program(task, require_refined(design))
+    return refined_program(task, design)
+
+
+def _choose_refined_gain(task: Task, design: RefinedDesign) -> Sequence[Fraction]:
+    from stt_codegen.certify.sampled import choose_gain
+    from stt_codegen.controller import errors_of_tube
+
+    if task.emit.scalar == "fixed":  # a control law in integers has no constants before there is a gain
+        return choose_gain(task, design, *errors_of_tube(design, None, task.emit.tick_period))
+    return choose_gain(task, design, *errors_of_tube(design, _refined_program(task, design)))
 
 
 def within_32_bits(program: Program) -> Program:
@@ -218,10 +227,10 @@ def within_32_bits(program: Program) -> Program:
     return program
 
 
-def _certify_refined(task: Task, design: Design, program: Program) -> Certificate:
+def _certify_refined(task: Task, design: RefinedDesign, program: Program) -> Certificate:
     from stt_codegen.certify.exact import certify_emitted
 
-    return certify_emitted(task, require_refined(design), program)
+    return certify_emitted(task, design, program)
 
 
 def _design_adaptive(task: Task) -> Design:
@@ -236,22 +245,28 @@ def _design_literal(task: Task) -> Design:
     return literal(task)
 
 
-def _adaptive_program(task: Task, design: Design) -> Program:
+def _adaptive_program(task: Task, design: AdaptiveDesign) -> Program:
     from stt_codegen.controller import adaptive_program
 
-    return adaptive_program(task, require_adaptive(design))
+    return adaptive_program(task, design)
 
 
-def _certify_adaptive(task: Task, design: Design, _program: Program) -> Certificate:
+def _certify_adaptive(task: Task, design: AdaptiveDesign, _program: Program) -> Certificate:
     """Look for a failure at samples, which is quick and certain; where there is none, prove by enclosures."""
     from stt_codegen.certify.adaptive import certify_enclosed, falsify
 
-    falsified = falsify(task, require_adaptive(design))
-    return falsified if falsified.failures else certify_enclosed(task, require_adaptive(design))
+    falsified = falsify(task, design)
+    return falsified if falsified.failures else certify_enclosed(task, design)
 
 
+_OF_ADAPTIVE = (for_any_design(AdaptiveDesign, _adaptive_program), for_any_design(AdaptiveDesign, _certify_adaptive))
 STAGES: Mapping[DesignKind, Stages] = {
-    "refined": Stages(_design_refined, _refined_program, _certify_refined),
-    "adaptive": Stages(_design_adaptive, _adaptive_program, _certify_adaptive),
-    "literal": Stages(_design_literal, _adaptive_program, _certify_adaptive),
+    "refined": Stages(
+        _design_refined,
+        for_any_design(RefinedDesign, _refined_program),
+        for_any_design(RefinedDesign, _certify_refined),
+        for_any_design(RefinedDesign, _choose_refined_gain),
+    ),
+    "adaptive": Stages(_design_adaptive, *_OF_ADAPTIVE),
+    "literal": Stages(_design_literal, *_OF_ADAPTIVE),
 }

@@ -43,7 +43,7 @@ TABLES = {
     "emit/document.py: BODIES",
     "lemmas/emitted/functions.py: FORMULAS",
     "pipeline.py: STAGES",
-    "report/analysis.py: WINDOWS",
+    "report/analysis.py: READINGS",
 }
 
 

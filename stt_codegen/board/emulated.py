@@ -21,6 +21,7 @@ import numpy.typing as npt
 from stt_codegen.board.boards import Board, copy_board, rust_boards
 from stt_codegen.board.rust_images import board_objects
 from stt_codegen.compare import Row, compare_backend
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.errors import BadInput, MissingTool, SttError
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import TICK, Function, Param, Program
@@ -98,7 +99,8 @@ class Emulated(Backend):
         source = controller.files[f"{controller.program.prefix}.c"].decode()
         missing = [f for f in board.missing_functions if f"{f}(" in source]
         if missing:
-            raise BadInput(f"--board {board.name}: its C library has no {', '.join(missing)}; use --design refined")
+            kinds = kinds_offering("inlines_logarithm")
+            raise BadInput(f"--board {board.name}: its C library has no {', '.join(missing)}; use --design {kinds}")
         for tool in (board.compiler, board.command[0]):
             if shutil.which(tool) is None:
                 raise MissingTool(f"{tool} is not found; for board {board.name} install (Debian names): {board.packages}")

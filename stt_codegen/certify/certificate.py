@@ -9,6 +9,7 @@ from fractions import Fraction
 
 from stt_codegen.certify.monitor import Cycle, Witness
 from stt_codegen.decimals import decimal
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.properties import OF_THE_EDGES, SECONDS, Property
 from stt_codegen.task.mission import Formula, StateFormula
 
@@ -145,7 +146,8 @@ class Certificate:
         the exact tube itself is sound."""
         if self.method == "sampled" and not self.failures:
             at_samples = f"{Property.WIDTH.label} to {Property.SMOOTH.label} hold at the samples"
-            return f'{at_samples}, but this design is not proved between them; use tube.design = "refined"'
+            kinds = kinds_offering("has_exact_claims", quoted=True)
+            return f"{at_samples}, but this design is not proved between them; use tube.design = {kinds}"
         broken = [f for f in self.failures if f.margin < 0 and f.subject is not Property.ARITHMETIC]
         faults: dict[str, list[str]] = {}
         more_room = next((f.remedy for f in self.findings if f.subject is Property.ARITHMETIC), "")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stt_codegen.controller import starts_of
-from stt_codegen.designs import MINIMUM_WIDTH, require_adaptive, require_refined
+from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
 
@@ -81,11 +81,11 @@ def _over(function: Any, *inputs: Any) -> tuple[Array, ...]:
 class CasadiRefined(_CasadiLaw):
     """A refined tube by its CasADi kernels; time, segment and table in NumPy."""
 
-    def __init__(self, controller: EmittedController) -> None:
+    def __init__(self, controller: EmittedController, design: RefinedDesign) -> None:
         from stt_codegen.paper import refined_tube
 
         super().__init__(controller)
-        self.design, self.certified = require_refined(controller.design), controller.certificate.holds
+        self.design, self.certified = design, controller.certificate.holds
         self.basis, self.basis_rate, self.blend = refined_tube.basis(), refined_tube.basis_rate(), refined_tube.blend()
 
     def _edges(self, t: Array, weights: Any) -> tuple[Array, Array]:
@@ -157,10 +157,10 @@ class CasadiAdaptive(_CasadiLaw):
     alpha is laid out as in the emitted code: alpha_L by dimension, then alpha_U.
     """
 
-    def __init__(self, controller: EmittedController) -> None:
+    def __init__(self, controller: EmittedController, design: AdaptiveDesign) -> None:
         super().__init__(controller)
-        self.design = d = require_adaptive(controller.design)
-        self.update = [float(v) for v in (d.theta0, d.kappa, d.mu, d.varsigma)]
+        self.design = design
+        self.update = [float(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
 
     def _lines(self, t: Array) -> tuple[Array, Array, Array, Array, Array]:
         """sigma (P,), and rho, beta, their rates, of shape (P, 2 n)."""

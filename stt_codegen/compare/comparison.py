@@ -38,7 +38,7 @@ from stt_codegen.compare.points import random_alpha, random_states, random_times
 from stt_codegen.compare.start_comparison import covered_row
 from stt_codegen.controller import edge_error, errors_of_tube, probe_program, rate_error, ticks_of
 from stt_codegen.design_kinds import DesignKind
-from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, RefinedDesign, parameters_of, require_adaptive, require_refined
+from stt_codegen.designs import MINIMUM_WIDTH, AdaptiveDesign, Design, RefinedDesign, for_any_design, parameters_of
 from stt_codegen.errors import MissingTool, NotCertified
 from stt_codegen.pipeline import EmittedController, build_program, build_task, render_files
 from stt_codegen.program import FORMATS
@@ -90,7 +90,8 @@ def _backends(task: Task, progress: Callable[[str], None]) -> Iterator[tuple[Emi
         yield from _printed(build_task(task, uncertified=True), progress)
         return
     double = build_task(task.with_options(scalar="double"), uncertified=True)
-    yield double, BY_KIND[double.design.kind].casadi
+    casadi = BY_KIND[double.design.kind].casadi
+    yield double, lambda controller: casadi(controller, controller.design)
     yield from _printed(double, progress)
     try:
         single = build_task(task.with_options(scalar="float"), uncertified=True)
@@ -126,7 +127,9 @@ def compare_backend(
     task = controller.task.with_options(scalar=backend.scalar)
     controller = replace(controller, task=task, program=build_program(task, controller.design))
     rows = _Rows(backend.name, float(FORMATS[backend.scalar].roundoff))
-    BY_KIND[controller.design.kind].add_rows(rows, _Compared(controller, make, backend, points, {} if known is None else known))
+    BY_KIND[controller.design.kind].add_rows(
+        rows, controller.design, _Compared(controller, make, backend, points, {} if known is None else known)
+    )
     return rows.rows
 
 
@@ -181,17 +184,16 @@ class _Rows:
         )
 
 
-def _rows_of_refined(rows: _Rows, compared: _Compared) -> None:
+def _rows_of_refined(rows: _Rows, design: RefinedDesign, compared: _Compared) -> None:
     """Compare a refined tube, in integers or in floating point."""
-    design = require_refined(compared.controller.design)
     add_rows = _refined_rows if compared.controller.program.tick is None else _integer_rows
     add_rows(rows, compared.controller, design, compared.backend, compared.points)
 
 
 def _integer_rows(rows: _Rows, controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> None:
     edge, rate = (np.array([float(v) for v in error]) for error in errors_of_tube(design, controller.program))
-    integer_rows(controller, backend, points, (edge, rate), rows.add, rows.status)
-    other = same_as_python(controller, backend, points)
+    integer_rows(controller, design, backend, points, (edge, rate), rows.add, rows.status)
+    other = same_as_python(controller, design, backend, points)
     rows.rows.append(Row(backend.name, "bits as Python's", float(other), float(other), 2.0 if other else 0.0, points))
 
 
@@ -211,7 +213,8 @@ def _refined_rows(rows: _Rows, controller: EmittedController, design: RefinedDes
     fastest = max(float(np.abs(rates[0]).max()), float(np.abs(rates[1]).max()), 1e-30)
     rows.add("tube rate", np.stack(backend.tube_rate(t)), np.stack(rates), rate_bound[None, None], fastest)
     rows.transform(controller, backend, lower, upper, x)
-    rows.add("covered", *covered_row(controller, backend, points, eps), 1.0)
+    if design.capabilities.emits_covered_starts:
+        rows.add("covered", *covered_row(controller, design, backend, points, eps), 1.0)
 
     if task.order == 2:
         _inertial_rows(rows, controller, design, backend, t, (delta, rate_bound))
@@ -382,10 +385,10 @@ def _adaptive_truth(controller: EmittedController, design: AdaptiveDesign, point
     return _Truth(t, dt, alpha, x, status, room - 2 * eps * np.abs(x), values)
 
 
-def _rows_of_adaptive(rows: _Rows, compared: _Compared) -> None:
+def _rows_of_adaptive(rows: _Rows, design: AdaptiveDesign, compared: _Compared) -> None:
     """Compare (4)-(11) from the probe, then what the public functions return."""
     controller, make, known = compared.controller, compared.make, compared.known
-    design, scalar = require_adaptive(controller.design), compared.backend.scalar
+    scalar = compared.backend.scalar
     if scalar not in known:
         known[scalar] = _adaptive_truth(controller, design, compared.points)
     truth, backend = known[scalar], make(controller)
@@ -412,12 +415,13 @@ def _rows_of_adaptive(rows: _Rows, compared: _Compared) -> None:
 class _KindComparison:
     """How a kind of tube is compared: its CasADi backend, and what adds the rows of any backend."""
 
-    casadi: Maker
-    add_rows: Callable[[_Rows, _Compared], None]
+    casadi: Callable[[EmittedController, Design], Backend]
+    add_rows: Callable[[_Rows, Design, _Compared], None]
 
 
+_OF_ADAPTIVE = _KindComparison(for_any_design(AdaptiveDesign, CasadiAdaptive), for_any_design(AdaptiveDesign, _rows_of_adaptive))
 BY_KIND: Mapping[DesignKind, _KindComparison] = {
-    "refined": _KindComparison(CasadiRefined, _rows_of_refined),
-    "adaptive": _KindComparison(CasadiAdaptive, _rows_of_adaptive),
-    "literal": _KindComparison(CasadiAdaptive, _rows_of_adaptive),
+    "refined": _KindComparison(for_any_design(RefinedDesign, CasadiRefined), for_any_design(RefinedDesign, _rows_of_refined)),
+    "adaptive": _OF_ADAPTIVE,
+    "literal": _OF_ADAPTIVE,
 }

@@ -20,7 +20,7 @@ from stt_codegen import reference
 from stt_codegen.compare.law_bounds import law_spread
 from stt_codegen.compare.start_comparison import covered_row
 from stt_codegen.controller.integers import FARTHEST, MARGIN_BITS, clock_of, curves, law_error, law_of, widest
-from stt_codegen.designs import require_refined
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program import Program
 from stt_codegen.program.targets.backend import Backend
@@ -33,10 +33,10 @@ PLACES = (0.5, -0.5, 1.5)  # of the way from one edge to the other
 ENDS = (-(2**31), 2**31 - 1)
 
 
-def ticks_and_states(controller: EmittedController, count: int, seed: int = 1) -> tuple[Array, ...]:
+def ticks_and_states(controller: EmittedController, design: RefinedDesign, count: int, seed: int = 1) -> tuple[Array, ...]:
     """Ticks (P,) of the mission and of none; states (P, n) in and about the tube, at its edges and anywhere; of order 2 speeds
     with which v + lambda x is so in its own tube. By the emitted Python, with all that it takes."""
-    task, design, dice = controller.task, require_refined(controller.design), Random(seed)
+    task, dice = controller.task, Random(seed)
     assert task.emit.tick_period is not None
     python = load_module(task.name, controller.files[f"{task.name}.py"])
     last = clock_of(design, task.emit.tick_period).last
@@ -68,6 +68,7 @@ def ticks_and_states(controller: EmittedController, count: int, seed: int = 1) -
 
 def integer_rows(
     controller: EmittedController,
+    design: RefinedDesign,
     backend: Backend,
     points: int,
     errors: tuple[Array, Array],
@@ -76,9 +77,9 @@ def integer_rows(
 ) -> None:
     """The rows of one backend. errors: of edges and rates, (n,). add: a quantity, what came out, the truth, its bound and its
     scale; status: as `comparison._Rows.status`."""
-    task, design, program = controller.task, require_refined(controller.design), controller.program
+    task, program = controller.task, controller.program
     assert program.tick is not None
-    tick, *states = ticks_and_states(controller, points)
+    tick, *states = ticks_and_states(controller, design, points)
     unit, law = float(design.unit), law_of(task, design)
     t = tick.astype(np.longdouble) * reference.exact(program.tick)
     places = reference.tube(design.integers(), design.unit, design.prescribed_time, t)
@@ -123,13 +124,13 @@ def integer_rows(
     want, bound = want.min(axis=1), np.maximum.reduce([d.max(axis=1) for d in loose])
     got = backend.call("margin", tick, *states)[0] * 2.0**-MARGIN_BITS
     add("margin", got, want, bound + over * np.abs(want) + 2 * 2.0**-MARGIN_BITS, 1.0)
-    add("covered", *covered_row(controller, backend, points, 0.0), 1.0)
+    add("covered", *covered_row(controller, design, backend, points, 0.0), 1.0)
 
 
-def same_as_python(controller: EmittedController, backend: Backend, points: int) -> int:
+def same_as_python(controller: EmittedController, design: RefinedDesign, backend: Backend, points: int) -> int:
     """How many of so many points give another integer than the emitted Python, over all functions."""
     python = GeneratedPython(controller)
-    columns = dict(zip(("tick", "x", "v"), ticks_and_states(controller, points, seed=2), strict=False))
+    columns = dict(zip(("tick", "x", "v"), ticks_and_states(controller, design, points, seed=2), strict=False))
 
     def differs(program: Program, name: str) -> int:
         inputs = [columns[p.name] for p in program.function(name).inputs]

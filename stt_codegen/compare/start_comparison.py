@@ -10,7 +10,7 @@ import numpy.typing as npt
 from stt_codegen import reference
 from stt_codegen.compare.points import random_states
 from stt_codegen.controller import starts_of
-from stt_codegen.designs import require_refined
+from stt_codegen.designs import RefinedDesign
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.program.targets.backend import Backend
 
@@ -18,11 +18,13 @@ Array = npt.NDArray[Any]
 FAR = 1e6  # times the start box: farther states are as far
 
 
-def covered_row(controller: EmittedController, backend: Backend, count: int, eps: float) -> tuple[Array, Array, Array]:
+def covered_row(
+    controller: EmittedController, design: RefinedDesign, backend: Backend, count: int, eps: float
+) -> tuple[Array, Array, Array]:
     """What a backend says (P,), what the exact bounds say, and by how much it may differ: not at all. Where a state is within a
     rounding of a bound either is right, and what the backend says is taken. States stand about the start box; of order 2 so does
     v + lambda x about its own."""
-    task, design = controller.task, require_refined(controller.design)
+    task = controller.task
     starts, n = starts_of(task, design), task.dimension
     places = np.array([[float(v) for v in pair] for pair in starts.places])
     low, high = (np.broadcast_to(places[:, k], (count, n)) for k in (0, 1))

@@ -65,8 +65,10 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
     spline = SplineKernels(segment_of(design, task.emit.scalar), *kernels_of_the_tube())
     law = control_law_of(task)
     tables = [_coefficients(design, task.emit.scalar), *(Filter.of(design).tables if design.filter else []), *law.tables]
-    tables += starts_of(task, design).tables(task.emit.scalar, design.unit)
-    covered = covered_function(task, n, Filter.of(design).of_component if design.filter else None)
+    covered: tuple[Function, ...] = ()
+    if design.capabilities.emits_covered_starts:
+        tables += starts_of(task, design).tables(task.emit.scalar, design.unit)
+        covered = (covered_function(task, n, Filter.of(design).of_component if design.filter else None),)
     period = task.emit.tick_period
     clock = (segment_at_tick(design, ticks_of(design, period)),) if period is not None else ()
 
@@ -82,7 +84,7 @@ def refined_program(task: Task, design: RefinedDesign) -> Program:
         scalar=task.emit.scalar,
         tables=tuple(tables),
         kernels=(spline.segment, *clock, spline.basis, spline.basis_rate, spline.blend, *law.kernels),
-        functions=(_tube(spline, n), _tube_rate(spline, design, n), *functions(True), covered, transform_function(law, n)),
+        functions=(_tube(spline, n), _tube_rate(spline, design, n), *functions(True), *covered, transform_function(law, n)),
     )
     if not _always_wide(design, made):
         return made

@@ -3,7 +3,7 @@
 from stt_codegen.designs.adaptive import GRID_STEPS, AdaptiveDesign, Bump, grid_tube, parameters_of, require_adaptive
 from stt_codegen.designs.filtered import demanded_accelerations, filtered_edges, slopes_at_start
 from stt_codegen.designs.refined import COEFFICIENT_BIT_LIMIT, RefinedDesign, require_refined
-from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge
+from stt_codegen.designs.tube import LOWER, MINIMUM_WIDTH, UPPER, Design, Edge, for_any_design
 
 __all__ = [
     "COEFFICIENT_BIT_LIMIT",
@@ -18,6 +18,7 @@ __all__ = [
     "RefinedDesign",
     "demanded_accelerations",
     "filtered_edges",
+    "for_any_design",
     "grid_tube",
     "parameters_of",
     "require_adaptive",

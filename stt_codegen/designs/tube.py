@@ -5,8 +5,9 @@ The classes are in refined.py and adaptive.py; the rooms after the design stage 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, Protocol
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 import numpy.typing as npt
 
@@ -62,3 +63,25 @@ class Design(Protocol):
 
     def edges_at(self, t: Array) -> tuple[Array, Array]:
         """Return lower and upper edges at equally spaced times t from 0 to t_c, shape (P, n) each, in doubles."""
+
+
+First = TypeVar("First")
+Narrow = TypeVar("Narrow", bound=Design)
+Rest = ParamSpec("Rest")
+Result = TypeVar("Result")
+
+
+def for_any_design(
+    design_class: type[Narrow], function: Callable[Concatenate[First, Narrow, Rest], Result]
+) -> Callable[Concatenate[First, Design, Rest], Result]:
+    """Return the function, whose second parameter is a design of this class, with a second parameter of any class.
+
+    Tables by kind take such functions: the kind's name leads to the class. Raises `TypeError` where it is another one.
+    """
+
+    def with_class_checked(first: First, design: Design, /, *rest: Rest.args, **named: Rest.kwargs) -> Result:
+        if not isinstance(design, design_class):
+            raise TypeError(f"a {design_class.__name__} is needed here; this tube is {design.kind}")
+        return function(first, design, *rest, **named)
+
+    return with_class_checked

@@ -16,7 +16,7 @@ from stt_codegen.certify import Certificate, Claim, Finding, MissionProof, Perio
 from stt_codegen.certify.missions import SLICES
 from stt_codegen.decimals import above, below, decimal, exact_decimal, nine_digits
 from stt_codegen.design_kinds import DesignKind
-from stt_codegen.designs import Design, RefinedDesign, require_adaptive, require_refined
+from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design
 from stt_codegen.program import Program, round_down
 from stt_codegen.task import Task
 
@@ -56,9 +56,8 @@ def _lines(document: dict[str, Any]) -> str:
 # ------------------------------------------------------------------------------------------------ exact
 
 
-def _exact(task: Task, any_design: Design, certificate: Certificate) -> dict[str, Any]:
+def _exact(task: Task, design: RefinedDesign, certificate: Certificate) -> dict[str, Any]:
     """What is claimed of a refined tube."""
-    design = require_refined(any_design)
     claims, bezier = claims_of(task, design, certificate), design.bezier()
     cuts = cuts_of(claims)
     rates = 3 * abs(bezier[..., 1:] - bezier[..., :-1]).max(axis=(0, 2, 3))
@@ -142,9 +141,8 @@ def _sampled(task: Task, proved: PeriodProof) -> dict[str, Any]:
 # ------------------------------------------------------------------------------------------------ decimals
 
 
-def _decimals(task: Task, any_design: Design, certificate: Certificate) -> dict[str, Any]:
+def _decimals(task: Task, design: AdaptiveDesign, certificate: Certificate) -> dict[str, Any]:
     """What is claimed of an adaptive or literal tube: margins rounded down, bounds up."""
-    design = require_adaptive(any_design)
     digits = DIGITS[certificate.method]
     steps = {} if certificate.steps is None else {"alpha_steps": [float(v) for v in certificate.steps]}
     return {
@@ -193,7 +191,7 @@ def _finding(finding: Finding, digits: int) -> dict[str, Any]:
 
 
 BODIES: Mapping[DesignKind, Callable[[Task, Design, Certificate], dict[str, Any]]] = {
-    "refined": _exact,
-    "adaptive": _decimals,
-    "literal": _decimals,
+    "refined": for_any_design(RefinedDesign, _exact),
+    "adaptive": for_any_design(AdaptiveDesign, _decimals),
+    "literal": for_any_design(AdaptiveDesign, _decimals),
 }

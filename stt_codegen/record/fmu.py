@@ -15,6 +15,7 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import Files, cycle_literal, driven_sources, file_names, phase_name, spelled_name
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
@@ -76,8 +77,9 @@ def _seconds(name: str, causality: str, told: str, begin: str = "0.0") -> Variab
 def controller_unit(controller: EmittedController) -> Unit:
     """The emitted C, t being the importer's time. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task, n = controller.task, controller.task.dimension
-    if controller.design.is_stateful:
-        raise BadInput(f"--package fmu: is for refined tubes; the {controller.design.kind} one has steps of its own")
+    if not controller.design.capabilities.runs_in_ros2_and_fmu:
+        kinds = kinds_offering("runs_in_ros2_and_fmu")
+        raise BadInput(f"--package fmu: is for {kinds} tubes; the {controller.design.kind} one has steps of its own")
     if task.uses_differences:
         raise BadInput("--package fmu: velocity by differences depends on when x is sampled, which no importer says; measure v")
     units, waits = task.units or ("",) * n, task.control.outside == "hold"  # then the tube's time depends on x

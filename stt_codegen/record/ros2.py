@@ -7,6 +7,7 @@ from typing import Any
 
 from stt_codegen.certify.missions import cycle_of
 from stt_codegen.decimals import decimal
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import Files, design_hash, driven_sources, file_names, spelled_name
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
@@ -45,8 +46,9 @@ def ros2_package(controller: EmittedController) -> Files:
     """The package's files, in a folder <p>_ros2/. Raises `BadInput` for what has an alpha or takes a velocity by differences."""
     task = controller.task
     design = controller.design
-    if design.is_stateful:
-        raise BadInput(f"--package ros2: is for refined tubes; the {design.kind} one has steps of its own")
+    if not design.capabilities.runs_in_ros2_and_fmu:
+        kinds = kinds_offering("runs_in_ros2_and_fmu")
+        raise BadInput(f"--package ros2: is for {kinds} tubes; the {design.kind} one has steps of its own")
     if task.uses_differences:
         raise BadInput("--package ros2: a velocity by differences needs samples at even times; measure v")
     proved, cycle = controller.certificate.proved_period, cycle_of(design)

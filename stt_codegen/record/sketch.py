@@ -91,7 +91,7 @@ def sketch_words(controller: EmittedController) -> dict[str, Any]:
     period, cycle = times.period / MICROSECOND, cycle_of(controller.design)
     words: dict[str, Any] = {
         "clock": clock_words(task),
-        "starts": not controller.design.is_stateful,  # whether the C says which starts are covered
+        "starts": controller.design.capabilities.emits_covered_starts,
         "by_ticks": tick is not None and (task.emit.scalar == "fixed" or task.control.outside == "return"),
         "period_us": math.floor(period),
         "period_rest": period.numerator % period.denominator,

@@ -22,7 +22,7 @@ INTEGERS_SHARE = Fraction(1, 2)  # of the floats' cycles: integers of the same t
 
 def step_cycles(controller: EmittedController) -> int | None:
     """About the most cycles of a call of `control` on an Uno; None for what cannot be linked or was not counted there."""
-    if controller.design.is_stateful or controller.program.scalar == "double":
+    if not controller.design.capabilities.has_cycle_estimate or controller.program.scalar == "double":
         return None
     operations = cost_of(controller.program, "control")
     if controller.program.scalar == "fixed":

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stt_codegen.certify.adaptive import Enclosed, enclosed_windows
+from stt_codegen.certify.adaptive import enclosed_tube, enclosed_windows
 from stt_codegen.controller import rate_error
 from stt_codegen.decimals import by_component, decimal
 from stt_codegen.design_kinds import DesignKind
-from stt_codegen.designs import require_adaptive, require_refined
+from stt_codegen.designs import AdaptiveDesign, Design, RefinedDesign, for_any_design, require_refined
 from stt_codegen.errors import BadInput
 from stt_codegen.pipeline import EmittedController
 from stt_codegen.plants import Model
@@ -66,6 +66,7 @@ from stt_codegen.sampling import (
     velocity_bounds,
     worst_with_previous_window,
 )
+from stt_codegen.task import Task
 
 Array = npt.NDArray[Any]
 
@@ -91,7 +92,8 @@ class Analysis:
                 raise BadInput(f"{name} {value:g}: a finite number of 0 or more is needed")
         self.controller, self.noise, self.latency = controller, noise, latency
         self.plant = plant
-        self.windows = WINDOWS[controller.design.kind](self)
+        self.reading = READINGS[controller.design.kind](task, controller.design)
+        self.windows = self.reading.windows
         self.bounds = list(self._bounds(1 if task.gain[0] > 0 else -1))
         self.setting = self._setting(start)
         self.statements = condition_kinds_of(task)
@@ -121,13 +123,6 @@ class Analysis:
     def _eps_of(self, state: Sequence[float] | None) -> Array:
         """What |eps(0)| is at most, of a state, or of the starts in the share."""
         return start_bound_of_task(self.controller.task, self.controller.design, self.windows, state)
-
-    @cached_property
-    def enclosed(self) -> Enclosed:
-        """An adaptive tube in balls."""
-        from stt_codegen.certify.adaptive import enclosed_tube
-
-        return enclosed_tube(self.controller.task, require_adaptive(self.controller.design))
 
     def _bounds(self, sign: int) -> Iterator[Bounds]:
         """The plant over every window's box, joined with that of the window before; its g times `sign`."""
@@ -272,8 +267,8 @@ class Analysis:
             beyond = uncovered_bounds(task, self.bounds)
             told += f"; but {'; '.join(beyond)}" if beyond else ""
             yield Hypothesis("[plant]", told, self.is_covered and not easier)
-        if self.controller.design.is_stateful:
-            yield from self._adaptive
+        if self.reading.update_function is not None:
+            yield from _hypotheses_about(self.reading.update_function)
 
     @property
     def _stated(self) -> str:
@@ -289,35 +284,6 @@ class Analysis:
         """Whether [plant] holds of the plant all over the tube, component by component, or in norm where u is scaled: then what
         the certificate says of plants within [plant] is true of it."""
         return not uncovered_bounds(self.controller.task, self.bounds)
-
-    @cached_property
-    def _adaptive(self) -> list[Hypothesis]:
-        """Lemma 3.3 repaired, and the four gaps, for this tube."""
-        found = self.update_function
-        if found.least_gap is None or found.s_star is None:
-            return [Hypothesis("update function", "psi + alpha is bounded away from 0", False)]
-        least, needed, star = found.least_gap, found.ln4_over_nu, found.s_star
-        return [
-            Hypothesis("update function", f"psi + alpha >= s* = {star:g} > 0", star > 0),
-            Hypothesis("four gaps", f"the least gap, {least:g}, is above ln 4/nu = {needed:g}", least > needed),
-        ]
-
-    @cached_property
-    def update_function(self) -> UpdateFunctionBounds:
-        """Enclosures of an adaptive tube's update function, which the statements about its rate need."""
-        tube, design = self.enclosed, require_adaptive(self.controller.design)
-        psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
-        low, high = 0, 1
-        upper = (rho[:, :, 1, low] + alpha[:, :, 1, low], beta[:, :, 1, low])
-        lower = (rho[:, :, 0, high] - alpha[:, :, 0, low], beta[:, :, 0, high])
-        gap = min(float((a - b).min()) for a in upper for b in lower)
-        return UpdateFunctionBounds(
-            below_float(float((psi[..., low] + alpha[..., low]).min())),
-            below_float(float(psi[0, ..., low].min())),
-            above_float(float(alpha[..., high].max())),
-            below_float(gap),
-            above_float(math.log(4) / float(design.nu)),
-        )
 
     # -------------------------------------------------------------------------------------------- reports
 
@@ -392,7 +358,7 @@ class Analysis:
             ),
             sampled={name: ProvedPeriod.of(p, self.latency) for name, p in self.periods.items()},
             sampling=self.sampling(),
-            update_function=self.update_function if controller.design.is_stateful else None,
+            update_function=self.reading.update_function,
             proposed=self.proposed,
             filter=tuple(float(v) for v in controller.design.filter),
         )
@@ -406,8 +372,53 @@ class Analysis:
         return propose_bounds(self.controller.task, self.bounds, Fraction(self.plant.w_max), lambda: list(self._bounds(sign)))
 
 
-WINDOWS: Mapping[DesignKind, Callable[[Analysis], Windows]] = {
-    "refined": lambda analysis: refined_windows(require_refined(analysis.controller.design)),
-    "adaptive": lambda analysis: enclosed_windows(analysis.enclosed),
-    "literal": lambda analysis: enclosed_windows(analysis.enclosed),
+# ------------------------------------------------------------------------------------------------ by kind
+
+
+@dataclass(frozen=True)
+class TubeReading:
+    """What the report computes from a design alone: its windows, and bounds on its update function where it has one."""
+
+    windows: Windows
+    update_function: UpdateFunctionBounds | None = None
+
+
+def _read_splines(_task: Task, design: RefinedDesign) -> TubeReading:
+    return TubeReading(refined_windows(design))
+
+
+def _read_adaptive(task: Task, design: AdaptiveDesign) -> TubeReading:
+    """Read the tube in balls, and with it what the statements about the rate of the update function need."""
+    tube = enclosed_tube(task, design)
+    psi, alpha, rho, beta = tube.lines.psi, tube.alpha, tube.lines.rho, tube.lines.beta
+    low, high = 0, 1
+    upper = (rho[:, :, 1, low] + alpha[:, :, 1, low], beta[:, :, 1, low])
+    lower = (rho[:, :, 0, high] - alpha[:, :, 0, low], beta[:, :, 0, high])
+    gap = min(float((a - b).min()) for a in upper for b in lower)
+    bounds = UpdateFunctionBounds(
+        below_float(float((psi[..., low] + alpha[..., low]).min())),
+        below_float(float(psi[0, ..., low].min())),
+        above_float(float(alpha[..., high].max())),
+        below_float(gap),
+        above_float(math.log(4) / float(design.nu)),
+    )
+    return TubeReading(enclosed_windows(tube), bounds)
+
+
+def _hypotheses_about(bounds: UpdateFunctionBounds) -> list[Hypothesis]:
+    """Return Lemma 3.3 repaired, and the four gaps, for an update function within these bounds."""
+    gap, star = bounds.least_gap, bounds.s_star
+    if gap is None or star is None:
+        return [Hypothesis("update function", "psi + alpha is bounded away from 0", False)]
+    required = bounds.ln4_over_nu
+    return [
+        Hypothesis("update function", f"psi + alpha >= s* = {star:g} > 0", star > 0),
+        Hypothesis("four gaps", f"the least gap, {gap:g}, is above ln 4/nu = {required:g}", gap > required),
+    ]
+
+
+READINGS: Mapping[DesignKind, Callable[[Task, Design], TubeReading]] = {
+    "refined": for_any_design(RefinedDesign, _read_splines),
+    "adaptive": for_any_design(AdaptiveDesign, _read_adaptive),
+    "literal": for_any_design(AdaptiveDesign, _read_adaptive),
 }

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from stt_codegen.design import family
-from stt_codegen.designs import RefinedDesign, require_refined
+from stt_codegen.design_kinds import kinds_offering
+from stt_codegen.designs import Design
 from stt_codegen.errors import BadInput, NotCertified
 from stt_codegen.pipeline import EmittedController, build_task, design_tube
 from stt_codegen.report.analysis import Analysis
@@ -23,7 +24,7 @@ class Trade:
     where it leaves that open the one that makes it longest. None where none is proved. preferred: the values of tube.prefer
     that give this tube."""
 
-    segments: int
+    segments: int | None
     least_width: float
     speed: float
     period: float | None
@@ -58,10 +59,11 @@ class TradeReport:
 def trade_report(task: Task) -> TradeReport:
     """Raises `BadInput` for designs that have no widths to choose from, `NotCertified` where there is no tube."""
     if not task.tube.capabilities.offers_widths:
-        raise BadInput(f"--pareto: is for refined tubes; the {task.tube.design} design has no widths to choose from")
-    found: dict[RefinedDesign, list[str]] = {}
+        kinds = kinds_offering("offers_widths")
+        raise BadInput(f"--pareto: is for {kinds} tubes; the {task.tube.design} design has no widths to choose from")
+    found: dict[Design, list[str]] = {}
     for prefer in PREFERENCES:
-        design = require_refined(design_tube(task.changed(tube={"prefer": prefer})))
+        design = design_tube(task.changed(tube={"prefer": prefer}))
         found.setdefault(design, []).append(prefer)
     for design in family(task):
         found.setdefault(design, [])
@@ -76,14 +78,14 @@ def trade_report(task: Task) -> TradeReport:
 
 
 def _trade(controller: EmittedController, preferred: tuple[str, ...]) -> Trade:
-    certificate, design = controller.certificate, require_refined(controller.design)
+    certificate = controller.certificate
     analysis = Analysis(controller)
     if controller.task.control.gain is None:
         best = analysis.gains.longest
     else:
         best = None if analysis.period is None else (analysis.setting.law.gain, analysis.period)
     return Trade(
-        segments=design.segments,
+        segments=controller.design.parts,
         least_width=float(certificate.least_width),
         speed=float(max(certificate.speed)),
         period=None if best is None else best[1].seconds,

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, create_model
 
-from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind
+from stt_codegen.design_kinds import CAPABILITIES, Capabilities, DesignKind, kinds_offering
 from stt_codegen.program.targets import optional_targets
 from stt_codegen.properties import Property
 from stt_codegen.task.mission import (
@@ -101,12 +101,16 @@ class TubeOptions(Table):
     design: DesignKind = "refined"
     clearance: NotNegative = Field(default=Fraction(3, 100), description="distance between tube and unsafe sets")
     min_width: NotNegative = Field(default=Fraction(5, 100), description="minimum width of the tube in each dimension")
-    prefer: Preference = Field(default="balanced", description="the quality for which a refined tube gives up the others")
+    prefer: Preference = Field(
+        default="balanced", description=f"the quality for which a {kinds_offering('offers_widths')} tube gives up the others"
+    )
     max_speed: PerComponent | None = Field(
         default=None, description="bound on the speed of every edge, or one for each component"
     )
     max_acceleration: PerComponent | None = Field(
-        default=None, description="bound on the acceleration of every edge, or one for each component; refined only"
+        default=None,
+        description="bound on the acceleration of every edge, or one for each component; "
+        f"{kinds_offering('bounds_acceleration')} only",
     )
     filter: PerComponentOrAuto | None = Field(
         default=None, description='filter rate lambda for order 2, in 1/s: v + lambda x has a tube too; "auto" or absent: chosen'

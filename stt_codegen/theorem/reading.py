@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import Any
 
 from stt_codegen.certify import checker
-from stt_codegen.design_kinds import CAPABILITIES
+from stt_codegen.design_kinds import CAPABILITIES, kinds_offering
 from stt_codegen.errors import BadInput
 from stt_codegen.properties import Property
 from stt_codegen.theorem.unsafe_sets import Edges, Face, Normal, Sets, Shape, normals, sets
@@ -110,7 +110,8 @@ def covered(task: bytes, certificate: dict[str, Any]) -> checker.Task:
     """The task's numbers. Raises `BadInput`, with what it is that no theorem is written about yet."""
     offered = CAPABILITIES.get(certificate.get("design", ""))
     if offered is None or not offered.has_exact_claims:
-        raise BadInput(f"theorem: a {certificate.get('design')} tube has none; theorems are about refined ones")
+        kinds = kinds_offering("has_exact_claims")
+        raise BadInput(f"theorem: a {certificate.get('design')} tube has none; theorems are about {kinds} ones")
     if certificate.get("scalar") not in ("float", "double"):
         raise BadInput("theorem: not yet about controllers in integers; use --scalar float or double")
     try:

@@ -151,7 +151,7 @@ def c_of(controller: EmittedController, compiler: str, folder: Path, *flags: str
 def assert_same(controller: EmittedController, c: CompiledC, count: int, seed: int) -> None:
     python, given = (
         GeneratedPython(controller),
-        dict(zip(("tick", "x", "v"), ticks_and_states(controller, count, seed), strict=False)),
+        dict(zip(("tick", "x", "v"), ticks_and_states(controller, controller.design, count, seed), strict=False)),
     )
     for f in controller.program.functions:
         inputs = [given[p.name] for p in f.inputs]

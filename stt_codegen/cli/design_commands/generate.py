@@ -169,7 +169,8 @@ def _notes(controller: EmittedController) -> Iterator[str]:
     task = controller.task
     yield from task_notes(task)
     yield from _set_notes(task)
-    if task.control.period is not None or controller.design.is_stateful or not controller.certificate.holds:
+    proves_periods = controller.design.capabilities.proves_periods
+    if task.control.period is not None or not proves_periods or not controller.certificate.holds:
         return  # a period that is stated must be proved, and needs no note
     analysis = Analysis(controller)
     unproved = [h.statement for h in analysis.hypotheses() if h.name in ("sampling", "saturation") and not h.holds]

@@ -109,7 +109,8 @@ def driven(controller: EmittedController, plant: Model) -> Driven:
 def shipped(controller: EmittedController) -> tuple[Mapping[str, bytes], bool]:
     """The emitted files, of a refined tube with the logarithm written out, and whether that makes them others than the task's."""
     task = controller.task
-    if controller.design.is_stateful or task.emit.math == "inline" or task.emit.scalar == "fixed":
+    inlines = controller.design.capabilities.inlines_logarithm
+    if not inlines or task.emit.math == "inline" or task.emit.scalar == "fixed":
         return controller.files, False
     inline = task.model_copy(update={"emit": task.emit.model_copy(update={"math": "inline"})})
     program = program_of(inline, controller.design)

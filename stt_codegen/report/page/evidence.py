@@ -17,6 +17,7 @@ from pathlib import Path
 from stt_codegen.certify import Finding, checker
 from stt_codegen.compare import Row, compare_backend
 from stt_codegen.decimals import decimal
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.emit import selftest_name, spelled_name
 from stt_codegen.errors import SttError
 from stt_codegen.pipeline import EmittedController
@@ -150,7 +151,7 @@ def _stand_alone(controller: EmittedController, source: Path | None) -> Check:
     """The checker as a process of its own, which imports nothing of this package."""
     name, prefix = "stand-alone checker", controller.task.name
     if not controller.design.capabilities.has_exact_claims:
-        return Check(name, None, f"is for refined tubes; this one is {controller.design.kind}")
+        return Check(name, None, f"is for {kinds_offering('has_exact_claims')} tubes; this one is {controller.design.kind}")
     if source is None and controller.task.expanded_text is None:
         return Check(name, None, "reads the task's file; this task was made without one")
     with tempfile.TemporaryDirectory() as folder:

@@ -146,7 +146,7 @@ def _origin(controller: EmittedController, made: Driven) -> str:
     name = f"{controller.task.name}.c"
     if made.inline:
         return f'made of {name} with emit.math = "inline": the file below calls the C library for its logarithm instead'
-    if controller.design.is_stateful:
+    if not controller.design.capabilities.inlines_logarithm:
         return f"made of the {name} below; its exp and log are the browser's, rounded from double"
     return f"made of the {name} below, as it is"
 

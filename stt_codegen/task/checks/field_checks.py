@@ -11,6 +11,7 @@ from collections.abc import Sized
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.program.targets import targets_of
 from stt_codegen.task.checks.mission_checks import mission_problem
 from stt_codegen.task.checks.set_checks import axes_problem, entries_problem, motion_problem, set_problem
@@ -144,7 +145,8 @@ def _integers_problem(task: TaskTables) -> str | None:
     if emit.scalar != "fixed":
         return None
     if not task.tube.capabilities.has_integer_form:
-        return f'emit.scalar: "fixed" is for refined tubes; tube.design = "{task.tube.design}" takes "float" or "double"'
+        kinds = kinds_offering("has_integer_form")
+        return f'emit.scalar: "fixed" is for {kinds} tubes; tube.design = "{task.tube.design}" takes "float" or "double"'
     if emit.tick_period is None:
         return 'emit.tick_period: is missing; with emit.scalar = "fixed" time is a count of ticks, say how many seconds one is'
     if control.u_max is None:
@@ -197,7 +199,8 @@ def _order_problem(task: TaskTables) -> str | None:
         field = next((name for name, value in for_order_two.items() if value is not None), None)
         return None if field is None else f"{field}: is for plants of order 2; set plant.order = 2, or leave it out"
     if not task.tube.capabilities.drives_order_two:
-        return f"plant.order: is 2, which the {task.tube.design} design does not know; use the refined design"
+        kinds = kinds_offering("drives_order_two")
+        return f"plant.order: is 2, which the {task.tube.design} design does not know; use the {kinds} design"
     for name, value, allowed in (("tube.filter", filter_, "greater than 0"), ("initial_set.speed", speed, "0 or greater")):
         entries = () if value is None or isinstance(value, str) else value if isinstance(value, tuple) else (value,)
         for i, entry in enumerate(entries):
@@ -239,7 +242,7 @@ def _scale_problem(task: TaskTables) -> str | None:
     if control.period is not None:
         return 'of which nothing is shown for a sampled law; leave control.period out, or use "clip"'
     if not task.tube.capabilities.scales_input or task.order == 2:
-        return 'which is for the refined design and plants of order 1; use "clip"'
+        return f'which is for the {kinds_offering("scales_input")} design and plants of order 1; use "clip"'
     if any(isinstance(v, tuple) for v in task.plant.bounds.values()):
         return "which is shown with norms of f, w and g; state plant bounds as one number each"
     return None
@@ -251,7 +254,8 @@ def _outside_problem(task: TaskTables) -> str | None:
     if kind == "return":
         return None
     if not task.tube.capabilities.waits_outside:
-        return f'which the {task.tube.design} design does not know; use "return" or the refined design'
+        kinds = kinds_offering("waits_outside")
+        return f'which the {task.tube.design} design does not know; use "return" or the {kinds} design'
     if kind == "stop":
         return None
     timed = next((j for j, s in enumerate(task.unsafe) if s.is_timed), None)
@@ -275,19 +279,23 @@ def _limits_problem(task: TaskTables) -> str | None:
                 field = f"tube.{name}[{i}]" if isinstance(value, tuple) else f"tube.{name}"
                 return f"{field}: is {decimal(bound)}; it must be greater than 0, or left out for no bound"
     if not offered.bounds_acceleration and tube.max_acceleration is not None:
-        return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; use the refined design, or leave it out"
+        remedy = f"use the {kinds_offering('bounds_acceleration')} design, or leave it out"
+        return f"tube.max_acceleration: the edges of the {tube.design} design have kinks; {remedy}"
     not_a_box = next((j for j, s in enumerate(task.unsafe) if not isinstance(s, UnsafeSet)), None)
+    remedy = f"use the {kinds_offering('avoids_any_shape')} design"
     if not offered.avoids_any_shape and (task.space_cuts or task.target_cuts):
         field = "state_space" if task.space_cuts else "target_set"
-        return f"{field}: is no box; the {tube.design} design knows boxes alone, use the refined design"
+        return f"{field}: is no box; the {tube.design} design knows boxes alone, {remedy}"
     if not offered.avoids_any_shape and not_a_box is not None:
-        return f"unsafe[{not_a_box}]: is no box; the {tube.design} design avoids boxes alone, use the refined design"
+        return f"unsafe[{not_a_box}]: is no box; the {tube.design} design avoids boxes alone, {remedy}"
     timed = next((j for j, s in enumerate(task.unsafe) if s.is_timed), None)
     if not offered.follows_moving_sets and (timed is not None or task.has_moving_target):
         field = "target_set" if timed is None else f"unsafe[{timed}]"
-        return f"{field}: is not always the same; the {tube.design} design knows standing sets alone, use the refined design"
+        remedy = f"use the {kinds_offering('follows_moving_sets')} design"
+        return f"{field}: is not always the same; the {tube.design} design knows standing sets alone, {remedy}"
     if not offered.offers_widths and tube.prefer != "balanced":
-        return f"tube.prefer: is for the refined design; the {tube.design} design has no widths to choose from; leave it out"
+        kinds = kinds_offering("offers_widths")
+        return f"tube.prefer: is for the {kinds} design; the {tube.design} design has no widths to choose from; leave it out"
     return None
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from fractions import Fraction
 
 from stt_codegen.decimals import decimal
+from stt_codegen.design_kinds import kinds_offering
 from stt_codegen.task.checks.set_checks import set_problem
 from stt_codegen.task.mission import FORMS, KEYWORDS, MissionEntry, RegionUnion, intervals_of, regions_of
 from stt_codegen.task.schema import TaskTables
@@ -33,7 +34,8 @@ def mission_problem(task: TaskTables) -> str | None:
     if task.repeat and (problem := _repeat_problem(task)):
         return problem
     if task.mission and not task.tube.capabilities.carries_out_missions:
-        return f"mission: is for the refined design; the {task.tube.design} one knows one target alone, leave the mission out"
+        kinds = kinds_offering("carries_out_missions")
+        return f"mission: is for the {kinds} design; the {task.tube.design} one knows one target alone, leave the mission out"
     known: dict[str, Unsafe | RegionUnion] = {}
     for j, region in enumerate(task.region):
         if problem := _region_problem(task, region, known):
