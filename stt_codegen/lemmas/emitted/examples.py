@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import sympy as sp
 
@@ -24,17 +24,23 @@ FOLLOWED = frozenset({"segment", "segment_at_tick", "hold", "normalized_error"})
 Point = Mapping[str, Any]
 
 
+D = TypeVar("D", bound=Design)
+
+
 @dataclass(frozen=True)
-class Case:
+class CaseOf(Generic[D]):
     """A program and its design; guarded: the law looks for tubes narrower than MINIMUM_WIDTH."""
 
     program: Program
-    design: Design
+    design: D
     guarded: bool = True
 
     @property
     def opaque(self) -> frozenset[str]:
         return frozenset(k.name for k in self.program.kernels) - FOLLOWED
+
+
+Case = CaseOf[Any]  # for formulas that are the same whatever the tube is
 
 
 def _task(kind: DesignKind, u_max: bool) -> Task:

@@ -40,7 +40,7 @@ from stt_codegen.program.symbolic import follow
 def _place(case: Case, point: Point) -> tuple[Any, Any, Any]:
     """(regime, segment j, place s): spline time K t/t_c held within [0, K), or of a tick, in integers."""
     if "tick" in point:
-        ticks = ticks_of(case.design, Fraction(1, 1000))  # type: ignore[arg-type]
+        ticks = ticks_of(case.design, Fraction(1, 1000))
         late = point["tick"] >= ticks.last
         passed = (ticks.last if late else TICK) * ticks.numerator
         whole = ticks.numerator * (ticks.last if late else point["tick"])

@@ -9,13 +9,13 @@ from typing import Any
 import sympy as sp
 
 from stt_codegen.controller.kernels import LONGEST_STEP, alpha_cap
-from stt_codegen.designs import LOWER, UPPER, require_adaptive
+from stt_codegen.designs import LOWER, UPPER, AdaptiveDesign
 from stt_codegen.lemmas.emitted.examples import (
     ALPHA,
     BOX,
     DT,
     T_C,
-    Case,
+    CaseOf,
     N,
     Point,
     T,
@@ -28,14 +28,16 @@ from stt_codegen.lemmas.emitted.examples import (
 from stt_codegen.paper.adaptive_tube import NEWTON
 from stt_codegen.paper.circumvent import CUT
 
+AdaptiveCase = CaseOf[AdaptiveDesign]
+
 
 def _held(t: float) -> tuple[str, Any]:
     return ("late", rational(T_C)) if t >= T_C else ("running", T) if t > 0 else ("early", sp.Integer(0))
 
 
-def _lines(case: Case, held: Any, i: int, rates: bool = False) -> dict[tuple[str, int], Any]:
+def _lines(case: AdaptiveCase, held: Any, i: int, rates: bool = False) -> dict[tuple[str, int], Any]:
     """rho and beta of one dimension by name and side, and their rates."""
-    design = require_adaptive(case.design)
+    design = case.design
     t_c, nu, cut = rational(T_C), rational(design.nu), rational(CUT["double"])
     profile = "profile_rate" if rates else "profile"
     sigma = kernel_of(profile, 0, held, t_c)
@@ -64,9 +66,9 @@ def _lines(case: Case, held: Any, i: int, rates: bool = False) -> dict[tuple[str
     return found
 
 
-def _alphas(case: Case, point: Point, i: int) -> tuple[Any, list[Any]]:
+def _alphas(case: AdaptiveCase, point: Point, i: int) -> tuple[Any, list[Any]]:
     """alpha_L and alpha_U held within [0, cap]."""
-    design = require_adaptive(case.design)
+    design = case.design
     cap = alpha_cap(design)
     regimes, values = [], []
     for side in (LOWER, UPPER):
@@ -77,13 +79,13 @@ def _alphas(case: Case, point: Point, i: int) -> tuple[Any, list[Any]]:
     return tuple(regimes), values
 
 
-def _parameters(case: Case) -> list[Any]:
-    design = require_adaptive(case.design)
+def _parameters(case: AdaptiveCase) -> list[Any]:
+    design = case.design
     return [rational(v) for v in (design.theta0, design.kappa, design.mu, design.varsigma)]
 
 
-def adaptive_edges(case: Case, point: Point) -> tuple[Any, list[tuple[Any, Any]]]:
-    design = require_adaptive(case.design)
+def adaptive_edges(case: AdaptiveCase, point: Point) -> tuple[Any, list[tuple[Any, Any]]]:
+    design = case.design
     regime, held = _held(point["t"])
     regimes, edges, nu = [regime], [], rational(design.nu)
     for i in range(N):
@@ -96,18 +98,18 @@ def adaptive_edges(case: Case, point: Point) -> tuple[Any, list[tuple[Any, Any]]
     return tuple(regimes), edges
 
 
-def adaptive_tube(case: Case, point: Point) -> Wanted:
+def adaptive_tube(case: AdaptiveCase, point: Point) -> Wanted:
     if not all_finite(point):
         return "bad", {name: [sp.nan] * N for name in BOX}, None
     regime, edges = adaptive_edges(case, point)
     return regime, {name: [edge[side] for edge in edges] for side, name in enumerate(BOX)}, None
 
 
-def adaptive_rate(case: Case, point: Point) -> Wanted:
+def adaptive_rate(case: AdaptiveCase, point: Point) -> Wanted:
     names = ("lower_rate", "upper_rate")
     if not all_finite(point):
         return "bad", {name: [sp.nan] * N for name in names}, None
-    design = require_adaptive(case.design)
+    design = case.design
     regime, held = _held(point["t"])
     regimes: list[Any] = [regime]
     rates: dict[str, list[Any]] = {name: [] for name in names}
@@ -123,7 +125,7 @@ def adaptive_rate(case: Case, point: Point) -> Wanted:
     return tuple(regimes), rates, None
 
 
-def alpha_rate(case: Case, point: Point) -> Wanted:
+def alpha_rate(case: AdaptiveCase, point: Point) -> Wanted:
     if not all_finite(point):
         return "bad", {name: [sp.nan] * 2 * N for name in ("rate", "jacobian")}, None
     regime, held = _held(point["t"])
@@ -137,7 +139,7 @@ def alpha_rate(case: Case, point: Point) -> Wanted:
     return tuple(regimes), outputs, None
 
 
-def alpha_step(case: Case, point: Point) -> Wanted:
+def alpha_step(case: AdaptiveCase, point: Point) -> Wanted:
     """Backward Euler to t + dt: p, q, rest and z_0, NEWTON iterates, the end. Unchanged for dt <= 0 or what is not finite."""
     if not all_finite(point) or point["dt"] <= 0:
         return ("stays", all_finite(point)), {"alpha": list(ALPHA)}, None
@@ -160,5 +162,5 @@ def alpha_step(case: Case, point: Point) -> Wanted:
     return tuple(regimes), {"alpha": after}, None
 
 
-def alpha_init(_case: Case, _point: Point) -> Wanted:
+def alpha_init(_case: AdaptiveCase, _point: Point) -> Wanted:
     return "always", {"alpha": [sp.Integer(0)] * 2 * N}, None

@@ -160,7 +160,7 @@ def _start_points(case: Case) -> Iterator[Point]:
 
 
 def _tick_points(case: Case) -> Iterator[Point]:
-    ticks = ticks_of(case.design, Fraction(1, 1000))  # type: ignore[arg-type]
+    ticks = ticks_of(case.design, Fraction(1, 1000))
     for tick in (0, 1, 2400, 6750, 8999, ticks.last - 1, ticks.last, ticks.last + 1, 2**32 - 1):
         yield from _states(case, {"t": tick / 1000}, {"tick": tick}, APART)
     yield from _bad_states({"tick": 7})
