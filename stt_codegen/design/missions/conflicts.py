@@ -71,7 +71,7 @@ def describe_conflict(arena: Arena, waypoints: Waypoints, mission: Mission) -> s
     names = _event_names(best_skeleton)
     order_of_visits = ", ".join(name for name, _ in groupby(names[stop.event] for stop in best.stops[:-1]))
     bounds = ", ".join(arc.description for arc in cycle if arc.is_reported)
-    return f"of the orders looked at the nearest ({order_of_visits}) lacks at least {shortfall:g} s: {bounds}"
+    return f"the order of visits that comes nearest ({order_of_visits}) is at least {shortfall:g} s too long: {bounds}"
 
 
 def _minimally_widened_order(arena: Arena, waypoints: Waypoints, skeleton: Skeleton, limit: float) -> _WidenedOrder | None:

@@ -34,13 +34,13 @@ def explain_unmet_mission(task: Task, arena: Arena, has_tube: HasTube) -> str:
     width = f"a tube of width {decimal(task.tube.min_width)}"
     state = _unreachable_state(search, mission)
     if state is not None:
-        problem = f"no place was found in {state} for {width}, off the unsafe sets"
+        problem = f"no place was found in {state} for {width} that is clear of the unsafe sets"
         return f"{Property.MISSION.label}: {problem}; widen or move it, or lower tube.min_width"
     problem = "no tube was found"
     if not mission.skeletons:
         problem = "no times were found that satisfy all entries at once"
     elif isinstance(search, MissionSearch) and not search.has_route():
-        problem = f"no order of the visits was found whose ways lead between the unsafe sets in time, for {width}"
+        problem = f"no order of the visits was found whose routes between the unsafe sets are in time, for {width}"
     refusal = f"{Property.MISSION.label}: {problem}{_conflict(arena, mission, search)}"
     needless = [
         f"mission[{k}] ({task.mission[k].title()})" for k in range(len(task.mission)) if _has_tube_without(task, k, has_tube)
