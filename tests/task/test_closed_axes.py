@@ -676,17 +676,17 @@ def test_the_checker_refuses_what_a_tool_that_errs_would_certify(
     if fault == "no drift":
         monkeypatch.setattr(turns, "drift_of", lambda period: Fraction(0))
     if fault == "no images":
-        monkeypatch.setattr(turns._Speller, "images", lambda *_: iter(()))
+        monkeypatch.setattr(turns._TurnExpansion, "images", lambda *_: iter(()))
     if fault == "another turn":
-        spelled_out = turns.spelled_out
+        expand_turns = turns.expand_turns
 
         def moved(task: Any) -> Any:
-            changes, *rest = spelled_out(task)
+            changes, *rest = expand_turns(task)
             target = changes["target_set"]
             up = {"lower": (target.lower[0], target.lower[1] + 1), "upper": (target.upper[0], target.upper[1] + 1)}
             return ({**changes, "target_set": target.model_copy(update=up)}, *rest)
 
-        monkeypatch.setattr(task_module, "with_turns_spelled_out", moved)
+        monkeypatch.setattr(task_module, "expand_turns", moved)
     controller = build_task(parse_task(TURNER))
     assert controller.certificate.holds
     assert checked(controller, TURNER, tmp_path) == 1
