@@ -33,6 +33,7 @@ from stt_codegen.record.files import write_files
 from stt_codegen.record.package import package
 from stt_codegen.record.sketch import loop_times
 from stt_codegen.record.uno import ERROR, step_cycles
+from stt_codegen.task import Task
 from stt_codegen.task.load import load_task
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -58,7 +59,8 @@ static int slow_read(int pin) {
       rest -= part;
     }
   }
-  return analogRead(pin);
+  static const int readings[] = {%(readings)s};  // of a start that is covered: nothing moves before one
+  return readings[pin];
 }
 #define analogRead slow_read
 #define loop sketch_loop
@@ -125,6 +127,7 @@ def image(controller: EmittedController, steps: int, core: list[Path], folder: P
     number = "int32_t" if integers else f"{p}_real"
     function, kept = (f"{p}_guard", f", {number} held[2]") if controller.task.control.outside == "hold" else (f"{p}_control", "")
     words = {
+        "readings": ", ".join(map(str, covered_readings(controller.task))),
         "most": int(loop_times(controller).period * 2_500_000), "steps": steps, "status": f"{p}_status",
         "time": "uint32_t" if by_ticks else number, "function": f"{function}{'_tick' if by_ticks and not integers else ''}",
         "parameters": f"{'uint32_t' if by_ticks else number} t, const {number} x[{n}]{kept}, {number} u[{n}]",
@@ -140,6 +143,12 @@ def image(controller: EmittedController, steps: int, core: list[Path], folder: P
     wrap = f"-Wl,--gc-sections,--wrap={words['function']}"
     run(["avr-g++", "-mmcu=atmega328p", wrap, *objects, *core, "-lm", "-o", "uno.elf"], folder)
     return folder / "uno.elf"
+
+
+def covered_readings(task: Task) -> list[int]:
+    """Return the readings of a 10-bit converter, as the sketch scales them, at the initial state."""
+    low, high = min(task.state_space.lower), max(task.state_space.upper)
+    return [round(1023 * (start - low) / (high - low)) for start in task.initial_state]
 
 
 def tube_time(controller: EmittedController, steps: int, core: list[Path]) -> tuple[int, Fraction, Fraction, int]:
